@@ -1,0 +1,101 @@
+"""Checks of what users pass, made where it enters. Each returns a clean read-only array or raises one `InputError`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from handlcp.errors import InputError
+from handlcp.tolerances import SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
+
+__all__ = ["Array", "array", "number", "psd", "read_only", "spd", "symmetric", "unit"]
+
+Array = npt.NDArray[np.float64]
+
+
+def read_only(a: Array) -> Array:
+    """The same array with writing switched off."""
+    a.flags.writeable = False
+    return a
+
+
+def array(argument: str, value: Any, *shapes: tuple[int, ...], what: str = "finite numbers") -> Array:
+    """A fresh read-only float array of one of `shapes` (-1: any length), finite throughout."""
+    try:
+        a = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(argument, f"{what} of shape {_names(shapes)}", _show(value)) from None
+    if shapes and not any(_fits(a.shape, s) for s in shapes):
+        raise InputError(argument, f"{what} of shape {_names(shapes)}", f"shape {a.shape}")
+    if not np.isfinite(a).all():
+        raise InputError(argument, what, f"{_show(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
+    return read_only(a)
+
+
+def number(argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True) -> float:
+    """A real number ≥ `minimum` and > `above`."""
+    bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
+    expected = f"a {'finite ' if finite else ''}number{bound}"
+    if isinstance(value, (str, bytes, bool)):
+        raise InputError(argument, expected, _show(value))
+    try:
+        x = float(value)
+    except (TypeError, ValueError):
+        raise InputError(argument, expected, _show(value)) from None
+    if not (x >= minimum and x > above) and (minimum > -np.inf or above > -np.inf) or x != x or (finite and abs(x) == np.inf):
+        raise InputError(argument, expected, x)
+    return x
+
+
+def unit(argument: str, value: Any, *shapes: tuple[int, ...]) -> Array:
+    """A unit vector, normalised to the last bit."""
+    a = array(argument, value, *shapes)
+    norm = float(np.linalg.norm(a))
+    if abs(norm - 1) > UNIT_NORMAL:
+        raise InputError(argument, "a unit vector (divide it by its norm)", f"{a.tolist()} of norm {norm:.9g}")
+    return read_only(a / norm)
+
+
+def symmetric(argument: str, a: Array) -> Array:
+    """The symmetric part of a matrix that is symmetric to rounding."""
+    size = float(abs(a).max(initial=0.0))
+    skew = float(abs(a - a.T).max(initial=0.0))
+    if skew > SYMMETRY * size:
+        raise InputError(argument, "a symmetric matrix", f"one whose entries differ from its transpose by up to {skew:.3g}")
+    return read_only((a + a.T) / 2)
+
+
+def psd(argument: str, a: Array) -> Array:
+    """A symmetric positive semidefinite matrix (smallest eigenvalue ≥ -SEMIDEFINITE × the largest)."""
+    a = symmetric(argument, a)
+    if a.size:
+        eig = np.linalg.eigvalsh(a)
+        if eig[0] < -SEMIDEFINITE * max(float(eig[-1]), 0.0) or eig[-1] < 0:
+            raise InputError(argument, "a positive semidefinite matrix", f"one with the eigenvalue {eig[0]:.6g}")
+    return a
+
+
+def spd(argument: str, a: Array) -> Array:
+    """A symmetric positive definite matrix."""
+    a = symmetric(argument, a)
+    if a.size:
+        eig = np.linalg.eigvalsh(a)
+        if eig[0] <= SEMIDEFINITE * abs(float(eig[-1])):
+            raise InputError(argument, "a positive definite matrix", f"one with the eigenvalue {eig[0]:.6g}")
+    return a
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+    return len(shape) == len(wanted) and all(w in (-1, s) for s, w in zip(shape, wanted, strict=True))
+
+
+def _names(shapes: Sequence[tuple[int, ...]]) -> str:
+    return " or ".join(str(s).replace("-1", "n") for s in shapes) or "any"
+
+
+def _show(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

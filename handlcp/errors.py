@@ -1,0 +1,70 @@
+"""The error tree. Everything the package raises on purpose is a `HandLCPError`.
+
+A bad argument is an `InputError`, which is also a `ValueError`; it names the argument, what was expected and what came.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+__all__ = [
+    "HandLCPError",
+    "InputError",
+    "NoSolutionFound",
+    "NotReached",
+    "SceneFileError",
+    "URDFError",
+    "UnknownName",
+    "Unsupported",
+]
+
+
+class HandLCPError(Exception):
+    """Base of every error raised by handlcp."""
+
+
+class InputError(HandLCPError, ValueError):
+    """A bad argument: which one, what was expected, what came."""
+
+    def __init__(self, argument: str, expected: str, got: object) -> None:
+        self.argument, self.expected, self.got = argument, expected, got
+        super().__init__(f"{argument}: expected {expected}, got {got}")
+
+
+class UnknownName(InputError):
+    """A joint, frame or finger name that does not exist; `valid` lists those that do."""
+
+    def __init__(self, argument: str, kind: str, names: Iterable[str], valid: Iterable[str]) -> None:
+        self.names, self.valid = tuple(names), tuple(valid)
+        listed = ", ".join(self.valid) or "none at all"
+        super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names))
+
+
+class URDFError(InputError):
+    """A URDF that is missing, malformed, or describes a robot this package cannot use."""
+
+
+class SceneFileError(InputError):
+    """A scene file that cannot be read or does not describe a scene."""
+
+
+class NotReached(InputError):
+    """Fingers that do not touch the object; `gaps` maps their names to the distance left [m]."""
+
+    def __init__(self, argument: str, expected: str, gaps: dict[str, float]) -> None:
+        self.gaps = dict(gaps)
+        came = ", ".join(f"{name} {gap * 1e3:.3g} mm away" for name, gap in self.gaps.items())
+        super().__init__(argument, expected, came)
+
+
+class Unsupported(HandLCPError, NotImplementedError):
+    """Something well posed that this version cannot do."""
+
+
+class NoSolutionFound(HandLCPError):
+    """Raised by `throw=True` unless the status is SOLVED. Carries the problem and the solution, and says what to try."""
+
+    def __init__(self, message: str, problem: Any, solution: Any) -> None:
+        self.problem, self.solution = problem, solution
+        super().__init__(message)

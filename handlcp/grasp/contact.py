@@ -1,0 +1,91 @@
+"""One contact: where, which way the finger pushes, what friction, and the frame its forces are measured in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, read_only, unit
+from handlcp.errors import InputError
+from handlcp.grasp.friction import Coulomb, Friction, Frictionless
+
+__all__ = ["Contact", "frame"]
+
+
+class Contact:
+    """A point contact of a finger on the object.
+
+    Parameters
+    ----------
+    position : (3,) contact point [m], world axes; (2,) in a planar scene.
+    normal : (3,) unit vector into the object, the way the finger pushes; (2,) in a planar scene.
+    friction : `Coulomb(mu)` (default μ = 0.5) or `Frictionless()`.
+    tangent : direction of the contact's x axis, projected on the tangent plane; chosen deterministically when None
+        (the world axis nearest to the tangent plane, the first of equals).
+    name : what reports call the finger; "finger 1", "finger 2", … when None.
+
+    The contact frame is R = (x, y, z) with z the normal and y = z × x: Pinocchio's contact convention.
+    A contact made of 2-vectors lies in the xy plane, with y = (0, 0, 1) and x in the plane.
+    Raises InputError for wrong shapes, numbers not finite, a normal that is not a unit vector, a tangent along the normal.
+    """
+
+    __slots__ = ("friction", "mu", "name", "planar", "position", "rotation")
+
+    position: Array
+    rotation: Array
+    friction: Friction
+    mu: float
+    planar: bool
+    name: str | None
+
+    def __init__(self, position: Any, normal: Any, friction: Friction | None = None, tangent: Any = None,
+                 name: str | None = None) -> None:
+        friction = Coulomb(0.5) if friction is None else friction
+        if not isinstance(friction, (Coulomb, Frictionless)):
+            raise InputError("friction", "Coulomb(mu) or Frictionless()", repr(friction))
+        if name is not None and not isinstance(name, str):
+            raise InputError("name", "a string", repr(name))
+        p = array("position", position, (3,), (2,))
+        z = unit("normal", normal, (3,), (2,))
+        if p.shape != z.shape:
+            raise InputError("normal", f"as many components as position, {len(p)}", f"{len(z)}")
+        self.planar = p.shape == (2,)
+        x = None if tangent is None else array("tangent", tangent, p.shape)
+        if self.planar:
+            p, z = _lift(p), _lift(z)
+            x = np.cross((0.0, 0.0, 1.0), z) if x is None else _lift(x)
+        self.position, self.rotation = read_only(p), frame(z, x)
+        self.friction, self.mu, self.name = friction, friction.mu, name
+
+    @property
+    def normal(self) -> Array:
+        """(3,) unit vector into the object, world axes."""
+        return self.rotation[:, 2]
+
+    @property
+    def tangent(self) -> Array:
+        """(3,) the contact's x axis, world axes."""
+        return self.rotation[:, 0]
+
+    def __repr__(self) -> str:
+        name = f"{self.name!r}, " if self.name else ""
+        return f"Contact({name}position={self.position.tolist()}, normal={self.normal.tolist()}, friction={self.friction!r})"
+
+
+def frame(normal: Array, tangent: Array | None = None) -> Array:
+    """(3, 3) rotation with columns x, y, z for a unit `normal` = z; x is `tangent` projected on the tangent plane."""
+    if tangent is None:
+        tangent = np.eye(3)[int(np.argmin(np.round(abs(normal), 9)))]
+    x = tangent - normal * (normal @ tangent)
+    length = float(np.sqrt(x @ x))
+    if length <= 1e-6 * float(np.sqrt(tangent @ tangent)):
+        raise InputError("tangent", "a direction that is not along the normal", f"{tangent.tolist()} for normal {normal.tolist()}")
+    x /= length
+    # y = z × x, written out: numpy's cross product costs more than all the rest
+    (a, b, c), (d, e, f) = normal, x
+    return read_only(np.array([[d, b * f - c * e, a], [e, c * d - a * f, b], [f, a * e - b * d, c]]))
+
+
+def _lift(v: Array) -> Array:
+    return np.array([v[0], v[1], 0.0])

@@ -1,0 +1,45 @@
+"""Every tolerance of the package, relative unless it says otherwise, in one place.
+
+Solvers work in nondimensional units, so one number serves metres and millimetres, newtons and kilonewtons.
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "ACTIVE",
+    "CERTIFY",
+    "ELIMINATE_RCOND",
+    "PIVOT",
+    "RANK",
+    "SEMIDEFINITE",
+    "SOLVE",
+    "SYMMETRY",
+    "UNIT_NORMAL",
+]
+
+# What a solver aims for: natural residual in nondimensional units. Newton's last step usually reaches 1e-14.
+SOLVE = 1e-10
+
+# What a certifier accepts as SOLVED: the worst residual relative to the scene. Two decades above SOLVE, because the
+# certifier measures other quantities than the solver (physics instead of the scaled complementarity problem).
+CERTIFY = 1e-8
+
+# A contact state is called "on the limit", "touching", "at rest" within this, relative to the scene's force or displacement.
+ACTIVE = 1e-7
+
+# Free unknowns are eliminated when LAPACK's reciprocal condition estimate of their block exceeds this: eliminating costs
+# about eps / rcond in accuracy, which must stay well under CERTIFY.
+ELIMINATE_RCOND = 1e-7
+
+# Singular values (and complete pivots) below this share of the largest count as zero.
+RANK = 1e-10
+
+# Lemke: a pivot below this share of its column is no pivot; ratios closer than this are a tie.
+PIVOT = 1e-11
+
+# Matrices users pass: symmetric to this share of the largest entry; eigenvalues negative by this share count as zero.
+SYMMETRY = 1e-9
+SEMIDEFINITE = 1e-9
+
+# Length of a normal may differ from one by this (absolute: a normal has no unit).
+UNIT_NORMAL = 1e-6
