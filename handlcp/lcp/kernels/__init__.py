@@ -1,0 +1,1 @@
+"""Compiled inner loops: pure functions on arrays that know no problem, no units and no status."""

@@ -1,0 +1,108 @@
+"""The (mixed) linear complementarity problem as a value."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from handlcp.check import Array, array, read_only
+from handlcp.errors import InputError
+from handlcp.lcp.scaling import Units, equilibrate
+
+__all__ = ["LCP", "Scaled"]
+
+Mask = npt.NDArray[np.bool_]
+
+
+class Scaled:
+    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `scaling`."""
+
+    __slots__ = ("M", "free", "q", "units")
+
+    def __init__(self, M: Array, q: Array, free: Mask, units: Units) -> None:
+        self.M, self.q, self.free, self.units = M, q, free, units
+
+
+class LCP:
+    """Find z with w = M z + q, where w_i = 0 for free i, and 0 ≤ z_i ⟂ w_i ≥ 0 for the others.
+
+    Parameters
+    ----------
+    M : (n, n) matrix, any.
+    q : (n,) vector.
+    free : (n,) bool, rows that are equations and whose z has no sign; None: none (the standard LCP, paper (17)).
+    units : sizes of one natural unit of each z and w. None: found by equilibration. `Units.ones(n)`: solvers take the
+        numbers as they are.
+
+    Raises InputError for wrong shapes, numbers not finite, units that are not positive.
+    """
+
+    def __init__(self, M: Any, q: Any, free: Any = None, *, units: Units | None = None) -> None:
+        self.q: Array = array("q", q, (-1,))
+        n = len(self.q)
+        self.__dict__["M"] = array("M", M, (n, n))
+        self.free: Mask = _mask(free, n)
+        if units is not None:
+            _check_units(units, n)
+        self._units = units
+
+    @classmethod
+    def from_scaled(cls, M: Array, q: Array, free: Mask, units: Units) -> LCP:
+        """A problem already in natural units, as the grasp assembles it; arrays are taken over, not copied or checked."""
+        self = cls.__new__(cls)
+        self.free, self._units = free, units
+        self.__dict__["scaled"] = Scaled(M, q, free, units)
+        self.q = read_only(q * units.w)
+        return self
+
+    @cached_property
+    def M(self) -> Array:
+        """(n, n) matrix in the user's units."""
+        s = self.scaled
+        return read_only(s.M * s.units.w[:, None] / s.units.z)
+
+    @cached_property
+    def scaled(self) -> Scaled:
+        """The problem in natural units: what solvers see."""
+        units = self._units or equilibrate(self.M, self.q)
+        # Two steps, so that units from 1e-160 to 1e160 neither over- nor underflow on the way.
+        M = np.ascontiguousarray(self.M / units.w[:, None] * units.z)
+        return Scaled(read_only(M), read_only(self.q / units.w), self.free, units)
+
+    @property
+    def n(self) -> int:
+        """Number of unknowns."""
+        return len(self.q)
+
+    @property
+    def mixed(self) -> bool:
+        """Whether there are free rows."""
+        return bool(self.free.any())
+
+    def unscaled(self) -> LCP:
+        """The same problem with natural units of one, so that solvers work on the numbers as they are."""
+        return LCP(self.M, self.q, self.free, units=Units.ones(self.n))
+
+    def __repr__(self) -> str:
+        kind = f"mixed, {int(self.free.sum())} free" if self.mixed else "standard"
+        return f"{type(self).__name__}(n={self.n}, {kind})"
+
+
+def _mask(free: Any, n: int) -> Mask:
+    if free is None:
+        mask = np.zeros(n, bool)
+    else:
+        mask = np.array(free)
+        if mask.dtype != bool or mask.shape != (n,):
+            raise InputError("free", f"a boolean mask of shape ({n},)", f"dtype {mask.dtype}, shape {mask.shape}")
+    mask.flags.writeable = False
+    return mask
+
+
+def _check_units(units: Units, n: int) -> None:
+    for name, u in (("units.z", units.z), ("units.w", units.w)):
+        if not (array(name, u, (n,)) > 0).all():
+            raise InputError(name, "positive numbers", f"a smallest of {u.min():.3g}")

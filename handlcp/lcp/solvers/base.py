@@ -1,0 +1,20 @@
+"""What every solver is."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from handlcp.check import Array
+from handlcp.lcp.problem import Scaled
+from handlcp.lcp.result import Proposal
+
+__all__ = ["Solver"]
+
+
+@runtime_checkable
+class Solver(Protocol):
+    """A method with its settings. It proposes; the certifier decides."""
+
+    def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
+        """A candidate for the problem in natural units, from `start` (n,) natural units, zero when None."""
+        ...
