@@ -72,7 +72,7 @@ def _run(
     if not polish:
         steps, norm, written = kaczmarz(M, MT, MMT, q, free, z, w, state, most, tolerance, stride, history)
         return steps, norm <= tolerance, written
-    taken, written, batch = 0, 0, 2 * n
+    taken, written, batch = 0, 0, n
     zt, wt = np.empty(n), np.empty(n)
     best, best_z = np.inf, z.copy()
     while True:
@@ -84,7 +84,7 @@ def _run(
         taken, written = taken + done, written + rows
         zt[:], wt[:] = z, w
         _, r = active_set(M, q, free, zt, wt, 12, tolerance, rank_tolerance)
-        if not r <= tolerance * max(1.0, np.max(np.abs(zt))) and batch > 2 * n:
+        if not r <= tolerance * max(1.0, np.max(np.abs(zt))):
             zt[:], wt[:] = z, w
             _, r = damped_newton(M, q, free, zt, wt, 30, tolerance, rank_tolerance)
             if r > tolerance:

@@ -1,0 +1,32 @@
+"""Farkas' proof that a complementarity problem has not even a feasible point."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.lcp.certify import is_farkas
+from handlcp.lcp.problem import LCP
+
+__all__ = ["farkas_vector"]
+
+
+def farkas_vector(problem: LCP) -> Array | None:
+    """y (n,) with y ≥ 0 (free rows: any sign), Mᵀy ≤ 0 (free: = 0) and qᵀy < 0, certified; None when there is none.
+
+    A linear program over the box |y| ≤ 1 minimises qᵀy; its sign pattern is what counts, not its status.
+    """
+    from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
+
+    s = problem.scaled
+    bounds = [(-1.0, 1.0) if f else (0.0, 1.0) for f in s.free]
+    own = ~s.free
+    lp = linprog(
+        s.q, A_ub=s.M.T[own] if own.any() else None, b_ub=np.zeros(int(own.sum())) if own.any() else None,
+        A_eq=s.M.T[s.free] if s.free.any() else None, b_eq=np.zeros(int(s.free.sum())) if s.free.any() else None,
+        bounds=bounds, method="highs",
+    )
+    if lp.x is None:
+        return None
+    y = np.where(own, np.maximum(lp.x, 0.0), lp.x) / s.units.w
+    return read_only(y) if is_farkas(problem, y) else None
