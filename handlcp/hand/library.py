@@ -1,0 +1,82 @@
+"""Hands to use: four that ship with the package, and two from example-robot-data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import metadata, resources
+from pathlib import Path
+from typing import Any
+
+from handlcp.errors import UnknownName, URDFError
+from handlcp.hand.hand import Hand
+
+__all__ = ["HANDS", "SHIPPED", "allegro", "example_hand", "psyonic", "urdf"]
+
+SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
+HANDS = (*SHIPPED, "allegro", "psyonic")
+
+
+def urdf(name: str) -> Path:
+    """The URDF file of a hand in `SHIPPED`. Raises UnknownName."""
+    if name not in SHIPPED:
+        raise UnknownName("name", "a shipped hand", [str(name)], SHIPPED)
+    package = Path(str(resources.files("handlcp.hand"))).parent
+    places = [package / "urdf", package.parent / "urdf"]  # installed, or the checkout's
+    for place in places:
+        if (file := place / f"{name}.urdf").is_file():
+            return file
+    raise URDFError("name", f"{name}.urdf in {' or '.join(map(str, places))}", "no such file")
+
+
+def allegro(side: str = "right") -> tuple[Path, Path]:
+    """URDF file and package folder of the Allegro hand, `side` "right" or "left". Raises UnknownName, URDFError."""
+    if side not in ("right", "left"):
+        raise UnknownName("side", "a side", [str(side)], ("right", "left"))
+    return _robot_data(f"allegro_hand_description/urdf/allegro_{side}_hand.urdf")
+
+
+def psyonic() -> tuple[Path, Path]:
+    """URDF file and package folder of the Alex robot that wears the psyonic hands: cut it at "LeftPsyonicAbilityBaseLink" or
+    "RightPsyonicAbilityBaseLink". Raises URDFError."""
+    return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
+
+
+def example_hand(name: str, **overrides: Any) -> Hand:
+    """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults:
+
+    joint stiffness 1 N·m/rad (a number of the right size, not a measurement), pad flexibility 1e-4 m/N, tip radius 8 mm (Allegro:
+    12 mm, as in its URDF), torque limits 0.8 and 0.4 N·m as in the shipped URDFs (Allegro: 0.7 N·m; psyonic: its URDF's). Raises UnknownName.
+    """
+    if name not in HANDS:
+        raise UnknownName("name", "an example hand", [str(name)], HANDS)
+    source, defaults = _EXAMPLES.get(name, lambda: (urdf(name), {"tip_radius": 0.008}))()
+    return Hand.from_urdf(source, **{"joint_stiffness": 1.0, "pad_flexibility": 1e-4, **defaults, **overrides})
+
+
+def _allegro() -> tuple[Path, dict[str, Any]]:
+    file, share = allegro()
+    # The URDF says 15 N·m for every joint, a placeholder. The maker's data sheet for the Allegro Hand V4 (Wonik Robotics) gives
+    # 0.70 N·m as the maximum torque of a joint.
+    return file, {"package_dirs": share, "torque_limits": 0.7, "tip_radius": 0.012,
+                  "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"]}
+
+
+def _psyonic() -> tuple[Path, dict[str, Any]]:
+    file, share = psyonic()
+    return file, {"package_dirs": share, "base": "LeftPsyonicAbilityBaseLink", "tip_radius": 0.008,
+                  "fingertips": [f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")]}
+
+
+_EXAMPLES: dict[str, Callable[[], tuple[Path, dict[str, Any]]]] = {"allegro": _allegro, "psyonic": _psyonic}
+
+
+def _robot_data(path: str) -> tuple[Path, Path]:
+    """A file of example-robot-data and its share folder; no loader package is needed."""
+    try:
+        share = Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
+    except metadata.PackageNotFoundError:
+        raise URDFError("name", "the package example-robot-data (pip install example-robot-data)", "it is not installed") from None
+    file = share / "example-robot-data" / "robots" / path
+    if not file.is_file():
+        raise URDFError("name", "a file of example-robot-data", f"{str(file)!r}, which does not exist")
+    return file, share

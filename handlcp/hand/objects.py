@@ -1,0 +1,175 @@
+"""The object in the hand: a coal shape with a placement and a mass."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array, array, number, read_only
+from handlcp.errors import InputError
+from handlcp.hand.meshes import load_mesh
+
+__all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Object", "Sphere"]
+
+
+class Object:
+    """Base of the shapes: a coal geometry, where it is, what it weighs. Immutable, picklable.
+
+    placement : pin.SE3 of the shape's frame in the hand's world frame, or a position (3,) [m]; None: the origin.
+    mass : [kg], ≥ 0; weighs at the centre of mass.
+    """
+
+    __slots__ = ("_args", "_centre", "_placement", "_transform", "geometry", "mass", "triangles")
+
+    geometry: Any
+    mass: float
+    triangles: Array | None
+
+    def __init__(self, geometry: Any, placement: Any, mass: Any, centre: Any, args: tuple[Any, ...]) -> None:
+        self.geometry, self.triangles = geometry, None
+        self._placement = read_placement(placement)
+        self._transform = coal.Transform3s(self._placement.rotation, self._placement.translation)
+        self.mass = number("mass", mass, minimum=0.0)
+        self._centre = read_only(np.array(centre, dtype=float))
+        self._args = args
+
+    @property
+    def placement(self) -> Any:
+        """pin.SE3 of the shape's frame in the world (a copy)."""
+        return self._placement.copy()
+
+    @property
+    def transform(self) -> Any:
+        """The same for coal."""
+        return self._transform
+
+    @property
+    def center_of_mass(self) -> Array:
+        """(3,) [m], world axes."""
+        return read_only(np.asarray(self._placement.act(self._centre)))
+
+    def moved_to(self, placement: Any) -> Object:
+        """The same object at another placement (pin.SE3 or position)."""
+        return type(self)(*self._args, placement, self.mass)
+
+    def closest(self, point: Array) -> tuple[float, Array, Array] | None:
+        """Signed distance of a world point, the nearest surface point and the outward normal there, where this class knows better
+        than coal; None: ask coal."""
+        return None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the call that made it."""
+        return (type(self), (*self._args, self._placement, self.mass))
+
+    def __repr__(self) -> str:
+        """The call, roughly."""
+        args = ", ".join(repr(a.tolist() if isinstance(a, np.ndarray) else a) for a in self._args)
+        return f"{type(self).__name__}({args}, placement={self._placement.translation.tolist()}, mass={self.mass:g})"
+
+
+class Box(Object):
+    """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""
+
+    __slots__ = ("size",)
+
+    def __init__(self, size: Any, placement: Any = None, mass: Any = 0.0) -> None:
+        self.size = _lengths("size", size)
+        super().__init__(coal.Box(*self.size), placement, mass, (0, 0, 0), (self.size,))
+
+
+class Sphere(Object):
+    """A ball of `radius` [m]."""
+
+    __slots__ = ("radius",)
+
+    def __init__(self, radius: Any, placement: Any = None, mass: Any = 0.0) -> None:
+        self.radius = number("radius", radius, above=0.0)
+        super().__init__(coal.Sphere(self.radius), placement, mass, (0, 0, 0), (self.radius,))
+
+
+class Cylinder(Object):
+    """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame."""
+
+    __slots__ = ("length", "radius")
+
+    def __init__(self, radius: Any, length: Any, placement: Any = None, mass: Any = 0.0) -> None:
+        self.radius, self.length = number("radius", radius, above=0.0), number("length", length, above=0.0)
+        super().__init__(coal.Cylinder(self.radius, self.length), placement, mass, (0, 0, 0), (self.radius, self.length))
+
+
+class Ellipsoid(Object):
+    """An ellipsoid with semi-axes `radii` (3,) [m] along its axes.
+
+    coal's distance to an ellipsoid is iterative (contact points good to about 1e-6 m, normals to 1e-4); for spherical
+    fingertips the nearest point is computed here to rounding instead.
+    """
+
+    __slots__ = ("radii",)
+
+    def __init__(self, radii: Any, placement: Any = None, mass: Any = 0.0) -> None:
+        self.radii = _lengths("radii", radii)
+        super().__init__(coal.Ellipsoid(*self.radii), placement, mass, (0, 0, 0), (self.radii,))
+
+    def closest(self, point: Array) -> tuple[float, Array, Array]:
+        """Nearest point x = a² c / (t + a²) with |x / a| = 1: the root t by Newton on a convex function, from its left side."""
+        R, p = self._placement.rotation, self._placement.translation
+        squares = self.radii * self.radii
+        c = R.T @ (point - p)
+        weights = squares * c * c
+        if not weights.any():  # the very centre: the shortest semi-axis leads out
+            k = int(np.argmin(squares))
+            x = np.eye(3)[k] * self.radii[k]
+        else:
+            t = float(np.max(np.sqrt(weights) - squares))
+            for _ in range(100):
+                d = t + squares
+                excess = float((weights / (d * d)).sum()) - 1.0
+                step = excess / (2.0 * float((weights / (d * d * d)).sum()))
+                t += step
+                if not step > 1e-16 * abs(t):
+                    break
+            x = squares * c / (t + squares)
+        n = x / squares
+        n /= float(np.sqrt(n @ n))
+        return float(n @ (c - x)), R @ x + p, R @ n
+
+
+class Mesh(Object):
+    """A triangle mesh from a file (STL, OBJ, DAE, PLY …), in metres after `scale` (a number or (3,)).
+
+    A convex mesh is held as its hull, exact for every fingertip. One that is not convex is held as its triangles: contact with
+    spherical fingertips only, and the surface has to be closed. The centre of mass is that of the enclosed volume.
+    """
+
+    __slots__ = ("convex", "path", "scale")
+
+    def __init__(self, path: Any, scale: Any = 1.0, placement: Any = None, mass: Any = 0.0) -> None:
+        scales = array("scale", scale, (), (3,))
+        if not (scales > 0).all():
+            raise InputError("scale", "numbers above 0", repr(scale))
+        mesh = load_mesh("path", path, np.ones(3) * scales)
+        self.path, self.scale, self.convex = Path(path), scales, mesh.convex
+        super().__init__(mesh.geometry, placement, mass, mesh.centre, (self.path, self.scale))
+        self.triangles = None if mesh.convex else mesh.triangles
+
+
+def read_placement(value: Any) -> Any:
+    """pin.SE3 from an SE3, a position (3,) or None. Raises InputError."""
+    if value is None:
+        return pin.SE3.Identity()
+    if isinstance(value, pin.SE3):
+        if not (np.isfinite(value.homogeneous).all() and abs(value.rotation.T @ value.rotation - np.eye(3)).max() < 1e-6):
+            raise InputError("placement", "an SE3 with a rotation and finite numbers", repr(value.homogeneous.tolist()))
+        return value.copy()
+    return pin.SE3(np.eye(3), array("placement", value, (3,), what="a pin.SE3 or a position: finite numbers"))
+
+
+def _lengths(argument: str, value: Any) -> Array:
+    a = array(argument, value, (3,), ())
+    if not (a > 0).all():
+        raise InputError(argument, "lengths above 0", repr(a.tolist()))
+    return read_only(np.ones(3) * a)

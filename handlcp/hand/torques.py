@@ -1,0 +1,123 @@
+"""Joint by joint: the torque that holds the grasp, the limit, and which joint gives out first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+
+__all__ = ["TorqueCheck", "TorqueRow", "torque_check"]
+
+
+class TorqueRow(NamedTuple):
+    """One joint. torque, limit [N·m] (N for a prismatic joint); utilisation [-]; known: whether the limit is."""
+
+    joint: str
+    torque: float
+    limit: float
+    utilisation: float
+    known: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueCheck:
+    """Torques against limits; iterates over `TorqueRow`s and prints as a table.
+
+    joints : nv names. torque : (nv,) [N·m]. limit : (nv,) [N·m], inf where there is none or none is known.
+    utilisation : (nv,) |torque| / limit, a finite number always (NaN if the torque is): 0 where the limit is infinite or unknown.
+    known : nv booleans. unknown : names of the joints without a known limit.
+    binding : the joint with the highest utilisation among the known limits; None when no limit is known.
+    ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf for none).
+    """
+
+    joints: tuple[str, ...]
+    torque: Array
+    limit: Array
+    utilisation: Array
+    known: tuple[bool, ...]
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """The joints whose limit is not known."""
+        return tuple(name for name, known in zip(self.joints, self.known, strict=True) if not known)
+
+    @property
+    def binding(self) -> str | None:
+        """The joint that is nearest to its limit."""
+        shares = np.where(self.known & np.isfinite(self.utilisation), self.utilisation, -1.0)
+        i = int(np.argmax(shares))
+        return self.joints[i] if shares[i] >= 0 else None
+
+    @property
+    def ok(self) -> bool:
+        """All limits known, and none exceeded."""
+        return all(self.known) and bool((self.utilisation <= 1.0).all())
+
+    def __iter__(self) -> Iterator[TorqueRow]:
+        """Row by row."""
+        for row in zip(self.joints, self.torque, self.limit, self.utilisation, self.known, strict=True):
+            yield TorqueRow(row[0], float(row[1]), float(row[2]), float(row[3]), row[4])
+
+    def __len__(self) -> int:
+        """The number of joints."""
+        return len(self.joints)
+
+    def __getitem__(self, joint: str) -> TorqueRow:
+        """The row of a joint, by name."""
+        return next(row for row in self if row.joint == joint) if joint in self.joints else _no_joint(joint, self.joints)
+
+    def __str__(self) -> str:
+        """A plain table."""
+        width = max(5, *(len(name) for name in self.joints))
+        lines = [f"{'joint':<{width}}  torque [N·m]  limit [N·m]  utilisation"]
+        lines += [f"{r.joint:<{width}}  {r.torque:12.4f}  {_limit(r):>11}  {_share(r):>11}{'  ← binding' if r.joint == self.binding else ''}"
+                  for r in self]
+        return "\n".join([*lines, self.verdict])
+
+    @property
+    def verdict(self) -> str:
+        """One sentence."""
+        over = [r.joint for r in self if r.utilisation > 1.0]
+        if over:
+            return f"Too weak: {', '.join(over)}."
+        if np.isnan(self.torque).any():
+            return "No torques: the grasp was not solved."
+        if self.unknown:
+            return f"Not known: {', '.join(self.unknown)} without a torque limit (pass torque_limits)."
+        return f"All joints hold; {self.binding} is nearest to its limit."
+
+    def __rich__(self) -> Any:
+        """A table for rich."""
+        from rich.table import Table
+
+        table = Table(caption=self.verdict, caption_justify="left")
+        table.add_column("joint")
+        for heading in ("torque [N·m]", "limit [N·m]", "utilisation"):
+            table.add_column(heading, justify="right")
+        for r in self:
+            style = "red" if r.utilisation > 1.0 else "bold" if r.joint == self.binding else None
+            table.add_row(r.joint, f"{r.torque:.4f}", _limit(r), _share(r), style=style)
+        return table
+
+
+def torque_check(joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool]) -> TorqueCheck:
+    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up."""
+    return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known))
+
+
+def _no_joint(joint: str, joints: Sequence[str]) -> TorqueRow:
+    from handlcp.errors import UnknownName
+
+    raise UnknownName("joint", "a joint", [str(joint)], joints)
+
+
+def _limit(row: TorqueRow) -> str:
+    return f"{row.limit:.4g}" if row.known and np.isfinite(row.limit) else "none" if row.known else "unknown"
+
+
+def _share(row: TorqueRow) -> str:
+    return "–" if not row.known or np.isinf(row.limit) else f"{100 * row.utilisation:.1f} %"

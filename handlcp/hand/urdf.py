@@ -1,0 +1,126 @@
+"""Reading a URDF: find it, parse it, cut out the hand, and pass on what a parser has to say.
+
+Pinocchio reports a broken URDF on C-level stderr only, so the XML is read with the standard library first (which gives
+the line of a syntax error), and file descriptor 2 is captured around Pinocchio's own parse.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+
+from handlcp.errors import InputError, UnknownName, URDFError
+
+__all__ = ["build_model", "captured_stderr", "package_folders", "read_urdf", "resolve_meshes", "subtree"]
+
+_FD2 = threading.Lock()
+
+
+def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.Element, Path]:
+    """The <robot> element of the file `source`, cut down to the links below `base` (that link included), and the file's path.
+
+    Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for an unknown base.
+    """
+    try:
+        path = Path(source)
+    except TypeError:
+        raise InputError(argument, "the path of a URDF file or a pinocchio.Model", repr(source)) from None
+    if not path.is_file():
+        raise URDFError(argument, "the path of a URDF file", f"{str(path)!r}, which {'is no file' if path.exists() else 'does not exist'}")
+    try:
+        root = ET.fromstring(path.read_bytes())
+    except ET.ParseError as error:
+        raise URDFError(argument, "well-formed XML", f"{str(path)!r}: {error}") from None
+    except (OSError, ValueError, LookupError) as error:
+        raise URDFError(argument, "a readable URDF file", f"{str(path)!r}: {error}") from None
+    if root.tag != "robot":
+        hint = " (expand a xacro file to a URDF first)" if path.suffix == ".xacro" else ""
+        raise URDFError(argument, f"a <robot> element at the top{hint}", f"<{root.tag}> in {str(path)!r}")
+    return (root if base is None else subtree(root, base)), path
+
+
+def subtree(root: ET.Element, base: str) -> ET.Element:
+    """The robot that hangs below link `base`; its world frame is the frame of that link. Raises UnknownName."""
+    links = [name for link in root.findall("link") if (name := link.get("name"))]
+    if base not in links:
+        raise UnknownName("base", "a link", [str(base)], links)
+    children: dict[str, list[tuple[ET.Element, str]]] = {}
+    for joint in root.findall("joint"):
+        children.setdefault(_link(joint, "parent"), []).append((joint, _link(joint, "child")))
+    kept, stack, joints = {base}, [base], set()
+    while stack:
+        for joint, child in children.get(stack.pop(), []):
+            joints.add(joint)
+            if child not in kept:
+                kept.add(child)
+                stack.append(child)
+    cut = ET.Element("robot", root.attrib)
+    cut.extend(e for e in root if (e.tag == "link" and e.get("name") in kept) or e in joints or e.tag == "material")
+    return cut
+
+
+def build_model(argument: str, root: ET.Element, label: str) -> Any:
+    """Pinocchio's model (mimic tags left alone). Raises URDFError with the parser's own message."""
+    with captured_stderr() as messages:
+        try:
+            return pin.buildModelFromXML(ET.tostring(root, encoding="unicode"))
+        except ValueError as error:
+            failure = str(error)
+    details = [line.strip() for line in "".join(messages).splitlines() if not line.strip().startswith("at line")]
+    raise URDFError(argument, "a URDF that describes a robot", f"{label}: {'; '.join(details) or failure}")
+
+
+def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
+    """The folders where package:// addresses are looked up: those given, the URDF's own, ROS_PACKAGE_PATH."""
+    given: Sequence[Any] = () if package_dirs is None else [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
+    try:
+        folders = [Path(folder) for folder in given]
+    except TypeError:
+        raise InputError("package_dirs", "a folder or a sequence of folders", repr(package_dirs)) from None
+    for folder in folders:
+        if not folder.is_dir():
+            raise InputError("package_dirs", "folders that exist", repr(str(folder)))
+    if path is not None:
+        folders += [path.parent, *path.parent.resolve().parents[:3]]
+    return (*folders, *(Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p))
+
+
+def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
+    """Write the full path of each mesh below `element` in its place. Raises URDFError for a file that is not there."""
+    for mesh in element.iter("mesh"):
+        address = mesh.get("filename", "")
+        tail = address.split("://", 1)[-1]
+        found = next((p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and p.is_file()), None)
+        if found is None:
+            where = ", ".join(str(f) for f in folders) or "nowhere"
+            raise URDFError("package_dirs", f"a folder that holds {address!r}", f"folders without it: {where}")
+        mesh.set("filename", str(found.resolve()))
+
+
+@contextmanager
+def captured_stderr() -> Iterator[list[str]]:
+    """Collect what C code writes to stderr; the list is filled when the block ends. One thread at a time."""
+    collected: list[str] = []
+    with _FD2, tempfile.TemporaryFile() as sink:
+        saved = os.dup(2)
+        try:
+            os.dup2(sink.fileno(), 2)
+            yield collected
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+            sink.seek(0)
+            collected.append(sink.read().decode(errors="replace"))
+
+
+def _link(joint: ET.Element, tag: str) -> str:
+    element = joint.find(tag)
+    return "" if element is None else element.get("link", "")
