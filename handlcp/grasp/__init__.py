@@ -1,0 +1,29 @@
+"""The mechanics: contacts, friction laws, effects, and grasps assembled from them. Imports lcp, knows no robot."""
+
+from handlcp.grasp.assemble import GraspProblem
+from handlcp.grasp.certify import Residuals
+from handlcp.grasp.contact import Contact
+from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
+from handlcp.grasp.explain import Explanation
+from handlcp.grasp.friction import Coulomb, Friction, Frictionless
+from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.solution import GraspSolution
+from handlcp.grasp.uniqueness import Uniqueness
+
+__all__ = [
+    "Contact",
+    "Coulomb",
+    "Effect",
+    "Explanation",
+    "Friction",
+    "Frictionless",
+    "Grasp",
+    "GraspProblem",
+    "GraspSolution",
+    "PrescribedForce",
+    "Pyramid",
+    "Residuals",
+    "TotalForceBound",
+    "Uniqueness",
+]

@@ -1,0 +1,25 @@
+"""Physical effects, one a file, each with its equation on top.
+
+An effect declares its unknowns and stamps its blocks; a scene without it has none of them. Adding an effect is adding
+a file here.
+"""
+
+from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.coulomb_planar import CoulombPlanar
+from handlcp.grasp.effects.coulomb_pyramid import CoulombPyramid
+from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
+from handlcp.grasp.effects.object_balance import ObjectBalance
+from handlcp.grasp.effects.prescribed_force import PrescribedForce
+from handlcp.grasp.effects.total_force_bound import TotalForceBound
+from handlcp.grasp.effects.unilateral_contact import UnilateralContact
+
+__all__ = [
+    "CoulombPlanar",
+    "CoulombPyramid",
+    "Effect",
+    "FingerFlexibility",
+    "ObjectBalance",
+    "PrescribedForce",
+    "TotalForceBound",
+    "UnilateralContact",
+]

@@ -1,0 +1,94 @@
+"""The grasp's certifier: every law of the scene recomputed from its physics. Imports no solver; NaN never passes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.kernels import check_contacts, relative_motion
+from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.scene import Scene
+from handlcp.tolerances import CERTIFY
+
+__all__ = ["Residuals", "Verdict", "judge"]
+
+_GROWTH = 1e3  # forces up to this many times the load are measured against themselves, larger ones get no further excuse
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """How far an answer misses each law. Relative ones are fractions of `force_scale` or of each contact's own motion.
+
+    balance : |Σ forces + wrench|, moments over the grasp's size. balance_force [N], balance_moment [N·m]: the same, SI.
+    normal : worst |min(r_N, gap)|. cone : worst excess over the friction limit. slip : worst miss of "sticks, or slides
+    against a force on the limit". effects : worst of the further effects' own laws.
+    force_scale [N], motion_scale [m] : what 1 means; normal_motion [m] : the worst normal residual as a distance.
+    """
+
+    balance: float
+    normal: float
+    cone: float
+    slip: float
+    effects: float
+    balance_force: float
+    balance_moment: float
+    force_scale: float
+    motion_scale: float
+
+    @property
+    def worst(self) -> float:
+        """The largest relative residual; infinite where anything is not a number."""
+        values = (self.balance, self.normal, self.cone, self.slip, self.effects)
+        return max(values) if all(v == v for v in values) else np.inf
+
+    @property
+    def passes(self) -> bool:
+        """Whether the certifier calls this an answer."""
+        return self.worst <= CERTIFY
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What was recomputed: `motion` (n, 3) object minus fingertip in contact axes [m], and the residuals."""
+
+    motion: Array
+    residuals: Residuals
+
+
+def judge(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, candidate: Candidate) -> Verdict:
+    """Recompute balance, contact, friction and elastic compatibility of a candidate."""
+    f, u = candidate.forces, candidate.twist
+    if not (np.isfinite(f).all() and np.isfinite(u).all()):
+        nan = float("nan")
+        return Verdict(np.full_like(f, nan), Residuals(nan, nan, nan, nan, nan, nan, nan, nan, nan))
+    offset = scene.offset
+    for e in effects:
+        if (opening := e.opening(scene, candidate.extra)) is not None:
+            offset = offset + opening
+    v, scale = relative_motion(scene.arms, scene.frames, scene.flexibility, offset, f, u)
+    world = (scene.frames @ f[:, :, None])[:, :, 0]
+    force = scene.force + world.sum(0)
+    a, b = scene.arms, world
+    moment = scene.wrench[3:] + np.array([
+        a[:, 1] @ b[:, 2] - a[:, 2] @ b[:, 1], a[:, 2] @ b[:, 0] - a[:, 0] @ b[:, 2], a[:, 0] @ b[:, 1] - a[:, 1] @ b[:, 0]
+    ])
+    units = scene.units
+    load = float(np.sqrt(scene.wrench[:3] @ scene.wrench[:3] + scene.wrench[3:] @ scene.wrench[3:] / units.length**2))
+    load = load or units.force
+    F = min(max(float(abs(f).max()), load), _GROWTH * load)
+    # Every contact is measured by the largest term of its own motion, at least by its own retreat under F
+    own = scene.flexibility.diagonal().reshape(-1, 3).sum(1) / 3.0
+    V = np.maximum(np.maximum(scale, own * F), 1e-12 * units.motion)
+    planar = scene.plane is not None
+    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    governed = np.array(scene.governed)
+    normal, cone, slip = check_contacts(f, v, limits, governed, 2 if planar else int(pyramid.faces), F, V)
+    lost_force, lost_moment = float(np.sqrt(force @ force)), float(np.sqrt(moment @ moment))
+    balance = float(np.hypot(lost_force, lost_moment / units.length)) / F
+    motion = float(V.max())
+    others = max((e.residual(scene, f, candidate.extra, F, motion) for e in effects), default=0.0)
+    return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))

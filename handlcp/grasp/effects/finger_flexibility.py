@@ -1,0 +1,36 @@
+"""Finger flexibility: a finger under load retreats.
+
+    ε += E r,    E = J K⁻¹ Jᵀ + pads ⪰ 0 over all contacts
+
+E couples normal and tangential directions and, where fingers share joints, different fingers; it may be singular
+(two-joint fingers without pads always are). Nothing here inverts it. Source: model, "Flexibility from the hand";
+the paper's blkdiag(E_N, E_T), equation (13), is the special case without coupling.
+"""
+
+from __future__ import annotations
+
+from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.scene import Scene
+from handlcp.grasp.system import System
+
+__all__ = ["FingerFlexibility"]
+
+
+class FingerFlexibility(Effect):
+    """Full coupled flexibility in contact axes. It brings no unknowns: the forces are there already."""
+
+    title = "finger flexibility"
+    equation = "ε += E r,  E ⪰ 0, coupled"
+
+    def why(self, scene: Scene) -> str:
+        """Where E is not zero."""
+        return f"E is not zero (mean {scene.flexibility.trace() / (3 * scene.n):.3g} m/N)"
+
+    def stamp(self, scene: Scene, system: System) -> None:
+        """E between all force components."""
+        a = scene.natural
+        k = a.split
+        system.add("r_N", "r_N", a.E[:k, :k])
+        system.add("r_N", "r_T", a.E[:k, k:])
+        system.add("r_T", "r_N", a.E[k:, :k])
+        system.add("r_T", "r_T", a.E[k:, k:])

@@ -1,0 +1,56 @@
+"""A contact whose force is known (measured, or commanded by force control): its wrench joins the load.
+
+    w += G_i r_i,    ε += E_(·i) r_i
+
+No unknowns, no unilateral law and no friction law at that contact; the other fingers still feel it through shared
+joints. Source: paper, Example 2 (after Panagiotopoulos); model, table of effects.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array
+from handlcp.errors import InputError
+from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.scene import Scene
+from handlcp.grasp.system import System
+
+__all__ = ["PrescribedForce"]
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class PrescribedForce(Effect):
+    """Contact number `contact` (from 0) pushes with `force` (3,) N in its contact axes (x, y, normal)."""
+
+    contact: int
+    force: Array
+
+    title = "prescribed contact force"
+    equation = "w += G_i r_i,  ε += E_(·i) r_i"
+
+    def __init__(self, contact: int, force: Any) -> None:
+        if isinstance(contact, bool) or not isinstance(contact, (int, np.integer)) or contact < 0:
+            raise InputError("PrescribedForce.contact", "a contact's number, from 0", repr(contact))
+        object.__setattr__(self, "contact", int(contact))
+        object.__setattr__(self, "force", array("PrescribedForce.force", force, (3,)))
+
+    def why(self, scene: Scene) -> str:
+        """Asked for."""
+        return f"asked for: contact {self.contact} pushes with {self.force.tolist()} N"
+
+    def stamp(self, scene: Scene, system: System) -> None:
+        """Known parts of balance and of the other fingers' retreat."""
+        mine = slice(3 * self.contact, 3 * self.contact + 3)
+        s, a, f = scene.units, scene.natural, self.force / scene.units.force
+        system.load("u", a.every[:, mine] @ f)
+        retreat = scene.flexibility[:, mine] @ self.force / s.motion
+        system.load("r_N", retreat[scene.normal_index])
+        system.load("r_T", retreat[scene.tangent_index])
+
+    def residual(self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float) -> float:
+        """Whether the answer carries this very force."""
+        return float(abs(forces[self.contact] - self.force).max()) / force_size

@@ -1,0 +1,69 @@
+"""Which effects a grasp has, why, and what each costs in unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from handlcp.grasp.assemble import GraspProblem
+from handlcp.grasp.catalogue import absent
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.scene import Scene
+
+__all__ = ["EffectLine", "Explanation", "explain"]
+
+
+@dataclass(frozen=True, slots=True)
+class EffectLine:
+    """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …)."""
+
+    title: str
+    equation: str
+    on: bool
+    why: str
+    unknowns: tuple[tuple[str, int, bool], ...]
+
+    @property
+    def cost(self) -> int:
+        """How many unknowns."""
+        return sum(count for _, count, _ in self.unknowns)
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """All effects, on and off, and the size of the problem that comes of them.
+
+    unknowns : of all effects together. eliminated : how many of them never reach the solver.
+    rcond : reciprocal condition estimate of the free block, which decided about elimination.
+    """
+
+    effects: tuple[EffectLine, ...]
+    unknowns: int
+    eliminated: int
+    rcond: float
+
+    @property
+    def size(self) -> int:
+        """Unknowns the solver sees."""
+        return self.unknowns - self.eliminated
+
+    def __str__(self) -> str:
+        lines = []
+        for e in self.effects:
+            brings = ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns) or "no unknowns"
+            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}" + (f" [{brings}]" if e.on else ""))
+        what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
+        lines.append(f"{self.unknowns} unknowns, {what} (rcond of their block {self.rcond:.1e}): the solver sees {self.size}")
+        return "\n".join(lines)
+
+
+def explain(scene: Scene, problem: GraspProblem, asked: tuple[Effect, ...]) -> Explanation:
+    """From the assembled problem itself, so that what is printed is what is solved."""
+    lines = [
+        EffectLine(e.title, e.equation, True, e.why(scene), tuple((u.name, u.count, u.free) for u in e.unknowns(scene)))
+        for e in problem.effects
+    ]
+    lines += [
+        EffectLine(kind.title, kind.equation, False, why, ()) for kind, why in absent(scene, {type(e) for e in asked})
+    ]
+    total = sum(g.count for g in problem.groups)
+    return Explanation(tuple(lines), total, total - problem.n, problem.rcond)

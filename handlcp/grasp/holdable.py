@@ -1,0 +1,66 @@
+"""Holdability: is there any contact force within friction that balances the load? Compliance plays no part.
+
+If not, a twist t proves it (Farkas): every force the contacts can exert does work ≥ 0 on t, and so does the load, > 0.
+The object escapes along t, and no contact resists.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.scene import Scene
+from handlcp.tolerances import CERTIFY
+
+__all__ = ["escaping_twist", "is_escape"]
+
+
+def escaping_twist(scene: Scene, pyramid: Pyramid, load: Array) -> Array | None:
+    """(6,) certified unit motion about the contacts' centre, natural units scaled to SI, in which the object escapes.
+
+    load : (dof,) wrench in natural units, prescribed forces included. None: some force in the pyramids balances it.
+    A linear program over the box |t| ≤ 1 maximises the load's work; its point is then checked by its signs alone.
+    """
+    from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
+
+    W = _generators(scene, pyramid)
+    lp = linprog(-load, A_ub=-W.T if W.size else None, b_ub=np.zeros(W.shape[1]) if W.size else None,
+                 bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
+    if lp.x is None or not is_escape(scene, pyramid, load, lp.x):
+        return None
+    t = lp.x / np.sqrt(lp.x @ lp.x)
+    return read_only(scene.twist(t))
+
+
+def is_escape(scene: Scene, pyramid: Pyramid, load: Array, twist: Array) -> bool:
+    """Whether twist (dof,), natural units, proves that nothing balances `load`: signs recomputed, no solver involved.
+
+    The gain must exceed what the resisting work could hide: forces of a thousand times the load.
+    """
+    W = _generators(scene, pyramid)
+    if not np.isfinite(twist).all():
+        return False
+    resisting = float(np.minimum(W.T @ twist, 0.0).sum()) if W.size else 0.0
+    size = float(np.sqrt(load @ load) * np.sqrt(twist @ twist))
+    return float(load @ twist) > CERTIFY * size and float(load @ twist) > -1e3 * resisting
+
+
+def _generators(scene: Scene, pyramid: Pyramid) -> Array:
+    """(dof, g) wrenches of the edges of all friction pyramids (of the normals where there is no friction)."""
+    planar = scene.plane is not None
+    if planar:
+        edges = np.array([[1.0, -1.0], [0.0, 0.0]])
+    else:
+        m = int(pyramid.faces)
+        a = 2 * np.pi * (np.arange(m) + 0.5) / m
+        edges = np.vstack([np.cos(a), np.sin(a)]) / np.cos(np.pi / m)
+    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    G = scene.natural.every.reshape(scene.dof, scene.n, 3)
+    out = []
+    for i in range(scene.n):
+        if not scene.governed[i]:
+            continue
+        r = np.array([[0.0], [0.0], [1.0]]) if limits[i] <= 0 else np.vstack([limits[i] * edges, np.ones(edges.shape[1])])
+        out.append(G[:, i] @ r)
+    return np.hstack(out) if out else np.zeros((scene.dof, 0))

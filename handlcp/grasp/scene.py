@@ -1,0 +1,149 @@
+"""A grasp as plain arrays: the one description that effects stamp from and the certifier recomputes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.units import GraspUnits
+
+__all__ = ["Scene", "cross_rows"]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """SI arrays of a grasp, and the same in natural units.
+
+    positions (n, 3) m, frames (n, 3, 3) columns x, y, z (normal, into the object), mu (n,), flexibility (3n, 3n) m/N in
+    contact axes, offset (n, 3) m in contact axes, force (3,) N and moment (3,) N·m about the world's origin,
+    plane (3,) unit normal of a planar scene or None, governed (n,) bool: contacts whose force is not prescribed.
+    """
+
+    positions: Array
+    frames: Array
+    mu: Array
+    flexibility: Array
+    offset: Array
+    force: Array
+    moment: Array
+    plane: Array | None
+    governed: tuple[bool, ...]
+
+    @property
+    def n(self) -> int:
+        """Contacts."""
+        return len(self.mu)
+
+    @cached_property
+    def units(self) -> GraspUnits:
+        """Natural units."""
+        return GraspUnits.of(self.positions, self.flexibility, self.offset, self.force, self.moment)
+
+    @cached_property
+    def arms(self) -> Array:
+        """(n, 3) contact points from the contacts' centre [m]."""
+        return self.positions - self.units.centre
+
+    @cached_property
+    def wrench(self) -> Array:
+        """(6,) the world's wrench on the object about the contacts' centre [N, N·m]."""
+        return np.concatenate([self.force, self.moment - cross_rows(self.units.centre, self.force)])
+
+    @cached_property
+    def grasp_matrix(self) -> Array:
+        """(6, 3n) contact forces to the wrench about the contacts' centre, columns [R; skew(p - c) R] (model, G)."""
+        n = self.n
+        G = np.empty((6, n, 3))
+        G[:3] = self.frames.transpose(1, 0, 2)
+        (ax, ay, az), (Rx, Ry, Rz) = self.arms.T[:, :, None], G[:3]
+        G[3], G[4], G[5] = ay * Rz - az * Ry, az * Rx - ax * Rz, ax * Ry - ay * Rx
+        return G.reshape(6, 3 * n)
+
+    # ---- the object's freedom: 6 unknowns, or 3 in a plane
+    @cached_property
+    def freedom(self) -> Array | None:
+        """(3, 6) wrench and twist components a planar scene has: two forces in the plane, the moment about its normal."""
+        if self.plane is None:
+            return None
+        a = self.frames[0][:, 2]
+        W = np.zeros((3, 6))
+        W[0, :3], W[1, :3], W[2, 3:] = a, cross_rows(self.plane, a), self.plane
+        if abs(self.plane[2]) == 1.0:  # the xy plane keeps the user's own axes
+            W[0, :3], W[1, :3] = (1, 0, 0), (0, self.plane[2], 0)
+        return W
+
+    @property
+    def dof(self) -> int:
+        """Unknown components of the object's motion: 6, or 3 in a planar scene."""
+        return 6 if self.plane is None else 3
+
+    # ---- which of the 3n force components are unknown
+    @cached_property
+    def normal_index(self) -> Array:
+        """(n_N,) entries of the stacked (x, y, z) forces that are unknown normal forces."""
+        return np.array([3 * i + 2 for i in range(self.n) if self.governed[i]], dtype=np.intp)
+
+    @cached_property
+    def rough(self) -> tuple[int, ...]:
+        """Contacts with friction whose force is unknown."""
+        return tuple(i for i, mu in enumerate(self.mu.tolist()) if mu > 0 and self.governed[i])
+
+    @cached_property
+    def tangents(self) -> int:
+        """Tangential unknowns per contact with friction: 2, or 1 in a planar scene."""
+        return 2 if self.plane is None else 1
+
+    @cached_property
+    def tangent_index(self) -> Array:
+        """(n_T,) entries of the stacked (x, y, z) forces that are unknown tangential forces."""
+        return np.array([3 * i + k for i in self.rough for k in range(self.tangents)], dtype=np.intp)
+
+    # ---- natural units (hatted in the model): forces / force, levers / length, motions / motion
+    @cached_property
+    def natural(self) -> Natural:
+        """The blocks of G, E, d and w that the unknowns touch, in natural units."""
+        u = self.units
+        G, w = self.grasp_matrix.copy(), self.wrench / u.force
+        G[3:] /= u.length
+        w[3:] /= u.length
+        if (W := self.freedom) is not None:
+            G, w = W @ G, W @ w
+        index = np.concatenate([self.normal_index, self.tangent_index])
+        E = self.flexibility[index[:, None], index] * (u.force / u.motion)
+        d = self.offset.reshape(-1)[index] / u.motion
+        return Natural(G[:, index], G, E, d, w, len(self.normal_index))
+
+    @cached_property
+    def twist_units(self) -> Array:
+        """(dof,) SI size of one natural unit of each component of the object's motion [m or rad]."""
+        u = self.units
+        k = 3 if self.plane is None else 2
+        return np.array([u.motion] * k + [u.motion / u.length] * (self.dof - k))
+
+    def twist(self, natural: Array) -> Array:
+        """(6,) SI twist about the contacts' centre from (dof,) natural components."""
+        u = natural * self.twist_units
+        return u if self.freedom is None else u @ self.freedom
+
+
+@dataclass(frozen=True, slots=True)
+class Natural:
+    """G (dof, k), E (k, k), d (k,) over the k = n_N + n_T unknown force components, normals first; w (dof,);
+    every (dof, 3n) G of all components; `split` = n_N."""
+
+    G: Array
+    every: Array
+    E: Array
+    d: Array
+    w: Array
+    split: int
+
+
+def cross_rows(a: Array, b: Array) -> Array:
+    """a × b for (3,) or (n, 3) arguments, without numpy's overhead."""
+    ax, ay, az = a.T
+    bx, by, bz = b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

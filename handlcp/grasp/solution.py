@@ -1,0 +1,80 @@
+"""What a designer gets back: forces, slips, gaps, the object's motion, and how far each can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from handlcp.check import Array
+from handlcp.grasp.certify import Residuals
+from handlcp.grasp.uniqueness import Uniqueness
+from handlcp.lcp.status import Status
+
+__all__ = ["GraspSolution"]
+
+
+@dataclass(frozen=True)
+class GraspSolution:
+    """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
+
+    status : the certifier's verdict.
+    names : (n,) finger names.
+    forces : (n, 3) N, force of each finger on the object in its contact axes (x, y tangents, z normal).
+    forces_world : (n, 3) N, the same in world axes.
+    gap : (n,) m between object and fingertip, ≥ 0.
+    slip : (n, 2) m, tangential motion of the object relative to the fingertip, contact axes.
+    object_displacement : (6,) m and rad, small motion (linear, angular) of the object about the grasp's reference.
+    contact_state : (n,) "separated" | "sticking" | "sliding".
+    residuals : how far each law is missed, relative and SI.
+    uniqueness : which object motions and forces the solution leaves free; None where there is no solution.
+    certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes.
+    iterations : steps of the method that gave the answer. trace : one line per stage that ran.
+    extra : unknowns of further effects by name, SI.
+    """
+
+    status: Status
+    names: tuple[str, ...]
+    forces: Array
+    forces_world: Array
+    gap: Array
+    slip: Array
+    object_displacement: Array
+    contact_state: tuple[str, ...]
+    residuals: Residuals
+    uniqueness: Uniqueness | None
+    certificate: Array | None
+    iterations: int
+    trace: tuple[str, ...]
+    extra: dict[str, Array] = field(default_factory=dict)
+
+    @property
+    def held(self) -> bool:
+        """Whether the hand holds the object: a certified equilibrium exists."""
+        return self.status is Status.SOLVED
+
+    @property
+    def normal_force(self) -> Array:
+        """(n,) N."""
+        return self.forces[:, 2]
+
+    @property
+    def tangential_force(self) -> Array:
+        """(n, 2) N, contact axes x, y."""
+        return self.forces[:, :2]
+
+    def __str__(self) -> str:
+        lines = [self.status.meaning]
+        if self.held:
+            lines += [
+                f"  {name}: {state:9s}  normal {f[2]:9.4g} N  tangential ({f[0]:9.4g}, {f[1]:9.4g}) N  "
+                f"slip ({s[0]:9.3g}, {s[1]:9.3g}) m  gap {g:9.3g} m"
+                for name, state, f, s, g in zip(
+                    self.names, self.contact_state, self.forces, self.slip, self.gap, strict=True)
+            ]
+            u = self.object_displacement
+            lines.append(f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad")
+            lines.append(f"  {self.uniqueness}; worst relative residual {self.residuals.worst:.1e}")
+        if self.certificate is not None:
+            t = self.certificate
+            lines.append(f"  the object escapes along ({t[0]:.3g}, {t[1]:.3g}, {t[2]:.3g}) m, "
+                         f"({t[3]:.3g}, {t[4]:.3g}, {t[5]:.3g}) rad")
+        return "\n".join(lines)

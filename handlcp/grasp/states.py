@@ -1,0 +1,67 @@
+"""What each contact does at an answer: separated, sticking or sliding, and against which faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from handlcp.check import Array
+from handlcp.grasp.certify import Residuals
+from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.scene import Scene
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.tolerances import ACTIVE
+
+__all__ = ["GLIDING", "NAMES", "SEPARATED", "SLIDING", "STICKING", "VERTEX", "States", "classify"]
+
+# GLIDING touches without friction; VERTEX slides against two faces at once
+SEPARATED, STICKING, SLIDING, VERTEX, GLIDING = 0, 1, 2, 3, 4
+NAMES = ("separated", "sticking", "sliding", "sliding", "sliding")
+
+
+@dataclass(frozen=True, slots=True)
+class States:
+    """kind (n,) int: one of the constants above; faces (n, 2, 2): outward normals (rows) of the faces it slides against."""
+
+    kind: npt.NDArray[np.int64]
+    faces: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """"separated" | "sticking" | "sliding" for each contact."""
+        return tuple(NAMES[k] for k in self.kind.tolist())
+
+
+def classify(scene: Scene, pyramid: Pyramid, forces: Array, motion: Array, residuals: Residuals) -> States:
+    """States of all contacts, from forces (n, 3) N and motion (n, 3) m in contact axes."""
+    planar = scene.plane is not None
+    normals = np.array([[1.0, -1.0], [0.0, 0.0]]) if planar else pyramid.normals
+    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    slow = ACTIVE * max(residuals.motion_scale, scene.units.motion)
+    kind, faces = _classify(forces, motion, limits, normals, planar, ACTIVE * residuals.force_scale, slow)
+    return States(kind, faces)
+
+
+@kernel
+def _classify(forces: Array, motion: Array, limits: Array, normals: Array, planar: bool, weak: float, slow: float) -> tuple[Array, Array]:
+    n, m = len(forces), normals.shape[1]
+    kind, faces = np.zeros(n, np.int64), np.zeros((n, 2, 2))
+    for i in range(n):
+        r = forces[i]
+        slip = abs(motion[i, 0]) if planar else np.hypot(motion[i, 0], motion[i, 1])
+        if not r[2] > weak:
+            continue
+        if limits[i] <= 0.0:
+            kind[i] = 4
+        elif not slip > slow:
+            kind[i] = 1
+        else:
+            found = 0
+            for j in range(m):
+                if limits[i] * r[2] - normals[0, j] * r[0] - normals[1, j] * r[1] <= weak and found < 2:
+                    faces[i, found, 0], faces[i, found, 1] = normals[0, j], normals[1, j]
+                    found += 1
+            kind[i] = 3 if found == 2 else 2
+    return kind, faces
