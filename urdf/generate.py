@@ -1,7 +1,9 @@
 """Write the four hands of this folder, byte for byte the same every time: `python urdf/generate.py [folder]`.
 
-Every finger has two joints and links of 50 mm and 40 mm that end in a ball of 8 mm radius about the tip frame. Three hands stand
-their fingers on a round palm (two, three and five of them), pointing along +z; positive angles close the hand. The fourth is a
+Every finger has two joints and links of 50 mm and 40 mm that end in a ball of 8 mm radius about the tip frame. Three
+hands stand
+their fingers on a round palm (two, three and five of them), pointing along +z; positive angles close the hand. The
+fourth is a
 ring of six fingers that lie in the xy plane and point at its centre, with joints about z. World frame: the palm's.
 """
 
@@ -75,8 +77,10 @@ def link(name: str, kind: str, length: float, direction: str) -> u.Link:
     return u.Link(
         name=name,
         inertial=inertial(MASS[kind], cylinder_inertia(MASS[kind], LINK_RADIUS, length), middle),
-        visuals=[u.Visual(name=None, origin=middle, geometry=shaft, material=STEEL),
-                 u.Visual(name=None, origin=pose(), geometry=ball(LINK_RADIUS * 1.2), material=GREY)],
+        visuals=[
+            u.Visual(name=None, origin=middle, geometry=shaft, material=STEEL),
+            u.Visual(name=None, origin=pose(), geometry=ball(LINK_RADIUS * 1.2), material=GREY),
+        ],
         collisions=[u.Collision(name=None, origin=middle, geometry=shaft)],
     )
 
@@ -92,19 +96,39 @@ def tip(name: str) -> u.Link:
     )
 
 
-def finger(name: str, root: np.ndarray, direction: str, axis: Vector,
-           ranges: dict[str, tuple[float, float]]) -> tuple[list[u.Link], list[u.Joint]]:
+def finger(
+    name: str, root: np.ndarray, direction: str, axis: Vector, ranges: dict[str, tuple[float, float]]
+) -> tuple[list[u.Link], list[u.Joint]]:
     """Links and joints of one finger that stands at `root` on the palm, pointing along root's x or z axis."""
+
     def revolute(kind: str, parent: str, origin: np.ndarray) -> u.Joint:
         lower, upper = ranges[kind]
-        return u.Joint(name=f"{name}_{kind}", type="revolute", parent=parent, child=f"{name}_{kind}_link", origin=origin,
-                       axis=np.array(axis), limit=u.Limit(effort=EFFORT[kind], velocity=SPEED, lower=lower, upper=upper))
+        return u.Joint(
+            name=f"{name}_{kind}",
+            type="revolute",
+            parent=parent,
+            child=f"{name}_{kind}_link",
+            origin=origin,
+            axis=np.array(axis),
+            limit=u.Limit(effort=EFFORT[kind], velocity=SPEED, lower=lower, upper=upper),
+        )
 
-    links = [link(f"{name}_proximal_link", "proximal", PROXIMAL, direction), link(f"{name}_distal_link", "distal", DISTAL, direction),
-             tip(f"{name}_tip")]
-    joints = [revolute("proximal", "palm", root), revolute("distal", f"{name}_proximal_link", pose(along(direction, PROXIMAL))),
-              u.Joint(name=f"{name}_tip_mount", type="fixed", parent=f"{name}_distal_link", child=f"{name}_tip",
-                      origin=pose(along(direction, DISTAL)))]
+    links = [
+        link(f"{name}_proximal_link", "proximal", PROXIMAL, direction),
+        link(f"{name}_distal_link", "distal", DISTAL, direction),
+        tip(f"{name}_tip"),
+    ]
+    joints = [
+        revolute("proximal", "palm", root),
+        revolute("distal", f"{name}_proximal_link", pose(along(direction, PROXIMAL))),
+        u.Joint(
+            name=f"{name}_tip_mount",
+            type="fixed",
+            parent=f"{name}_distal_link",
+            child=f"{name}_tip",
+            origin=pose(along(direction, DISTAL)),
+        ),
+    ]
     return links, joints
 
 
@@ -118,30 +142,60 @@ def robot(name: str, palm: u.Link, fingers: Sequence[tuple[list[u.Link], list[u.
 
 
 def upright(name: str, n: int) -> u.Robot:
-    """n fingers around a circle on a round palm, pointing along +z; positive angles turn them inward."""
+    """N fingers around a circle on a round palm, pointing along +z; positive angles turn them inward."""
     below = pose((0.0, 0.0, -PALM_HEIGHT / 2))
     disc = cylinder(PALM_RADIUS, PALM_HEIGHT)
-    palm = u.Link(name="palm", inertial=inertial(MASS["palm"], cylinder_inertia(MASS["palm"], PALM_RADIUS, PALM_HEIGHT), below),
-                  visuals=[u.Visual(name=None, origin=below, geometry=disc, material=GREY)],
-                  collisions=[u.Collision(name=None, origin=below, geometry=disc)])
+    palm = u.Link(
+        name="palm",
+        inertial=inertial(MASS["palm"], cylinder_inertia(MASS["palm"], PALM_RADIUS, PALM_HEIGHT), below),
+        visuals=[u.Visual(name=None, origin=below, geometry=disc, material=GREY)],
+        collisions=[u.Collision(name=None, origin=below, geometry=disc)],
+    )
     ranges = {"proximal": (-0.5, 1.6), "distal": (0.0, 1.9)}
     angles = [2 * pi * i / n for i in range(n)]
-    return robot(name, palm, [finger(f"finger_{i + 1}", pose((CIRCLE * cos(a), CIRCLE * sin(a), 0.0), (0.0, 0.0, a)), "z",
-                                     (0.0, -1.0, 0.0), ranges) for i, a in enumerate(angles)])
+    return robot(
+        name,
+        palm,
+        [
+            finger(
+                f"finger_{i + 1}",
+                pose((CIRCLE * cos(a), CIRCLE * sin(a), 0.0), (0.0, 0.0, a)),
+                "z",
+                (0.0, -1.0, 0.0),
+                ranges,
+            )
+            for i, a in enumerate(angles)
+        ],
+    )
 
 
 def ring(name: str, n: int) -> u.Robot:
-    """n fingers in the xy plane, pointing at the centre; their joints turn about the world's z axis."""
+    """N fingers in the xy plane, pointing at the centre; their joints turn about the world's z axis."""
     height = 0.010
     below = pose((0.0, 0.0, -2 * height))
     disc = cylinder(RING, height)
-    palm = u.Link(name="palm", inertial=inertial(0.4, cylinder_inertia(0.4, RING, height), below),
-                  visuals=[u.Visual(name=None, origin=below, geometry=disc, material=GREY)],
-                  collisions=[u.Collision(name=None, origin=below, geometry=disc)])
+    palm = u.Link(
+        name="palm",
+        inertial=inertial(0.4, cylinder_inertia(0.4, RING, height), below),
+        visuals=[u.Visual(name=None, origin=below, geometry=disc, material=GREY)],
+        collisions=[u.Collision(name=None, origin=below, geometry=disc)],
+    )
     ranges = {"proximal": (-1.2, 1.2), "distal": (-1.9, 1.9)}
     angles = [2 * pi * i / n for i in range(n)]
-    return robot(name, palm, [finger(f"finger_{i + 1}", pose((RING * cos(a), RING * sin(a), 0.0), (0.0, 0.0, a + pi)), "x",
-                                     (0.0, 0.0, 1.0), ranges) for i, a in enumerate(angles)])
+    return robot(
+        name,
+        palm,
+        [
+            finger(
+                f"finger_{i + 1}",
+                pose((RING * cos(a), RING * sin(a), 0.0), (0.0, 0.0, a + pi)),
+                "x",
+                (0.0, 0.0, 1.0),
+                ranges,
+            )
+            for i, a in enumerate(angles)
+        ],
+    )
 
 
 HANDS = {

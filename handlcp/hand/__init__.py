@@ -1,0 +1,29 @@
+"""The robot: a hand from a URDF, its postures, objects to grasp, contact detection and joint torques. Imports grasp."""
+
+from handlcp.hand.audit import Audit, Doubt, audit_urdf
+from handlcp.hand.grasp import HandGrasp, HandGraspSolution
+from handlcp.hand.hand import Hand
+from handlcp.hand.library import HANDS, example_hand
+from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.hand.state import HandState
+from handlcp.hand.torques import TorqueCheck, TorqueRow
+
+__all__ = [
+    "HANDS",
+    "Audit",
+    "Box",
+    "Cylinder",
+    "Doubt",
+    "Ellipsoid",
+    "Hand",
+    "HandGrasp",
+    "HandGraspSolution",
+    "HandState",
+    "Mesh",
+    "Object",
+    "Sphere",
+    "TorqueCheck",
+    "TorqueRow",
+    "audit_urdf",
+    "example_hand",
+]

@@ -1,4 +1,6 @@
-"""The audit: every doubt about the numbers in a URDF, and what to pass instead. Nothing here trusts a parser's silence."""
+"""The audit: every doubt about the numbers in a URDF, and what to pass instead. Nothing here trusts a parser's
+silence.
+"""
 
 from __future__ import annotations
 
@@ -81,7 +83,11 @@ def audit_urdf(path: Any, base: str | None = None) -> Audit:
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base.
     """
     root, file = read_urdf("path", path, base)
-    stiffness = Doubt("hand", "a URDF has no place for joint stiffness", "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix")
+    stiffness = Doubt(
+        "hand",
+        "a URDF has no place for joint stiffness",
+        "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix",
+    )
     return Audit(file.name, (*doubts_of(joint_facts(root)), stiffness))
 
 
@@ -92,16 +98,28 @@ def doubts_of(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> 
 
 def _efforts(facts: Sequence[JointFacts], given: set[str]) -> Iterator[Doubt]:
     asked = [f for f in facts if f.mimic is None and f.name not in given]
-    yield from _grouped((f.name for f in asked if f.effort == 0), "effort limit is zero, read as unknown",
-                        "torque_limits with the actuator's torque [N·m]")
-    yield from _grouped((f.name for f in asked if not math.isfinite(f.effort)), "effort limit is absent or infinite, read as unknown",
-                        "torque_limits with the actuator's torque [N·m]")
-    yield from _grouped((f.name for f in asked if f.effort < 0), "effort limit is negative, read as unknown",
-                        "torque_limits with the actuator's torque [N·m]")
+    yield from _grouped(
+        (f.name for f in asked if f.effort == 0),
+        "effort limit is zero, read as unknown",
+        "torque_limits with the actuator's torque [N·m]",
+    )
+    yield from _grouped(
+        (f.name for f in asked if not math.isfinite(f.effort)),
+        "effort limit is absent or infinite, read as unknown",
+        "torque_limits with the actuator's torque [N·m]",
+    )
+    yield from _grouped(
+        (f.name for f in asked if f.effort < 0),
+        "effort limit is negative, read as unknown",
+        "torque_limits with the actuator's torque [N·m]",
+    )
     values = {f.effort for f in asked}
     if len(asked) > 1 and len(values) == 1 and (value := values.pop()) in PLACEHOLDERS:
-        yield Doubt(", ".join(f.name for f in asked), f"every effort limit is {value:g} N·m: a placeholder, not a measurement",
-                    "torque_limits with the torque of each actuator [N·m]")
+        yield Doubt(
+            ", ".join(f.name for f in asked),
+            f"every effort limit is {value:g} N·m: a placeholder, not a measurement",
+            "torque_limits with the torque of each actuator [N·m]",
+        )
 
 
 def _ranges(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
@@ -111,13 +129,25 @@ def _ranges(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
         if math.isnan(f.lower) or math.isnan(f.upper):
             yield Doubt(f.name, "position limits are absent or no numbers", "a URDF with <limit lower= upper=>")
         elif f.lower > f.upper:
-            yield Doubt(f.name, f"lower limit {f.lower:g} lies above the upper limit {f.upper:g}", "a URDF with its limits in order")
+            yield Doubt(
+                f.name,
+                f"lower limit {f.lower:g} lies above the upper limit {f.upper:g}",
+                "a URDF with its limits in order",
+            )
         elif f.lower == f.upper:
-            yield Doubt(f.name, f"the joint cannot move: both limits are {f.lower:g}", "a URDF with a range, or a fixed joint")
+            yield Doubt(
+                f.name, f"the joint cannot move: both limits are {f.lower:g}", "a URDF with a range, or a fixed joint"
+            )
         elif not f.lower <= 0 <= f.upper and f.mimic is None:
-            yield Doubt(f.name, f"the neutral posture 0 lies outside the limits [{f.lower:g}, {f.upper:g}]", "q0 inside the limits (hand.neutral is)")
+            yield Doubt(
+                f.name,
+                f"the neutral posture 0 lies outside the limits [{f.lower:g}, {f.upper:g}]",
+                "q0 inside the limits (hand.neutral is)",
+            )
     wide = [f for f in facts if f.kind == "revolute" and f.upper - f.lower >= 2 * math.pi]
-    yield from _grouped((f.name for f in wide), "the range is a full turn or more, wider than a finger's", "a URDF with the real limits")
+    yield from _grouped(
+        (f.name for f in wide), "the range is a full turn or more, wider than a finger's", "a URDF with the real limits"
+    )
 
 
 def _couplings(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
@@ -128,21 +158,37 @@ def _couplings(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
         law = f"{m.multiplier:g} × {m.master} {m.offset:+g}"
         own = "torque limits and stiffness belong to the joint it follows"
         if m.master is None:
-            yield Doubt(f.name, f"mimics {m.written!r}, which is no movable joint", "a URDF whose <mimic> names a joint")
+            yield Doubt(
+                f.name, f"mimics {m.written!r}, which is no movable joint", "a URDF whose <mimic> names a joint"
+            )
         elif m.master != m.written:
-            yield Doubt(f.name, f"mimics {m.written!r}, which does not exist; read as {law}", f"a URDF that names {m.master!r}, if that is meant; {own}")
+            yield Doubt(
+                f.name,
+                f"mimics {m.written!r}, which does not exist; read as {law}",
+                f"a URDF that names {m.master!r}, if that is meant; {own}",
+            )
         else:
-            yield Doubt(f.name, f"a mimic joint (Pinocchio ignores the tag): q = {law} is built in, and it is no joint of its own", own)
+            yield Doubt(
+                f.name,
+                f"a mimic joint (Pinocchio ignores the tag): q = {law} is built in, and it is no joint of its own",
+                own,
+            )
 
 
 def _bodies(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     light = "a URDF with <inertial>; finger_weight=True counts this link as weightless"
     yield from _grouped((f.name for f in facts if math.isnan(f.mass)), "the link it moves has no <inertial>", light)
-    yield from _grouped((f.name for f in facts if f.mass <= 0), "the link it moves has a mass that is not positive", light)
+    yield from _grouped(
+        (f.name for f in facts if f.mass <= 0), "the link it moves has a mass that is not positive", light
+    )
     for f in facts:
         length = 1.0 if f.axis is None else math.hypot(*f.axis)
         if not 0 < length < math.inf:
-            yield Doubt(f.name, "the axis is zero or no number: the joint moves nothing, or everything to NaN", "a URDF with a unit axis")
+            yield Doubt(
+                f.name,
+                "the axis is zero or no number: the joint moves nothing, or everything to NaN",
+                "a URDF with a unit axis",
+            )
         elif abs(length - 1) > 1e-3:
             yield Doubt(f.name, f"the axis has the length {length:.4g}", "a URDF with a unit axis")
 

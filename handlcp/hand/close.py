@@ -1,4 +1,6 @@
-"""Closing the hand: each finger moves along the shortest way to the object until it touches, within its joint ranges."""
+"""Closing the hand: each finger moves along the shortest way to the object until it touches, within its joint
+ranges.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +25,19 @@ STALL = 60  # iterations without progress before a finger counts as stuck
 DEAD_POINT = 1e-6  # [m/rad] a finger whose joints all move the tip along the surface: bend it a little
 
 
-def close_on(hand: Hand, obj: Any, q0: Any, *, fingers: Sequence[str] | None = None, squeeze: float = 0.0,
-             tolerance: float = 1e-6) -> Array:
+def close_on(
+    hand: Hand,
+    obj: Any,
+    q0: Any,
+    *,
+    fingers: Sequence[str] | None = None,
+    squeeze: float = 0.0,
+    tolerance: float = 1e-6,
+) -> Array:
     """Flex each finger from q0 until its tip touches the object; the posture (nv,), read-only. Deterministic.
 
-    Only joints that move one fingertip alone take part, each within its range: Gauss–Newton steps δq = gap · g / |g|² with
+    Only joints that move one fingertip alone take part, each within its range: Gauss–Newton steps δq = gap · g / |g|²
+    with
     g = nᵀJ, joints at the end of their range left out. Only fingertips are looked at: links and the palm may pass through.
 
     squeeze [m]: how far the tips end up inside the object (a preload). tolerance [m]: on the gap, at the end.
@@ -37,7 +47,7 @@ def close_on(hand: Hand, obj: Any, q0: Any, *, fingers: Sequence[str] | None = N
         raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))
     squeeze, tolerance = number("squeeze", squeeze, minimum=0.0), number("tolerance", tolerance, above=0.0)
     tips = hand.tip_numbers("fingers", fingers)
-    q = np.clip(hand.posture("q0", q0), hand.lower, hand.upper)
+    q = np.clip(hand.kinematics.posture("q0", q0), hand.lower, hand.upper)
     moves = hand.moves
     alone = moves & (moves.sum(axis=0) == 1)
     open_fingers = [_Finger(hand, i, np.flatnonzero(alone[i])) for i in tips]
@@ -45,7 +55,9 @@ def close_on(hand: Hand, obj: Any, q0: Any, *, fingers: Sequence[str] | None = N
         state, going = hand.at(q), False
         for finger in open_fingers:
             if not finger.done:
-                near = nearest(hand.tip_shapes(finger.tip), state.tip_positions[finger.tip], state.tip_rotations[finger.tip], obj)
+                near = nearest(
+                    hand.tip_shapes(finger.tip), state.tip_positions[finger.tip], state.tip_rotations[finger.tip], obj
+                )
                 J = state.jacobian_at(near.tip_point[None], (finger.tip,))[0][:, finger.joints]
                 finger.step(q, near.gap + squeeze, near.normal @ J, tolerance)
                 going |= not finger.done
@@ -53,7 +65,9 @@ def close_on(hand: Hand, obj: Any, q0: Any, *, fingers: Sequence[str] | None = N
             break
     far = {hand.fingertips[f.tip]: f.gap for f in open_fingers if abs(f.gap) > tolerance}
     if far:
-        lost = NotReached("obj", f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)", far)
+        lost = NotReached(
+            "obj", f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)", far
+        )
         lost.q = read_only(q)  # type: ignore[attr-defined]
         raise lost
     return read_only(q)

@@ -26,7 +26,8 @@ GJK_ITERATIONS = 1000
 class Proximity:
     """How a fingertip stands to an object: world axes, metres.
 
-    gap : signed distance, negative when they overlap. position : (3,) on the object's surface. tip_point : (3,) on the fingertip's
+    gap : signed distance, negative when they overlap. position : (3,) on the object's surface. tip_point : (3,) on the
+        fingertip's
     surface. normal : (3,) unit, from the tip into the object.
     """
 
@@ -57,13 +58,17 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
             distance, x, outward = known
             return Proximity(distance - shape.radius, x, p - shape.radius * outward, -outward)
     elif obj.triangles is not None:
-        raise InputError("tip_radius", "spherical fingertips for an object that is not convex", f"a {type(shape.geometry).__name__}")
+        raise InputError(
+            "tip_radius", "spherical fingertips for an object that is not convex", f"a {type(shape.geometry).__name__}"
+        )
     gap, on_tip, on_object, normal = _ask(shape.geometry, coal.Transform3s(R, p), obj)
     return Proximity(gap, on_object, on_tip, normal)
 
 
 def _to_triangles(p: Array, obj: Object, triangles: Array) -> tuple[float, Array, Array]:
-    """Signed distance of a point to a closed surface: coal's distance with a ball too small to overlap, signed by the winding."""
+    """Signed distance of a point to a closed surface: coal's distance with a ball too small to overlap, signed by the
+    winding.
+    """
     tiny = 1e-9 * float(np.ptp(triangles, axis=(0, 1)).max())
     distance, _, x, normal = _ask(coal.Sphere(tiny), coal.Transform3s(np.eye(3), p), obj)
     local = obj.placement.actInv(p)

@@ -1,4 +1,6 @@
-"""What a URDF (or a Pinocchio model) says about each joint, as plain values: the ground for limits, coupling and audit."""
+"""What a URDF (or a Pinocchio model) says about each joint, as plain values: the ground for limits, coupling and
+audit.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ __all__ = ["Coupling", "JointFacts", "Mimic", "couple", "joint_facts", "model_fa
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """q = multiplier · q[master] + offset; `written` is the name in the tag, `master` the joint it means (None: none fits)."""
+    """q = multiplier · q[master] + offset; `written` is the name in the tag, `master` the joint it means (None: none
+    fits).
+    """
 
     written: str
     master: str | None
@@ -27,7 +31,9 @@ class Mimic:
 
 @dataclass(frozen=True, slots=True)
 class JointFacts:
-    """One movable joint as written. Numbers that are absent or no numbers are NaN; lengths in m or rad, efforts in N·m or N."""
+    """One movable joint as written. Numbers that are absent or no numbers are NaN; lengths in m or rad, efforts in N·m
+    or N.
+    """
 
     name: str
     kind: str
@@ -41,7 +47,9 @@ class JointFacts:
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
-    """q_full = C q + offset, over the movable joints in Pinocchio's order; `independent` are the positions that stay free."""
+    """q_full = C q + offset, over the movable joints in Pinocchio's order; `independent` are the positions that stay
+    free.
+    """
 
     C: Array
     offset: Array
@@ -54,8 +62,11 @@ def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
     masses = {link.get("name", ""): _number(link.find("inertial/mass"), "value") for link in root.findall("link")}
     joints = [j for j in root.findall("joint") if j.get("type") not in (None, "fixed")]
     names = [j.get("name", "") for j in joints]
-    above = {c.get("link"): (p.get("link"), j.get("name", ""))
-             for j in root.findall("joint") if (c := j.find("child")) is not None and (p := j.find("parent")) is not None}
+    above = {
+        c.get("link"): (p.get("link"), j.get("name", ""))
+        for j in root.findall("joint")
+        if (c := j.find("child")) is not None and (p := j.find("parent")) is not None
+    }
 
     def ancestors(joint: ET.Element) -> set[str]:
         found, link = set(), getattr(joint.find("parent"), "attrib", {}).get("link")
@@ -71,30 +82,59 @@ def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
         mimic = None
         if tag is not None:
             written = tag.get("joint", "")
-            mimic = Mimic(written, _master(written, name, names, ancestors(joint)), _number(tag, "multiplier", 1.0), _number(tag, "offset", 0.0))
-        return JointFacts(name, joint.get("type", ""), _number(limit, "lower", 0.0), _number(limit, "upper", 0.0), _number(limit, "effort"),
-                          axis, mimic, masses.get("" if child is None else child.get("link", ""), math.nan))
+            mimic = Mimic(
+                written,
+                _master(written, name, names, ancestors(joint)),
+                _number(tag, "multiplier", 1.0),
+                _number(tag, "offset", 0.0),
+            )
+        return JointFacts(
+            name,
+            joint.get("type", ""),
+            _number(limit, "lower", 0.0),
+            _number(limit, "upper", 0.0),
+            _number(limit, "effort"),
+            axis,
+            mimic,
+            masses.get("" if child is None else child.get("link", ""), math.nan),
+        )
 
     return tuple(facts(joint) for joint in joints)
 
 
 def model_facts(model: Any) -> tuple[JointFacts, ...]:
-    """The same from a `pinocchio.Model`, which knows nothing of mimic tags, missing inertials or the axes as written."""
+    """The same from a `pinocchio.Model`, which knows nothing of mimic tags, missing inertials or the axes as
+    written.
+    """
     found = []
     for i, joint in enumerate(model.joints):
         if i and joint.nv == 1:
             bounded = joint.nq == 1
             lower = float(model.lowerPositionLimit[joint.idx_q]) if bounded else math.nan
             upper = float(model.upperPositionLimit[joint.idx_q]) if bounded else math.nan
-            kind = "continuous" if not bounded else "prismatic" if joint.shortname().startswith("JointModelP") else "revolute"
+            kind = (
+                "continuous"
+                if not bounded
+                else "prismatic"
+                if joint.shortname().startswith("JointModelP")
+                else "revolute"
+            )
             effort = float(model.upperEffortLimit[joint.idx_v])
-            found.append(JointFacts(model.names[i], kind, lower, upper, effort, None, None, float(model.inertias[i].mass)))
+            found.append(
+                JointFacts(model.names[i], kind, lower, upper, effort, None, None, float(model.inertias[i].mass))
+            )
     return tuple(found)
 
 
 def movable_joints(argument: str, model: Any) -> tuple[str, ...]:
-    """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one degree of freedom."""
-    joints = [(joint.idx_v, model.names[i], joint.nv, joint.shortname()) for i, joint in enumerate(model.joints) if i and joint.nv]
+    """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one degree
+    of freedom.
+    """
+    joints = [
+        (joint.idx_v, model.names[i], joint.nv, joint.shortname())
+        for i, joint in enumerate(model.joints)
+        if i and joint.nv
+    ]
     wrong = [f"{name!r} ({kind}, {nv})" for _, name, nv, kind in joints if nv != 1]
     if wrong:
         raise URDFError(argument, "joints of one degree of freedom (revolute, continuous, prismatic)", ", ".join(wrong))
@@ -114,10 +154,15 @@ def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...])
         factor, shift, at, seen = 1.0, 0.0, name, {name}
         while (mimic := mimics.get(at)) is not None:
             if mimic.master is None:
-                raise URDFError(argument, f"<mimic> tags that name movable joints among [{', '.join(names)}]",
-                                f"{at!r} mimicking {mimic.written!r}")
+                raise URDFError(
+                    argument,
+                    f"<mimic> tags that name movable joints among [{', '.join(names)}]",
+                    f"{at!r} mimicking {mimic.written!r}",
+                )
             if not (math.isfinite(mimic.multiplier) and math.isfinite(mimic.offset)):
-                raise URDFError(argument, "<mimic> tags with finite numbers", f"{at!r}: × {mimic.multiplier} + {mimic.offset}")
+                raise URDFError(
+                    argument, "<mimic> tags with finite numbers", f"{at!r}: × {mimic.multiplier} + {mimic.offset}"
+                )
             if mimic.master in seen:
                 raise URDFError(argument, "<mimic> tags that end at a free joint", f"a circle through {at!r}")
             shift += factor * mimic.offset
@@ -130,8 +175,11 @@ def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...])
 
 
 def _master(written: str, name: str, names: list[str], ancestors: set[str]) -> str | None:
-    """The joint a tag means. Prefixed copies of a hand often keep the unprefixed name in the tag ("Left_index_q2" mimics
-    "index_q1"): then it is the one joint that ends in the name, the one further up the same finger if there are several."""
+    """The joint a tag means. Prefixed copies of a hand often keep the unprefixed name in the tag ("Left_index_q2"
+    mimics
+    "index_q1"): then it is the one joint that ends in the name, the one further up the same finger if there are
+    several.
+    """
     if written in names:
         return written
     if not written:

@@ -36,8 +36,10 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
 
 
 def psyonic() -> tuple[Path, Path]:
-    """URDF file and package folder of the Alex robot that wears the psyonic hands: cut it at "LeftPsyonicAbilityBaseLink" or
-    "RightPsyonicAbilityBaseLink". Raises URDFError."""
+    """URDF file and package folder of the Alex robot that wears the psyonic hands: cut it at
+    "LeftPsyonicAbilityBaseLink" or
+    "RightPsyonicAbilityBaseLink". Raises URDFError.
+    """
     return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
 
 
@@ -45,7 +47,8 @@ def example_hand(name: str, **overrides: Any) -> Hand:
     """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults:
 
     joint stiffness 1 N·m/rad (a number of the right size, not a measurement), pad flexibility 1e-4 m/N, tip radius 8 mm (Allegro:
-    12 mm, as in its URDF), torque limits 0.8 and 0.4 N·m as in the shipped URDFs (Allegro: 0.7 N·m; psyonic: its URDF's). Raises UnknownName.
+    12 mm, as in its URDF), torque limits 0.8 and 0.4 N·m as in the shipped URDFs (Allegro: 0.7 N·m; psyonic: its
+    URDF's). Raises UnknownName.
     """
     if name not in HANDS:
         raise UnknownName("name", "an example hand", [str(name)], HANDS)
@@ -55,16 +58,25 @@ def example_hand(name: str, **overrides: Any) -> Hand:
 
 def _allegro() -> tuple[Path, dict[str, Any]]:
     file, share = allegro()
-    # The URDF says 15 N·m for every joint, a placeholder. The maker's data sheet for the Allegro Hand V4 (Wonik Robotics) gives
+    # The URDF says 15 N·m for every joint, a placeholder. The maker's data sheet for the Allegro Hand V4 (Wonik
+    # Robotics) gives
     # 0.70 N·m as the maximum torque of a joint.
-    return file, {"package_dirs": share, "torque_limits": 0.7, "tip_radius": 0.012,
-                  "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"]}
+    return file, {
+        "package_dirs": share,
+        "torque_limits": 0.7,
+        "tip_radius": 0.012,
+        "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"],
+    }
 
 
 def _psyonic() -> tuple[Path, dict[str, Any]]:
     file, share = psyonic()
-    return file, {"package_dirs": share, "base": "LeftPsyonicAbilityBaseLink", "tip_radius": 0.008,
-                  "fingertips": [f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")]}
+    return file, {
+        "package_dirs": share,
+        "base": "LeftPsyonicAbilityBaseLink",
+        "tip_radius": 0.008,
+        "fingertips": [f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")],
+    }
 
 
 _EXAMPLES: dict[str, Callable[[], tuple[Path, dict[str, Any]]]] = {"allegro": _allegro, "psyonic": _psyonic}
@@ -75,7 +87,9 @@ def _robot_data(path: str) -> tuple[Path, Path]:
     try:
         share = Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
     except metadata.PackageNotFoundError:
-        raise URDFError("name", "the package example-robot-data (pip install example-robot-data)", "it is not installed") from None
+        raise URDFError(
+            "name", "the package example-robot-data (pip install example-robot-data)", "it is not installed"
+        ) from None
     file = share / "example-robot-data" / "robots" / path
     if not file.is_file():
         raise URDFError("name", "a file of example-robot-data", f"{str(file)!r}, which does not exist")

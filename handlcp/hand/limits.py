@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from handlcp.errors import InputError
 from handlcp.hand.joints import Coupling, JointFacts
 from handlcp.hand.stiffness import per_name
 
-__all__ = ["read_ranges", "read_torque_limits"]
+__all__ = ["TorqueLimits", "read_ranges", "read_torque_limits"]
 
 
 def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling: Coupling) -> tuple[Array, Array]:
@@ -34,33 +35,38 @@ def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling:
     return read_only(lower), read_only(upper)
 
 
-def read_torque_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> tuple[Array, tuple[bool, ...], tuple[bool, ...]]:
-    """(nv,) torque limits [N·m] (N for a prismatic joint), which of them are known, and which the user gave.
+@dataclass(frozen=True, slots=True)
+class TorqueLimits:
+    """limits : (nv,) [N·m], inf for none. known : nv booleans. given : the joints whose limit the user passed."""
 
-    `value`: None (the URDF's efforts), a number, a mapping by joint name (over the URDF's), or (nv,). A URDF effort that is zero,
-    infinite or absent counts as unknown (inf here); an inf that the user gives is known: no limit.
+    limits: Array
+    known: tuple[bool, ...]
+    given: tuple[str, ...]
+
+
+def read_torque_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
+    """None (the URDF's efforts), a number, a mapping by joint name (over the URDF's), or (nv,) [N·m].
+
+    A URDF effort that is zero, negative, infinite or absent counts as unknown; an inf that the user gives is known: no
+    limit.
     Raises InputError for limits that are not positive; UnknownName.
     """
-    argument = "torque_limits"
-    given: dict[str, Any]
-    if value is None:
-        given = {}
-    elif isinstance(value, Mapping):
-        given = per_name(argument, value, joints, "a joint")
-    elif np.ndim(value) == 0:
-        given = dict.fromkeys(joints, value)
-    else:
+    argument, given = "torque_limits", dict[str, float]()
+    if isinstance(value, Mapping):
+        named = per_name(argument, value, joints, "a joint")
+        given = {joint: number(f"{argument}[{joint!r}]", v, above=0.0, finite=False) for joint, v in named.items()}
+    elif isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str) and np.ndim(value):
         if np.shape(value) != (len(joints),):
-            raise InputError(argument, f"{len(joints)} values, one for each of {', '.join(joints)}", f"shape {np.shape(value)}")
-        given = dict(zip(joints, value, strict=True))
-    limits = []
-    for joint in joints:
-        effort = facts[joint].effort
-        if joint in given:
-            label = f"{argument}[{joint!r}]" if np.ndim(value) or isinstance(value, Mapping) else argument
-            limits.append(number(label, given[joint], above=0.0, finite=False))
-        else:
-            limits.append(effort if np.isfinite(effort) and effort > 0 else np.inf)
-    chosen = tuple(joint in given for joint in joints)
-    known = tuple(by_user or bool(np.isfinite(limit)) for by_user, limit in zip(chosen, limits, strict=True))
-    return read_only(np.array(limits)), known, chosen
+            raise InputError(
+                argument, f"{len(joints)} values, one for each of {', '.join(joints)}", f"shape {np.shape(value)}"
+            )
+        given = {
+            j: number(f"{argument}[{j!r}]", v, above=0.0, finite=False) for j, v in zip(joints, value, strict=True)
+        }
+    elif value is not None:
+        given = dict.fromkeys(joints, number(argument, value, above=0.0, finite=False))
+    efforts = {joint: facts[joint].effort for joint in joints}
+    written = {joint: effort if np.isfinite(effort) and effort > 0 else np.inf for joint, effort in efforts.items()}
+    limits = np.array([given.get(joint, written[joint]) for joint in joints], dtype=float)
+    known = tuple(joint in given or bool(np.isfinite(written[joint])) for joint in joints)
+    return TorqueLimits(read_only(limits), known, tuple(given))

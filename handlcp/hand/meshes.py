@@ -1,6 +1,7 @@
 """Mesh files through coal: the hull of a convex mesh, the triangles of one that is not.
 
-Measured on coal 3.0.3: the distance between a sphere and a triangle mesh is wrong once they overlap (-3.9 mm for -5 mm), and
+Measured on coal 3.0.3: the distance between a sphere and a triangle mesh is wrong once they overlap (-3.9 mm for -5
+mm), and
 right for a sphere too small to overlap; so a mesh that is not convex is asked about points only.
 """
 
@@ -24,7 +25,9 @@ CONVEX = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class MeshShape:
-    """geometry: coal's hull if convex, else its triangle tree; triangles (m, 3, 3) [m]; centre of the enclosed volume (3,)."""
+    """geometry: coal's hull if convex, else its triangle tree; triangles (m, 3, 3) [m]; centre of the enclosed volume
+    (3,).
+    """
 
     geometry: Any
     triangles: Array
@@ -64,7 +67,7 @@ def load_mesh(argument: str, path: Any, scale: Array) -> MeshShape:
 
 
 def hull(tree: Any) -> Any:
-    """coal's convex hull of a triangle tree."""
+    """Coal's convex hull of a triangle tree."""
     tree.buildConvexHull(True, "Qt")
     return tree.convex
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import coal
 import numpy as np
@@ -54,11 +54,14 @@ class Object:
 
     def moved_to(self, placement: Any) -> Object:
         """The same object at another placement (pin.SE3 or position)."""
-        return type(self)(*self._args, placement, self.mass)
+        make: Any = type(self)
+        return cast(Object, make(*self._args, placement, self.mass))
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
-        """Signed distance of a world point, the nearest surface point and the outward normal there, where this class knows better
-        than coal; None: ask coal."""
+        """Signed distance of a world point, the nearest surface point and the outward normal there, where this class
+        knows better
+        than coal; None: ask coal.
+        """
         return None
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -98,7 +101,9 @@ class Cylinder(Object):
 
     def __init__(self, radius: Any, length: Any, placement: Any = None, mass: Any = 0.0) -> None:
         self.radius, self.length = number("radius", radius, above=0.0), number("length", length, above=0.0)
-        super().__init__(coal.Cylinder(self.radius, self.length), placement, mass, (0, 0, 0), (self.radius, self.length))
+        super().__init__(
+            coal.Cylinder(self.radius, self.length), placement, mass, (0, 0, 0), (self.radius, self.length)
+        )
 
 
 class Ellipsoid(Object):
@@ -115,7 +120,9 @@ class Ellipsoid(Object):
         super().__init__(coal.Ellipsoid(*self.radii), placement, mass, (0, 0, 0), (self.radii,))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Nearest point x = a² c / (t + a²) with |x / a| = 1: the root t by Newton on a convex function, from its left side."""
+        """Nearest point x = a² c / (t + a²) with |x / a| = 1: the root t by Newton on a convex function, from its left
+        side.
+        """
         R, p = self._placement.rotation, self._placement.translation
         squares = self.radii * self.radii
         c = R.T @ (point - p)
@@ -141,7 +148,8 @@ class Ellipsoid(Object):
 class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …), in metres after `scale` (a number or (3,)).
 
-    A convex mesh is held as its hull, exact for every fingertip. One that is not convex is held as its triangles: contact with
+    A convex mesh is held as its hull, exact for every fingertip. One that is not convex is held as its triangles:
+    contact with
     spherical fingertips only, and the surface has to be closed. The centre of mass is that of the enclosed volume.
     """
 
@@ -162,7 +170,9 @@ def read_placement(value: Any) -> Any:
     if value is None:
         return pin.SE3.Identity()
     if isinstance(value, pin.SE3):
-        if not (np.isfinite(value.homogeneous).all() and abs(value.rotation.T @ value.rotation - np.eye(3)).max() < 1e-6):
+        if not (
+            np.isfinite(value.homogeneous).all() and abs(value.rotation.T @ value.rotation - np.eye(3)).max() < 1e-6
+        ):
             raise InputError("placement", "an SE3 with a rotation and finite numbers", repr(value.homogeneous.tolist()))
         return value.copy()
     return pin.SE3(np.eye(3), array("placement", value, (3,), what="a pin.SE3 or a position: finite numbers"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,13 +10,13 @@ import numpy as np
 from handlcp.check import Array, array, read_only
 
 if TYPE_CHECKING:
-    from handlcp.grasp.friction import Friction
     from handlcp.hand.grasp import HandGrasp
     from handlcp.hand.hand import Hand
 
 __all__ = ["HandState"]
 
-# Rows of v + ω × p as a linear map of the world Jacobian (v; ω): three rows of v, then those that x, y and z of p multiply.
+# Rows of v + ω × p as a linear map of the world Jacobian (v; ω): three rows of v, then those that x, y and z of p
+# multiply.
 _SPREAD = np.zeros((12, 6))
 _SPREAD[:3, :3] = np.eye(3)
 _SPREAD[[4, 5], [5, 4]] = 1.0, -1.0  # x: (0, ω_z, -ω_y)
@@ -41,7 +41,9 @@ class HandState:
     tip_rotations: Array
 
     def __init__(self, hand: Hand, q: Array, placements: Array, columns: Array) -> None:
-        """From `Hand.at`: placements (n, 4, 4) of the tips, columns (6, joints) of the world Jacobian, linear part first."""
+        """From `Hand.at`: placements (n, 4, 4) of the tips, columns (6, joints) of the world Jacobian, linear part
+        first.
+        """
         self.hand, self.q = hand, q
         self.tip_positions = read_only(placements[:, :3, 3])
         self.tip_rotations = read_only(placements[:, :3, :3])
@@ -53,37 +55,74 @@ class HandState:
     def jacobian(self) -> Array:
         """(3n, nv) translational Jacobian of the tip origins, world axes."""
         if self._jacobian is None:
-            self._jacobian = read_only(self.jacobian_at(self.tip_positions, self.hand.every_tip).reshape(-1, self.hand.nv))
+            self._jacobian = read_only(
+                self.jacobian_at(self.tip_positions, self.hand.tips.every).reshape(-1, self.hand.nv)
+            )
         return self._jacobian
 
     @property
     def flexibility(self) -> Array:
-        """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes; the pads' own blocks included."""
+        """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes; the pads' own blocks
+        included.
+        """
         if self._flexibility is None:
             E = self.hand.stiffness.compliance(self.jacobian)
-            self.hand.add_pads(E, self.tip_rotations, self.hand.every_tip)
+            self.hand.pads.add_to(E, self.tip_rotations, self.hand.tips.every)
             self._flexibility = read_only(E)
         return self._flexibility
 
     def jacobian_at(self, points: Array, tips: Sequence[int]) -> Array:
-        """(m, 3, nv) Jacobian of points (m, 3) that move rigidly with the tips numbered `tips`: v + ω × p, joint by joint."""
+        """(m, 3, nv) Jacobian of points (m, 3) that move rigidly with the tips numbered `tips`: v + ω × p, joint by
+        joint.
+        """
         spread, hand = self._spread, self.hand
         J = (points @ spread[1:] + spread[0]).reshape(len(points), 3, -1)
-        J *= hand.support if tips is hand.every_tip else hand.support[list(tips)]
-        return J if hand.coupling is None else J @ hand.coupling
+        J *= hand.tips.support if tips is hand.tips.every else hand.tips.support[list(tips)]
+        coupling = hand.kinematics.coupling
+        return J if coupling is None else np.asarray(J @ coupling)
 
     def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
-        """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,) [m/s²] world axes."""
-        return self.hand.gravity_torque(self.q, array("gravity", gravity, (3,)))
+        """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,) [m/s²]
+        world axes.
+        """
+        return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
 
-    def grasp(self, target: Any, friction: Friction | None = None, wrench: Any = None, gravity: Any = (0.0, 0.0, -9.81),
-              preload: Any = 0.0, *, offset: Any = None, reference: Any = None, fingers: Sequence[str] | None = None,
-              max_gap: float = 1e-3, effects: Sequence[Any] = (), finger_weight: bool = False) -> HandGrasp:
-        """The grasp of an object, or of contacts given one by one; see `handlcp.hand.grasp.grasp` for every argument."""
+    def grasp(
+        self,
+        target: Any,
+        friction: Any = None,
+        wrench: Any = None,
+        gravity: Any = (0.0, 0.0, -9.81),
+        preload: Any = 0.0,
+        *,
+        offset: Any = None,
+        reference: Any = None,
+        fingers: Sequence[str] | None = None,
+        max_gap: float = 1e-3,
+        effects: Iterable[Any] = (),
+        finger_weight: bool = False,
+        plane: Any = None,
+    ) -> HandGrasp:
+        """The grasp of an object, or of contacts given one by one; `handlcp.hand.grasp.grasp` explains the
+        arguments.
+        """
         from handlcp.hand.grasp import grasp
 
-        return grasp(self, target, friction, wrench, gravity, preload, offset=offset, reference=reference, fingers=fingers,
-                     max_gap=max_gap, effects=effects, finger_weight=finger_weight)
+        return grasp(
+            self,
+            target,
+            friction,
+            wrench,
+            gravity,
+            preload,
+            offset=offset,
+            reference=reference,
+            fingers=fingers,
+            max_gap=max_gap,
+            effects=effects,
+            finger_weight=finger_weight,
+            plane=plane,
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the call that made it."""

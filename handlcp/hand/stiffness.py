@@ -1,4 +1,4 @@
-"""Joint stiffness and fingertip flexibility: what users pass, turned into arrays once."""
+"""Joint stiffness: what users pass, turned into a factor once."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtrs
 
-from handlcp.check import Array, array, number, psd, read_only, spd
+from handlcp.check import Array, array, number, read_only, spd
 from handlcp.errors import InputError, UnknownName
 
-__all__ = ["JointStiffness", "per_name", "read_pads", "read_stiffness"]
+__all__ = ["JointStiffness", "per_name", "read_stiffness"]
 
 
 class JointStiffness:
     """K over the independent joints, kept as a factor of its inverse; a rigid joint deflects by nothing.
 
-    `matrix`: (nv, nv) [N·m/rad]; the diagonal holds inf for rigid joints. `uniform`: one number was given for all joints.
+    `matrix`: (nv, nv) [N·m/rad]; the diagonal holds inf for rigid joints. `uniform`: one number was given for all
+    joints.
     """
 
     __slots__ = ("_factor", "_root", "matrix", "uniform")
@@ -47,7 +48,8 @@ class JointStiffness:
 
 
 def read_stiffness(value: Any, joints: Sequence[str]) -> JointStiffness:
-    """A number, a mapping by joint name (all of them), (nv,) or a full SPD matrix (nv, nv) [N·m/rad]; None or inf is rigid.
+    """A number, a mapping by joint name (all of them), (nv,) or a full SPD matrix (nv, nv) [N·m/rad]; None or inf is
+    rigid.
 
     Raises InputError (a stiffness that is not positive, a matrix that is not SPD, a joint left out), UnknownName.
     """
@@ -56,7 +58,11 @@ def read_stiffness(value: Any, joints: Sequence[str]) -> JointStiffness:
         values = per_name(argument, value, joints, "a joint")
         missing = [name for name in joints if name not in values]
         if missing:
-            raise InputError(argument, f"a stiffness for every joint (numpy.inf: rigid), {', '.join(missing)} included", f"only {sorted(values)}")
+            raise InputError(
+                argument,
+                f"a stiffness for every joint (numpy.inf: rigid), {', '.join(missing)} included",
+                f"only {sorted(values)}",
+            )
         return JointStiffness(np.diag([_stiffness(f"{argument}[{name!r}]", values[name]) for name in joints]))
     if value is None or isinstance(value, (int, float)) or np.ndim(value) == 0:
         return JointStiffness(np.diag(np.full(n, _stiffness(argument, value))), uniform=True)
@@ -64,23 +70,9 @@ def read_stiffness(value: Any, joints: Sequence[str]) -> JointStiffness:
         if len(value) != n:
             raise InputError(argument, f"{n} values, one for each of {', '.join(joints)}", f"{len(value)} of them")
         return JointStiffness(np.diag([_stiffness(f"{argument}[{i}]", k) for i, k in enumerate(value)]))
-    return JointStiffness(spd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,")).copy())
-
-
-def read_pads(value: Any, tips: Sequence[str]) -> Array:
-    """(n, 3, 3) fingertip flexibility [m/N], tip axes: from a number, (3,), (3, 3), (n, 3, 3), or a mapping by tip name.
-
-    Tips that a mapping leaves out are rigid. Raises InputError for anything not positive semidefinite; UnknownName.
-    """
-    argument, n = "pad_flexibility", len(tips)
-    if isinstance(value, Mapping):
-        values = per_name(argument, value, tips, "a fingertip")
-        blocks = [_pad(f"{argument}[{tip!r}]", values.get(tip, 0.0)) for tip in tips]
-        return read_only(np.array(blocks))
-    if np.ndim(value) == 3:
-        stack = array(argument, value, (n, 3, 3))
-        return read_only(np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
-    return read_only(np.tile(_pad(argument, value), (n, 1, 1)))
+    return JointStiffness(
+        spd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,")).copy()
+    )
 
 
 def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:
@@ -96,11 +88,8 @@ def _stiffness(argument: str, value: Any) -> float:
 
 
 def _is_vector(value: Any) -> bool:
-    return isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes)) and all(v is None or np.ndim(v) == 0 for v in value)
-
-
-def _pad(argument: str, value: Any) -> Array:
-    if isinstance(value, (str, bytes, bool)) or value is None:
-        raise InputError(argument, "a flexibility [m/N]: a number, (3,) or (3, 3)", repr(value))
-    a = array(argument, value, (), (3,), (3, 3))
-    return psd(argument, np.eye(3) * a if a.ndim < 2 else a)
+    return (
+        isinstance(value, (Sequence, np.ndarray))
+        and not isinstance(value, (str, bytes))
+        and all(v is None or np.ndim(v) == 0 for v in value)
+    )

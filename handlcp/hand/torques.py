@@ -28,10 +28,12 @@ class TorqueCheck:
     """Torques against limits; iterates over `TorqueRow`s and prints as a table.
 
     joints : nv names. torque : (nv,) [N·m]. limit : (nv,) [N·m], inf where there is none or none is known.
-    utilisation : (nv,) |torque| / limit, a finite number always (NaN if the torque is): 0 where the limit is infinite or unknown.
+    utilisation : (nv,) |torque| / limit, a finite number always (NaN if the torque is): 0 where the limit is infinite
+        or unknown.
     known : nv booleans. unknown : names of the joints without a known limit.
     binding : the joint with the highest utilisation among the known limits; None when no limit is known.
-    ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf for none).
+    ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf for
+        none).
     """
 
     joints: tuple[str, ...]
@@ -68,14 +70,17 @@ class TorqueCheck:
 
     def __getitem__(self, joint: str) -> TorqueRow:
         """The row of a joint, by name."""
-        return next(row for row in self if row.joint == joint) if joint in self.joints else _no_joint(joint, self.joints)
+        return (
+            next(row for row in self if row.joint == joint) if joint in self.joints else _no_joint(joint, self.joints)
+        )
 
     def __str__(self) -> str:
         """A plain table."""
         width = max(5, *(len(name) for name in self.joints))
         lines = [f"{'joint':<{width}}  torque [N·m]  limit [N·m]  utilisation"]
-        lines += [f"{r.joint:<{width}}  {r.torque:12.4f}  {_limit(r):>11}  {_share(r):>11}{'  ← binding' if r.joint == self.binding else ''}"
-                  for r in self]
+        for r in self:
+            mark = "  ← binding" if r.joint == self.binding else ""
+            lines.append(f"{r.joint:<{width}}  {r.torque:12.4f}  {_limit(r):>11}  {_share(r):>11}{mark}")
         return "\n".join([*lines, self.verdict])
 
     @property

@@ -25,7 +25,8 @@ _FD2 = threading.Lock()
 
 
 def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.Element, Path]:
-    """The <robot> element of the file `source`, cut down to the links below `base` (that link included), and the file's path.
+    """The <robot> element of the file `source`, cut down to the links below `base` (that link included), and the file's
+    path.
 
     Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for an unknown base.
     """
@@ -34,7 +35,11 @@ def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.E
     except TypeError:
         raise InputError(argument, "the path of a URDF file or a pinocchio.Model", repr(source)) from None
     if not path.is_file():
-        raise URDFError(argument, "the path of a URDF file", f"{str(path)!r}, which {'is no file' if path.exists() else 'does not exist'}")
+        raise URDFError(
+            argument,
+            "the path of a URDF file",
+            f"{str(path)!r}, which {'is no file' if path.exists() else 'does not exist'}",
+        )
     try:
         root = ET.fromstring(path.read_bytes())
     except ET.ParseError as error:
@@ -80,7 +85,9 @@ def build_model(argument: str, root: ET.Element, label: str) -> Any:
 
 def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
     """The folders where package:// addresses are looked up: those given, the URDF's own, ROS_PACKAGE_PATH."""
-    given: Sequence[Any] = () if package_dirs is None else [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
+    given: Sequence[Any] = (
+        () if package_dirs is None else [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
+    )
     try:
         folders = [Path(folder) for folder in given]
     except TypeError:

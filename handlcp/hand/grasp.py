@@ -1,0 +1,232 @@
+"""A hand's grasp: contacts where the fingertips are, flexibility and Jacobians turned into contact axes, torques read
+off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+from handlcp.check import Array, array, number, read_only
+from handlcp.errors import InputError, NotReached
+from handlcp.grasp import arguments
+from handlcp.grasp.contact import Contact
+from handlcp.grasp.friction import Coulomb, Friction, Frictionless
+from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.grasp import _in_plane as in_plane
+from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.solution import GraspSolution
+from handlcp.hand.detect import nearest
+from handlcp.hand.objects import Object
+from handlcp.hand.state import HandState
+from handlcp.hand.stiffness import per_name
+from handlcp.hand.torques import TorqueCheck, torque_check
+from handlcp.lcp import Auto, Solver
+
+__all__ = ["HandGrasp", "HandGraspSolution", "grasp"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandGraspSolution(GraspSolution):
+    """A `GraspSolution` with what the joints have to do; NaN where there is no answer.
+
+    torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
+    joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces.
+    torque_check : joint by joint torque, limit, utilisation, and the binding joint.
+    """
+
+    torques: Array
+    joint_deflection: Array
+    torque_check: TorqueCheck
+
+    def __str__(self) -> str:
+        """The grasp, then the joints."""
+        text = super().__str__()
+        return f"{text}\n{self.torque_check}" if self.held else text
+
+
+class HandGrasp(Grasp):
+    """A `Grasp` that knows its hand. Made by `state.grasp(...)`.
+
+    state : the posture. fingertips : n names. target : the object, or None for contacts given one by one.
+    jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints.
+    gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
+    """
+
+    state: HandState
+    fingertips: tuple[str, ...]
+    target: Object | None
+    jacobian: Array
+    gravity_torque: Array
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        """Not called: a hand's grasp is made from a posture."""
+        raise TypeError("make a HandGrasp with hand.at(q).grasp(...)")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(n,) the fingertips' names."""
+        return self.fingertips
+
+    def solve(
+        self, faces: int | str | Pyramid = 8, solver: Solver | Auto | None = None, throw: bool = True
+    ) -> HandGraspSolution:
+        """As `Grasp.solve`, with torques."""
+        return cast(HandGraspSolution, super().solve(faces, solver, throw))
+
+    def _solution(self, *parts: Any) -> HandGraspSolution:
+        solution = super()._solution(*parts)
+        hand = self.state.hand
+        torque = solution.forces.reshape(-1) @ self.jacobian
+        total = read_only(torque + self.gravity_torque)
+        check = torque_check(hand.joint_names, total, hand.torques.limits, hand.torques.known)
+        deflection = read_only(hand.stiffness.deflection(torque))
+        return HandGraspSolution(**vars(solution), torques=total, joint_deflection=deflection, torque_check=check)
+
+
+def grasp(
+    state: HandState,
+    target: Any,
+    friction: Any = None,
+    wrench: Any = None,
+    gravity: Any = (0.0, 0.0, -9.81),
+    preload: Any = 0.0,
+    *,
+    offset: Any = None,
+    reference: Any = None,
+    fingers: Sequence[str] | None = None,
+    max_gap: Any = 1e-3,
+    effects: Iterable[Any] = (),
+    finger_weight: bool = False,
+    plane: Any = None,
+) -> HandGrasp:
+    """The grasp of an object by a hand in a posture.
+
+    target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected, and a
+        fingertip
+        that overlaps the object is preloaded by the overlap. Or contacts, a sequence with one for each finger, or a
+        mapping by fingertip name: each moves rigidly with its fingertip, and is taken as touching.
+    friction : of all contacts with an object, or a mapping by fingertip name; None: Coulomb(0.6). Contacts bring their
+        own.
+    wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
+    gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
+    preload : [m] a number or (n,), more squeeze of the normals. offset : (n, 3) [m], contact axes, as in `Grasp`.
+    reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
+    fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
+    max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
+    effects, plane : as in `Grasp`. finger_weight : add the fingers' own weight to the torques.
+
+    Raises NotReached (naming each finger and its gap), UnknownName, InputError.
+    """
+    hand = state.hand
+    obj = target if isinstance(target, Object) else None
+    if obj is not None:
+        tips = hand.tip_numbers("fingers", fingers)
+        contacts, gaps = _detect(state, tips, obj, friction, number("max_gap", max_gap, minimum=0.0))
+    else:
+        tips, contacts = _given(state, target, fingers, friction)
+        gaps = None
+    n = len(contacts)
+    positions = np.array([c.position for c in contacts])
+    frames = np.array([c.rotation for c in contacts])
+    normal = arguments.plane(plane, contacts, positions, frames)
+    if normal is not None:
+        frames = in_plane(frames, normal)
+    turned = frames.transpose(0, 2, 1)
+    jacobian = (turned @ state.jacobian_at(positions, tips)).reshape(3 * n, hand.nv)
+    flexibility = hand.stiffness.compliance(jacobian)
+    rotations = state.tip_rotations if tips is hand.tips.every else state.tip_rotations[list(tips)]
+    hand.pads.add_to(flexibility, turned @ rotations, tips)
+    shift = arguments.offset(offset, preload, n)
+    if gaps is not None:
+        shift = shift + np.concatenate([np.zeros((n, 2)), gaps[:, None]], axis=1)
+    g = array("gravity", gravity, (3,))
+    point = _point(reference, obj, normal)
+    load = _with_weight(arguments.wrench(wrench, normal), obj, g, point, normal)
+    made = HandGrasp.__new__(HandGrasp)
+    made._place(
+        contacts,
+        positions,
+        frames,
+        load,
+        point,
+        read_only(flexibility),
+        read_only(shift),
+        arguments.effects(effects, n),
+        normal,
+    )
+    made.state, made.target, made.jacobian = state, obj, read_only(jacobian)
+    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
+    weigh = hand.kinematics.gravity_torque(state.q, g) if finger_weight else np.zeros(hand.nv)
+    made.gravity_torque = read_only(weigh)
+    return made
+
+
+def _detect(
+    state: HandState, tips: tuple[int, ...], obj: Object, friction: Any, max_gap: float
+) -> tuple[tuple[Contact, ...], Array]:
+    hand = state.hand
+    laws = _frictions(friction, [hand.fingertips[i] for i in tips])
+    near = [nearest(hand.tip_shapes(i), state.tip_positions[i], state.tip_rotations[i], obj) for i in tips]
+    far = {hand.fingertips[i]: p.gap for i, p in zip(tips, near, strict=True) if not p.gap <= max_gap}
+    if far:
+        raise NotReached("fingers", f"fingertips within max_gap = {max_gap * 1e3:g} mm of the object", far)
+    contacts = tuple(
+        Contact(p.position, p.normal, law, None, hand.fingertips[i]) for i, p, law in zip(tips, near, laws, strict=True)
+    )
+    return contacts, np.array([p.gap for p in near])
+
+
+def _frictions(friction: Any, names: list[str]) -> list[Friction]:
+    laws: list[Any] = [Coulomb(0.6) if friction is None else friction] * len(names)
+    if isinstance(friction, Mapping):
+        laws = [per_name("friction", friction, names, "a fingertip").get(name, Coulomb(0.6)) for name in names]
+    for law in laws:
+        if not isinstance(law, (Coulomb, Frictionless)):
+            raise InputError("friction", "Coulomb(mu), Frictionless(), or a mapping of fingertips to them", repr(law))
+    return laws
+
+
+def _given(state: HandState, target: Any, fingers: Any, friction: Any) -> tuple[tuple[int, ...], tuple[Contact, ...]]:
+    hand = state.hand
+    if friction is not None:
+        raise InputError("friction", "None when contacts are given (each Contact has its own)", repr(friction))
+    if isinstance(target, Mapping):
+        if fingers is None:
+            fingers = [name for name in hand.fingertips if name in target]
+        per_name("contacts", target, hand.fingertips, "a fingertip")
+        tips = hand.tip_numbers("fingers", fingers)
+        if missing := [name for name in fingers if name not in target]:
+            raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
+        return tips, arguments.contacts(target[name] for name in fingers)
+    if not isinstance(target, Iterable) or isinstance(target, (str, bytes)):
+        raise InputError(
+            "target", "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts", repr(target)
+        )
+    tips, contacts = hand.tip_numbers("fingers", fingers), arguments.contacts(target)
+    if len(contacts) != len(tips):
+        names = ", ".join(hand.fingertips[i] for i in tips)
+        raise InputError("contacts", f"{len(tips)}, one for each of {names}", f"{len(contacts)}")
+    return tips, contacts
+
+
+def _point(reference: Any, obj: Object | None, normal: Array | None) -> Array:
+    if reference is None:
+        return read_only(np.zeros(3)) if obj is None else obj.center_of_mass
+    point = array("reference", reference, (3,), *(() if normal is None else ((2,),)))
+    return point if point.shape == (3,) else read_only(np.append(point, 0.0))
+
+
+def _with_weight(wrench: Array, obj: Object | None, gravity: Array, point: Array, normal: Array | None) -> Array:
+    """(6,) the load and the object's weight at its centre of mass, both about `point`."""
+    if obj is None or obj.mass == 0.0:
+        return wrench
+    weight = obj.mass * gravity
+    if normal is not None and abs(float(weight @ normal)) > 1e-9 * float(abs(weight).max()):
+        raise InputError("gravity", "gravity in the plane of a planar scene", gravity.tolist())
+    x, y, z = obj.center_of_mass - point
+    fx, fy, fz = weight
+    return read_only(wrench + np.array([fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx]))

@@ -1,0 +1,158 @@
+"""Pinocchio's side of a hand: its model, the independent joints, and where frames are. One `Data` per thread."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array, array, read_only
+from handlcp.errors import InputError, UnknownName, URDFError
+from handlcp.hand.joints import JointFacts, couple, movable_joints
+from handlcp.hand.limits import read_ranges
+from handlcp.hand.stiffness import per_name
+
+__all__ = ["Kinematics", "TipFrames", "find_tips"]
+
+
+class Kinematics:
+    """A Pinocchio model seen through its independent joints; picklable, safe to share between threads.
+
+    joint_names : nv of them, in Pinocchio's order. lower, upper : (nv,) ranges [rad, m], ±inf where there are none.
+    neutral : (nv,) the posture nearest to zero in the ranges.
+    coupling : (joints, nv) matrix C of q_full = C q + offset; None when there is no mimic joint (C is the identity).
+    """
+
+    def __init__(self, argument: str, model: Any, facts: tuple[JointFacts, ...]) -> None:
+        self.model, self.facts = model, facts
+        movable = movable_joints(argument, model)
+        for f in facts:
+            if f.axis is not None and not 0 < sum(a * a for a in f.axis) < np.inf:
+                raise URDFError(argument, f"an axis that is a direction for joint {f.name!r}", f"{f.axis}")
+        coupling = couple(argument, movable, facts)
+        self.joint_names = tuple(movable[i] for i in coupling.independent)
+        self.nv = len(self.joint_names)
+        self.coupling = None if coupling.identity else coupling.C
+        self.offset = coupling.offset
+        self.lower, self.upper = read_ranges(movable, {f.name: f for f in facts}, coupling)
+        self.neutral = read_only(np.clip(np.zeros(self.nv), self.lower, self.upper))
+        # joints[0] is the universe: it claims one degree of freedom and is no joint
+        joints = sorted((model.joints[i] for i in range(1, model.njoints)), key=lambda joint: joint.idx_v)
+        self._direct = np.array([j.idx_q for j in joints if j.nv])
+        self._wraps = tuple((j.idx_q, j.idx_v) for j in joints if j.nv and j.nq == 2)
+        self._local = threading.local()
+
+    def posture(self, argument: str, q: Any) -> Array:
+        """(nv,) positions from a vector or a mapping that names every joint; read-only. Raises InputError,
+        UnknownName.
+        """
+        if isinstance(q, Mapping):
+            values = per_name(argument, q, self.joint_names, "a joint")
+            missing = [name for name in self.joint_names if name not in values]
+            if missing:
+                listed = ", ".join(missing)
+                raise InputError(argument, f"a position for every joint, {listed} included", f"only {sorted(values)}")
+            q = [values[name] for name in self.joint_names]
+        try:
+            return array(argument, q, (self.nv,), what="finite numbers")
+        except InputError as error:
+            listed = f"finite positions of the {self.nv} joints [{', '.join(self.joint_names)}]"
+            raise InputError(argument, listed, error.got) from None
+
+    def configuration(self, q: Array) -> Array:
+        """(nq,) Pinocchio's configuration: mimic joints added, continuous joints as (cos, sin)."""
+        full = q if self.coupling is None else self.coupling @ q + self.offset
+        if not self._wraps:
+            return full
+        configuration = np.empty(self.model.nq)
+        configuration[self._direct] = full
+        for at, i in self._wraps:
+            configuration[at], configuration[at + 1] = np.cos(full[i]), np.sin(full[i])
+        return configuration
+
+    def frames_at(self, q: Array, frames: Sequence[int]) -> tuple[Array, Array]:
+        """Placements (n, 4, 4) of frames, and the world Jacobian (6, joints), linear part (of the world's origin)
+        first.
+
+        The Jacobian is a view into this thread's Data: use it before the next call.
+        """
+        model, data = self.model, self._data()
+        pin.computeJointJacobians(model, data, self.configuration(q))
+        pin.updateFramePlacements(model, data)
+        placements = np.empty((len(frames), 4, 4))
+        oMf = data.oMf
+        for i, frame in enumerate(frames):
+            placements[i] = oMf[frame].homogeneous
+        return placements, data.J
+
+    def gravity_torque(self, q: Array, gravity: Array) -> Array:
+        """(nv,) torque g(q) that holds the links' weight [N·m]; q (nv,), gravity (3,) [m/s²] in world axes."""
+        data = self._data()
+        if getattr(self._local, "weighed", None) is None:
+            self._local.weighed = pin.Model(self.model)  # gravity is a field of the model: each thread has its own
+        weighed = self._local.weighed
+        weighed.gravity.linear = np.array(gravity)
+        g = np.array(pin.computeGeneralizedGravity(weighed, data, self.configuration(q))).reshape(-1)
+        return g if self.coupling is None else np.asarray(self.coupling.T @ g)
+
+    def _data(self) -> Any:
+        data = getattr(self._local, "data", None)
+        if data is None:
+            data = self._local.data = self.model.createData()
+        return data
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what belongs to a thread."""
+        return {name: value for name, value in self.__dict__.items() if name != "_local"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """The same, in a new process."""
+        self.__dict__.update(state)
+        self._local = threading.local()
+
+
+class TipFrames:
+    """The fingertips in Pinocchio's model.
+
+    names, frames : n of each. support : (n, 1, joints), 1 where a joint moves a tip. every : all of their numbers.
+    """
+
+    __slots__ = ("every", "frames", "names", "support")
+
+    def __init__(self, names: tuple[str, ...], frames: tuple[int, ...], support: Array) -> None:
+        self.names, self.frames, self.support = names, frames, read_only(support)
+        self.every = tuple(range(len(names)))
+
+
+def find_tips(model: Any, fingertips: Any) -> TipFrames:
+    """The frames named; None: the leaf frames whose names end in "tip".
+
+    Raises UnknownName (before Pinocchio sees the name: it may crash on one it does not know), InputError.
+    """
+    known = [f.name for f in model.frames if f.name != "universe"]
+    if fingertips is None:
+        parents = {frame.parentFrame for frame in model.frames}
+        names = [f.name for i, f in enumerate(model.frames) if i not in parents and f.name.lower().endswith("tip")]
+        if not names:
+            raise UnknownName("fingertips", "frame names (no leaf frame ends in 'tip')", ["None"], known)
+    else:
+        if isinstance(fingertips, str) or not isinstance(fingertips, Sequence):
+            raise InputError("fingertips", "a sequence of frame names", repr(fingertips))
+        names = list(fingertips)
+        unknown = [str(name) for name in names if not isinstance(name, str) or name not in known]
+        if unknown:
+            raise UnknownName("fingertips", "a frame", unknown, known)
+    if len(set(names)) != len(names) or not names:
+        raise InputError("fingertips", "different frame names, at least one", repr(names))
+    frames = tuple(model.getFrameId(name) for name in names)
+    support = np.zeros((len(names), 1, model.nv))
+    for name, frame, row in zip(names, frames, support, strict=True):
+        for joint in model.supports[model.frames[frame].parentJoint]:
+            if joint and model.joints[joint].nv:
+                row[0, model.joints[joint].idx_v] = 1.0
+        if not row.any():
+            raise InputError("fingertips", "frames that a joint moves", f"{name!r}, which is fixed to the base")
+    return TipFrames(tuple(names), frames, support)
