@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.assemble import Candidate
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.kernels import check_contacts, relative_motion
+from handlcp.grasp.kernels import check_contacts, relative_motion, scales, unbalanced
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
@@ -70,25 +71,13 @@ def judge(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, candidate
         if (opening := e.opening(scene, candidate.extra)) is not None:
             offset = offset + opening
     v, scale = relative_motion(scene.arms, scene.frames, scene.flexibility, offset, f, u)
-    world = (scene.frames @ f[:, :, None])[:, :, 0]
-    force = scene.force + world.sum(0)
-    a, b = scene.arms, world
-    moment = scene.wrench[3:] + np.array([
-        a[:, 1] @ b[:, 2] - a[:, 2] @ b[:, 1], a[:, 2] @ b[:, 0] - a[:, 0] @ b[:, 2], a[:, 0] @ b[:, 1] - a[:, 1] @ b[:, 0]
-    ])
     units = scene.units
-    load = float(np.sqrt(scene.wrench[:3] @ scene.wrench[:3] + scene.wrench[3:] @ scene.wrench[3:] / units.length**2))
-    load = load or units.force
-    F = min(max(float(abs(f).max()), load), _GROWTH * load)
-    # Every contact is measured by the largest term of its own motion, at least by its own retreat under F
-    own = scene.flexibility.diagonal().reshape(-1, 3).sum(1) / 3.0
-    V = np.maximum(np.maximum(scale, own * F), 1e-12 * units.motion)
+    lost_force, lost_moment = unbalanced(scene.arms, scene.frames, f, scene.wrench)
+    F, V = scales(scene.wrench, f, units.length, units.force, 1e-12 * units.motion, scene.flexibility, scale, _GROWTH)
     planar = scene.plane is not None
     limits = scene.mu if planar else pyramid.limit(scene.mu)
-    governed = np.array(scene.governed)
-    normal, cone, slip = check_contacts(f, v, limits, governed, 2 if planar else int(pyramid.faces), F, V)
-    lost_force, lost_moment = float(np.sqrt(force @ force)), float(np.sqrt(moment @ moment))
-    balance = float(np.hypot(lost_force, lost_moment / units.length)) / F
+    normal, cone, slip = check_contacts(f, v, limits, np.array(scene.governed), 2 if planar else int(pyramid.faces), F, V)
+    balance = math.hypot(lost_force, lost_moment / units.length) / F
     motion = float(V.max())
     others = max((e.residual(scene, f, candidate.extra, F, motion) for e in effects), default=0.0)
     return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))

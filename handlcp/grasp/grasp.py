@@ -165,10 +165,11 @@ def _load(problem: GraspProblem, scene: Scene) -> Array:
 
 def _shift(arm: Array) -> Array:
     """(6, 6) that moves a small twist to a point `arm` away: u' = u + ω × arm."""
-    X = np.eye(6)
-    x, y, z = arm
-    X[0, 4], X[0, 5], X[1, 3], X[1, 5], X[2, 3], X[2, 4] = z, -y, -z, x, y, -x
-    return X
+    x, y, z = arm.tolist()
+    return np.array([
+        [1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0],
+        [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1],
+    ], dtype=float)
 
 
 def _in_plane(frames: Array, normal: Array) -> Array:

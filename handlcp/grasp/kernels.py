@@ -1,4 +1,4 @@
-"""Compiled contact physics for the certifier: recomputed from positions, frames and flexibility, from no matrix of the solver."""
+"""Compiled mechanics of contacts: the grasp matrix, the blocks in natural units, relative motion, friction's residuals."""
 
 from __future__ import annotations
 
@@ -7,7 +7,50 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["check_contacts", "nearest_in_polygon", "relative_motion"]
+__all__ = ["check_contacts", "natural_blocks", "nearest_in_polygon", "relative_motion", "unbalanced", "wrench_map"]
+
+
+@kernel
+def wrench_map(arms: Array, frames: Array) -> Array:
+    """(6, 3n) G: columns [R; skew(a) R] for arms (n, 3) and frames (n, 3, 3)."""
+    n = len(arms)
+    G = np.empty((6, 3 * n))
+    for i in range(n):
+        ax, ay, az = arms[i, 0], arms[i, 1], arms[i, 2]
+        for k in range(3):
+            x, y, z = frames[i, 0, k], frames[i, 1, k], frames[i, 2, k]
+            c = 3 * i + k
+            G[0, c], G[1, c], G[2, c] = x, y, z
+            G[3, c], G[4, c], G[5, c] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+    return G
+
+
+@kernel
+def natural_blocks(
+    grasp_matrix: Array, wrench: Array, freedom: Array, flexibility: Array, offset: Array, index: Array,
+    force: float, length: float, motion: float,
+) -> tuple[Array, Array, Array, Array, Array]:
+    """(G over `index`, G over all components, E and d over `index`, w) in natural units; freedom (dof, 6) projects G and w."""
+    dof, columns, k = freedom.shape[0], grasp_matrix.shape[1], len(index)
+    every, w = np.zeros((dof, columns)), np.zeros(dof)
+    for i in range(dof):
+        for j in range(6):
+            f = freedom[i, j]
+            if f != 0.0:
+                if j >= 3:
+                    f /= length
+                w[i] += f * wrench[j] / force
+                for c in range(columns):
+                    every[i, c] += f * grasp_matrix[j, c]
+    G, E, d = np.empty((dof, k)), np.empty((k, k)), np.empty(k)
+    softness = force / motion
+    for a in range(k):
+        d[a] = offset[index[a] // 3, index[a] % 3] / motion
+        for i in range(dof):
+            G[i, a] = every[i, index[a]]
+        for b in range(k):
+            E[a, b] = flexibility[index[a], index[b]] * softness
+    return G, every, E, d, w
 
 
 @kernel
@@ -84,3 +127,45 @@ def check_contacts(forces: Array, v: Array, limits: Array, governed: Array, face
         px, py = nearest_in_polygon(x - v[i, 0] / V[i], y - wy, a, faces)
         slip = max(slip, np.sqrt((x - px) ** 2 + (y - py) ** 2))
     return normal, cone, slip
+
+
+@kernel
+def unbalanced(arms: Array, frames: Array, forces: Array, wrench: Array) -> tuple[float, float]:
+    """(force [N], moment [N·m]) that the contact forces (n, 3), contact axes, leave of wrench (6,); about the arms' origin."""
+    lost = wrench.copy()
+    for i in range(len(arms)):
+        ax, ay, az = arms[i, 0], arms[i, 1], arms[i, 2]
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(3):
+            x += frames[i, 0, k] * forces[i, k]
+            y += frames[i, 1, k] * forces[i, k]
+            z += frames[i, 2, k] * forces[i, k]
+        lost[0] += x
+        lost[1] += y
+        lost[2] += z
+        lost[3] += ay * z - az * y
+        lost[4] += az * x - ax * z
+        lost[5] += ax * y - ay * x
+    return np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2), np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
+
+
+@kernel
+def scales(wrench: Array, forces: Array, length: float, unit: float, floor: float, flexibility: Array, own: Array,
+           growth: float) -> tuple[float, Array]:
+    """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
+
+    F is the largest force of the candidate, at least the load's size (`unit` where there is no load) and at most
+    `growth` times that. V is the largest term of the contact's own motion `own`, at least its retreat under F.
+    """
+    load = 0.0
+    for k in range(6):
+        load += (wrench[k] / (length if k >= 3 else 1.0)) ** 2
+    load = np.sqrt(load)
+    if load == 0.0:
+        load = unit
+    F = min(max(np.max(np.abs(forces)), load), growth * load)
+    V = np.empty(len(forces))
+    for i in range(len(forces)):
+        retreat = (flexibility[3 * i, 3 * i] + flexibility[3 * i + 1, 3 * i + 1] + flexibility[3 * i + 2, 3 * i + 2]) * F / 3.0
+        V[i] = max(own[i], retreat, floor)
+    return F, V

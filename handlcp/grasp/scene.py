@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from handlcp.check import Array
+from handlcp.grasp.kernels import natural_blocks, wrench_map
 from handlcp.grasp.units import GraspUnits
 
-__all__ = ["Scene", "cross_rows"]
+__all__ = ["Natural", "Scene", "cross_rows"]
+
+Index = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -55,12 +59,7 @@ class Scene:
     @cached_property
     def grasp_matrix(self) -> Array:
         """(6, 3n) contact forces to the wrench about the contacts' centre, columns [R; skew(p - c) R] (model, G)."""
-        n = self.n
-        G = np.empty((6, n, 3))
-        G[:3] = self.frames.transpose(1, 0, 2)
-        (ax, ay, az), (Rx, Ry, Rz) = self.arms.T[:, :, None], G[:3]
-        G[3], G[4], G[5] = ay * Rz - az * Ry, az * Rx - ax * Rz, ax * Ry - ay * Rx
-        return G.reshape(6, 3 * n)
+        return wrench_map(self.arms, self.frames)
 
     # ---- the object's freedom: 6 unknowns, or 3 in a plane
     @cached_property
@@ -81,40 +80,40 @@ class Scene:
         return 6 if self.plane is None else 3
 
     # ---- which of the 3n force components are unknown
-    @cached_property
-    def normal_index(self) -> Array:
+    @property
+    def normal_index(self) -> Index:
         """(n_N,) entries of the stacked (x, y, z) forces that are unknown normal forces."""
-        return np.array([3 * i + 2 for i in range(self.n) if self.governed[i]], dtype=np.intp)
+        return _normal_index(self.governed)
 
     @cached_property
     def rough(self) -> tuple[int, ...]:
         """Contacts with friction whose force is unknown."""
         return tuple(i for i, mu in enumerate(self.mu.tolist()) if mu > 0 and self.governed[i])
 
-    @cached_property
+    @property
+    def rough_rows(self) -> Index:
+        """(k,) for each contact with friction, which of the unknown normal forces is its own."""
+        return _rough_rows(self.governed, self.rough)
+
+    @property
     def tangents(self) -> int:
         """Tangential unknowns per contact with friction: 2, or 1 in a planar scene."""
         return 2 if self.plane is None else 1
 
-    @cached_property
-    def tangent_index(self) -> Array:
+    @property
+    def tangent_index(self) -> Index:
         """(n_T,) entries of the stacked (x, y, z) forces that are unknown tangential forces."""
-        return np.array([3 * i + k for i in self.rough for k in range(self.tangents)], dtype=np.intp)
+        return _tangent_index(self.rough, self.tangents)
 
     # ---- natural units (hatted in the model): forces / force, levers / length, motions / motion
     @cached_property
     def natural(self) -> Natural:
         """The blocks of G, E, d and w that the unknowns touch, in natural units."""
         u = self.units
-        G, w = self.grasp_matrix.copy(), self.wrench / u.force
-        G[3:] /= u.length
-        w[3:] /= u.length
-        if (W := self.freedom) is not None:
-            G, w = W @ G, W @ w
-        index = np.concatenate([self.normal_index, self.tangent_index])
-        E = self.flexibility[index[:, None], index] * (u.force / u.motion)
-        d = self.offset.reshape(-1)[index] / u.motion
-        return Natural(G[:, index], G, E, d, w, len(self.normal_index))
+        index = _index(self.governed, self.rough, self.tangents)
+        return Natural(*natural_blocks(
+            self.grasp_matrix, self.wrench, _SPATIAL if self.freedom is None else self.freedom, self.flexibility,
+            self.offset, index, u.force, u.length, u.motion), len(self.normal_index))
 
     @cached_property
     def twist_units(self) -> Array:
@@ -142,8 +141,36 @@ class Natural:
     split: int
 
 
+_SPATIAL = np.eye(6)
+
+
+# Index arrays depend on the pattern of contacts alone: a hand in many postures meets the same few patterns again and again
+@lru_cache(maxsize=1024)
+def _normal_index(governed: tuple[bool, ...]) -> Index:
+    return np.array([3 * i + 2 for i, g in enumerate(governed) if g], dtype=np.intp)
+
+
+@lru_cache(maxsize=1024)
+def _tangent_index(rough: tuple[int, ...], tangents: int) -> Index:
+    return np.array([3 * i + k for i in rough for k in range(tangents)], dtype=np.intp)
+
+
+@lru_cache(maxsize=1024)
+def _rough_rows(governed: tuple[bool, ...], rough: tuple[int, ...]) -> Index:
+    place = {i: row for row, i in enumerate(i for i, g in enumerate(governed) if g)}
+    return np.array([place[i] for i in rough], dtype=np.intp)
+
+
+@lru_cache(maxsize=1024)
+def _index(governed: tuple[bool, ...], rough: tuple[int, ...], tangents: int) -> Index:
+    return np.concatenate([_normal_index(governed), _tangent_index(rough, tangents)])
+
+
 def cross_rows(a: Array, b: Array) -> Array:
-    """a × b for (3,) or (n, 3) arguments, without numpy's overhead."""
+    """a × b for (3,) arguments, or (n, 3) ones row by row; numpy's own costs ten times as much on arrays this small."""
+    if a.ndim == b.ndim == 1:
+        (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+        return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
     ax, ay, az = a.T
     bx, by, bz = b.T
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["GraspUnits"]
 
@@ -28,19 +29,37 @@ class GraspUnits:
     @staticmethod
     def of(positions: Array, flexibility: Array, offset: Array, force: Array, moment: Array) -> GraspUnits:
         """From positions (n, 3), flexibility (3n, 3n), offset (n, 3) and the wrench about the origin: force, moment (3,)."""
-        n = len(positions)
-        centre = positions.sum(0) / n
-        arms = positions - centre
-        length = float(np.sqrt((arms * arms).sum() / n)) or float(np.sqrt(centre @ centre)) or 1.0
-        m = moment - _cross(centre, force)
-        load = float(np.sqrt(force @ force + (m @ m) / length**2))
-        softness = float(flexibility.trace()) / (3 * n)
-        travel = float(np.sqrt((offset * offset).sum() / n))
-        squeeze = travel / softness if softness > 0 else 0.0
-        size = load + squeeze or 1.0
-        motion = softness * size or travel or length
-        return GraspUnits(size, length, motion, centre)
+        return GraspUnits(*_sizes(positions, flexibility, offset, force, moment))
 
 
-def _cross(a: Array, b: Array) -> Array:
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+@kernel
+def _sizes(positions: Array, flexibility: Array, offset: Array, force: Array, moment: Array) -> tuple[float, float, float, Array]:
+    n = len(positions)
+    centre = np.zeros(3)
+    for i in range(n):
+        centre += positions[i] / n
+    spread, travel, softness = 0.0, 0.0, 0.0
+    for i in range(n):
+        for k in range(3):
+            spread += (positions[i, k] - centre[k]) ** 2 / n
+            travel += offset[i, k] ** 2 / n
+            softness += flexibility[3 * i + k, 3 * i + k] / (3 * n)
+    length = np.sqrt(spread)
+    if length == 0.0:
+        length = np.sqrt(np.sum(centre * centre))
+    if length == 0.0:
+        length = 1.0
+    m = moment - np.array([
+        centre[1] * force[2] - centre[2] * force[1],
+        centre[2] * force[0] - centre[0] * force[2],
+        centre[0] * force[1] - centre[1] * force[0],
+    ])
+    load = np.sqrt(np.sum(force * force) + np.sum(m * m) / length**2)
+    travel = np.sqrt(travel)
+    size = load + (travel / softness if softness > 0.0 else 0.0)
+    if size == 0.0:
+        size = 1.0
+    motion = softness * size
+    if motion == 0.0:
+        motion = travel if travel > 0.0 else length
+    return size, length, motion, centre

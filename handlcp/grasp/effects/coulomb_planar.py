@@ -7,7 +7,10 @@ No cone is linearised: a friction interval has two ends. Source: model, table of
 
 from __future__ import annotations
 
+import numpy as np
+
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.coulomb_pyramid import place_faces
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
 
@@ -34,11 +37,10 @@ class CoulombPlanar(Effect):
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the tangent, and how far the force is from both ends."""
-        t, f, normals = system.at["r_T"].start, system.at["λ"].start, system.at["r_N"].start
-        place = {c // 3: i for i, c in enumerate(scene.normal_index.tolist())}
-        M = system.M
-        for k, contact in enumerate(scene.rough):
-            M[t + k, f + 2 * k], M[t + k, f + 2 * k + 1] = 1.0, -1.0
-            M[f + 2 * k, t + k], M[f + 2 * k + 1, t + k] = -1.0, 1.0
-            M[f + 2 * k : f + 2 * k + 2, normals + place[contact]] = scene.mu[contact]
+        at = system.at
+        place_faces(system.M, at["r_T"].start, at["λ"].start, at["r_N"].start, scene.rough_rows,
+                    scene.mu[list(scene.rough)], _ENDS)
         system.load("r_T", scene.natural.d[scene.natural.split :])
+
+
+_ENDS = np.array([[1.0, -1.0]])  # outward normals of the friction interval

@@ -11,12 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 
+from handlcp.check import Array
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
+from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["CoulombPyramid"]
+__all__ = ["CoulombPyramid", "place_faces"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +44,20 @@ class CoulombPyramid(Effect):
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the faces, and how far the force is inside each of them."""
-        N, m = self.pyramid.normals, int(self.pyramid.faces)
-        limits = self.pyramid.limit(scene.mu)
-        tangential, faces, normals = system.at["r_T"].start, system.at["λ"].start, system.at["r_N"].start
-        place = {c // 3: i for i, c in enumerate(scene.normal_index.tolist())}
-        M = system.M
-        for k, contact in enumerate(scene.rough):
-            t, f = slice(tangential + 2 * k, tangential + 2 * k + 2), slice(faces + m * k, faces + m * k + m)
-            M[t, f] = N
-            M[f, t] = -N.T
-            M[f, normals + place[contact]] = limits[contact]
+        at = system.at
+        place_faces(system.M, at["r_T"].start, at["λ"].start, at["r_N"].start, scene.rough_rows,
+                    self.pyramid.limit(scene.mu[list(scene.rough)]), self.pyramid.normals)
         system.load("r_T", scene.natural.d[scene.natural.split :])
 
 
+@kernel
+def place_faces(M: Array, tangential: int, faces: int, normals: int, rows: Array, limits: Array, N: Array) -> None:
+    """Write the blocks above for every contact with friction; rows: which normal force is its own."""
+    axes, m = N.shape
+    for k in range(len(rows)):
+        for j in range(m):
+            f = faces + m * k + j
+            M[f, normals + rows[k]] = limits[k]
+            for a in range(axes):
+                t = tangential + axes * k + a
+                M[t, f], M[f, t] = N[a, j], -N[a, j]

@@ -34,7 +34,7 @@ class Auto:
     def stages(self, n: int) -> tuple[Solver, ...]:
         """The solvers for a problem of n unknowns, in the order in which they run until one is certified."""
         return (
-            NSNGRK(seed=self.seed, max_iterations=8 * n),
+            NSNGRK(seed=self.seed, max_iterations=3 * n),
             Lemke(seed=self.seed),
             *(NSNGRK(seed=self.seed + 1 + k, max_iterations=200 * n) for k in range(self.restarts)),
         )

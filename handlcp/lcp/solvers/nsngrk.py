@@ -83,8 +83,8 @@ def _run(
             history[k, 0] += taken
         taken, written = taken + done, written + rows
         zt[:], wt[:] = z, w
-        _, r = active_set(M, q, free, zt, wt, 12, tolerance, rank_tolerance)
-        if not r <= tolerance * max(1.0, np.max(np.abs(zt))):
+        _, r = active_set(M, q, free, zt, wt, 16, tolerance, rank_tolerance)
+        if batch > n and not r <= tolerance * max(1.0, np.max(np.abs(zt))):
             zt[:], wt[:] = z, w
             _, r = damped_newton(M, q, free, zt, wt, 30, tolerance, rank_tolerance)
             if r > tolerance:
