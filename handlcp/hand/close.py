@@ -38,7 +38,7 @@ def close_on(
 
     Only joints that move one fingertip alone take part, each within its range: Gauss–Newton steps δq = gap · g / |g|²
     with
-    g = nᵀJ, joints at the end of their range left out. Only fingertips are looked at: links and the palm may pass through.
+    g = nᵀJ, joints at the end of their range left out. Only fingertips are looked at: links and the palm may pass.
 
     squeeze [m]: how far the tips end up inside the object (a preload). tolerance [m]: on the gap, at the end.
     Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.

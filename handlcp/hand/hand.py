@@ -183,7 +183,8 @@ class Hand:
         """Every doubt about the numbers this hand rests on, and what to pass instead."""
         doubts = doubts_of(self.kinematics.facts, self.torques.given)
         if self.stiffness.uniform:
-            what = f"a URDF has no place for joint stiffness: {self.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
+            k = self.stiffness.matrix[0, 0]
+            what = f"a URDF has no place for joint stiffness: {k:g} N·m/rad was passed for every joint"
             doubts += (Doubt("hand", what, "joint_stiffness as measured, by joint name or as a matrix"),)
         return Audit(self.source, doubts)
 

@@ -147,7 +147,8 @@ def find_tips(model: Any, fingertips: Any) -> TipFrames:
             raise UnknownName("fingertips", "a frame", unknown, known)
     if len(set(names)) != len(names) or not names:
         raise InputError("fingertips", "different frame names, at least one", repr(names))
-    frames = tuple(model.getFrameId(name) for name in names)
+    last = {frame.name: i for i, frame in enumerate(model.frames)}  # a link, where a joint has the same name
+    frames = tuple(last[name] for name in names)
     support = np.zeros((len(names), 1, model.nv))
     for name, frame, row in zip(names, frames, support, strict=True):
         for joint in model.supports[model.frames[frame].parentJoint]:

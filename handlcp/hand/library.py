@@ -44,11 +44,12 @@ def psyonic() -> tuple[Path, Path]:
 
 
 def example_hand(name: str, **overrides: Any) -> Hand:
-    """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults:
+    """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
 
-    joint stiffness 1 N·m/rad (a number of the right size, not a measurement), pad flexibility 1e-4 m/N, tip radius 8 mm (Allegro:
-    12 mm, as in its URDF), torque limits 0.8 and 0.4 N·m as in the shipped URDFs (Allegro: 0.7 N·m; psyonic: its
-    URDF's). Raises UnknownName.
+    joint stiffness : 1 N·m/rad, a number of the right size and no measurement. pad flexibility : 1e-4 m/N.
+    tip radius : 8 mm; Allegro 12 mm, as in its URDF.
+    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m; psyonic as in its URDF.
+    Raises UnknownName.
     """
     if name not in HANDS:
         raise UnknownName("name", "an example hand", [str(name)], HANDS)

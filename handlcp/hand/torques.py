@@ -51,7 +51,7 @@ class TorqueCheck:
     def binding(self) -> str | None:
         """The joint that is nearest to its limit."""
         shares = np.where(self.known & np.isfinite(self.utilisation), self.utilisation, -1.0)
-        i = int(np.argmax(shares))
+        i = int(np.argmax(shares >= shares.max() - 1e-9 * abs(shares.max())))  # the first of equals
         return self.joints[i] if shares[i] >= 0 else None
 
     @property
