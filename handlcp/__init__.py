@@ -1,10 +1,10 @@
 """Grasp forces, slips, object motion and joint torques of robot hands, by linear complementarity.
 
-    import handlcp as hl
+import handlcp as hl
 
-    g = hl.Grasp([hl.Contact(...), ...], wrench, flexibility=1e-4)
-    s = g.solve()
-    print(s)
+g = hl.Grasp([hl.Contact(...), ...], wrench, flexibility=1e-4)
+s = g.solve()
+print(s)
 """
 
 from handlcp.errors import (

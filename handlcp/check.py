@@ -11,9 +11,10 @@ import numpy.typing as npt
 from handlcp.errors import InputError
 from handlcp.tolerances import SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
 
-__all__ = ["Array", "array", "number", "psd", "read_only", "spd", "symmetric", "unit"]
+__all__ = ["Array", "Ints", "array", "number", "psd", "read_only", "spd", "symmetric", "unit"]
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 
 def read_only(a: Array) -> Array:
@@ -35,7 +36,9 @@ def array(argument: str, value: Any, *shapes: tuple[int, ...], what: str = "fini
     return read_only(a)
 
 
-def number(argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True) -> float:
+def number(
+    argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True
+) -> float:
     """A real number ≥ `minimum` and > `above`."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
@@ -45,7 +48,11 @@ def number(argument: str, value: Any, *, minimum: float = -np.inf, above: float 
         x = float(value)
     except (TypeError, ValueError):
         raise InputError(argument, expected, _show(value)) from None
-    if not (x >= minimum and x > above) and (minimum > -np.inf or above > -np.inf) or x != x or (finite and abs(x) == np.inf):
+    if (
+        (not (x >= minimum and x > above) and (minimum > -np.inf or above > -np.inf))
+        or x != x
+        or (finite and abs(x) == np.inf)
+    ):
         raise InputError(argument, expected, x)
     return x
 
@@ -64,7 +71,9 @@ def symmetric(argument: str, a: Array) -> Array:
     size = float(abs(a).max(initial=0.0))
     skew = float(abs(a - a.T).max(initial=0.0))
     if skew > SYMMETRY * size:
-        raise InputError(argument, "a symmetric matrix", f"one whose entries differ from its transpose by up to {skew:.3g}")
+        raise InputError(
+            argument, "a symmetric matrix", f"one whose entries differ from its transpose by up to {skew:.3g}"
+        )
     return read_only((a + a.T) / 2)
 
 

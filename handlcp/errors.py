@@ -63,7 +63,7 @@ class Unsupported(HandLCPError, NotImplementedError):
 
 
 class NoSolutionFound(HandLCPError):
-    """Raised by `throw=True` unless the status is SOLVED. Carries the problem and the solution, and says what to try."""
+    """Raised by `throw=True` unless the status is SOLVED. Carries problem and solution, and says what to try."""
 
     def __init__(self, message: str, problem: Any, solution: Any) -> None:
         self.problem, self.solution = problem, solution

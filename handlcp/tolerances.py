@@ -24,11 +24,11 @@ SOLVE = 1e-10
 # certifier measures other quantities than the solver (physics instead of the scaled complementarity problem).
 CERTIFY = 1e-8
 
-# A contact state is called "on the limit", "touching", "at rest" within this, relative to the scene's force or displacement.
+# A contact is called "on the limit", "touching" or "at rest" within this share of the scene's force or displacement.
 ACTIVE = 1e-7
 
-# Free unknowns are eliminated when LAPACK's reciprocal condition estimate of their block exceeds this: eliminating costs
-# about eps / rcond in accuracy, which must stay well under CERTIFY.
+# Free unknowns are eliminated when LAPACK's reciprocal condition estimate of their block exceeds this: eliminating
+# costs about eps / rcond in accuracy, which must stay well under CERTIFY.
 ELIMINATE_RCOND = 1e-7
 
 # Singular values (and complete pivots) below this share of the largest count as zero.

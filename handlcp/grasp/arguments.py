@@ -48,9 +48,13 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
     height = positions @ a
     spread = float(abs(positions - positions.mean(0)).max(initial=0.0)) or 1.0
     if np.ptp(height) > 1e-6 * spread:
-        raise InputError("plane", "a plane that holds all contact points", f"heights that differ by {np.ptp(height):.3g} m")
+        raise InputError(
+            "plane", "a plane that holds all contact points", f"heights that differ by {np.ptp(height):.3g} m"
+        )
     if (tilt := abs(frames[:, :, 2] @ a)).max() > UNIT_NORMAL:
-        raise InputError("plane", "a plane that holds all normals", f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}")
+        raise InputError(
+            "plane", "a plane that holds all normals", f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
+        )
     return a
 
 
@@ -73,7 +77,7 @@ def wrench(value: Any, normal: Array | None) -> Array:
 
 
 def flexibility(value: Any, n: int, planar: bool) -> Array:
-    """(3n, 3n) from a number, a (3,) diagonal, (n, 3, 3) blocks or the whole matrix; in a planar scene also with 2 for 3."""
+    """(3n, 3n) from a number, a (3,) diagonal, (n, 3, 3) blocks or the whole matrix; planar: also with 2 for 3."""
     if np.ndim(value) == 0:
         return read_only(np.eye(3 * n) * number("flexibility", value, minimum=0.0))
     shapes: list[tuple[int, ...]] = [(3,), (n, 3, 3), (3 * n, 3 * n)]
@@ -113,7 +117,9 @@ def effects(value: Any, n: int) -> tuple[Effect, ...]:
     seen: set[object] = set()
     for k, e in enumerate(out):
         if not isinstance(e, Effect):
-            raise InputError(f"effects[{k}]", "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))", repr(e))
+            raise InputError(
+                f"effects[{k}]", "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))", repr(e)
+            )
         key: object = type(e)
         if isinstance(e, PrescribedForce):
             if e.contact >= n:

@@ -21,7 +21,8 @@ __all__ = ["Candidate", "GraspProblem", "assemble"]
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """A solver's answer as mechanics, SI: forces (n, 3) in contact axes, twist (6,) about the contacts' centre, and
-    the unknowns of further effects by group name."""
+    the unknowns of further effects by group name.
+    """
 
     forces: Array
     twist: Array
@@ -83,8 +84,17 @@ def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
     return _problem(M, q, free, Units(sizes_x, sizes_w), scene, system, effects, back, rcond)
 
 
-def _problem(M: Array, q: Array, free: Mask, units: Units, scene: Scene, system: System, effects: tuple[Effect, ...],
-             back: tuple[Array, Array] | None, rcond: float) -> GraspProblem:
+def _problem(
+    M: Array,
+    q: Array,
+    free: Mask,
+    units: Units,
+    scene: Scene,
+    system: System,
+    effects: tuple[Effect, ...],
+    back: tuple[Array, Array] | None,
+    rcond: float,
+) -> GraspProblem:
     p = GraspProblem.from_scaled(read_only(M), read_only(q), free, units)
     assert isinstance(p, GraspProblem)
     p.groups, p.effects, p.eliminated, p.rcond = system.groups, effects, back is not None, rcond
@@ -111,9 +121,7 @@ def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array)
         f[scene.normal_index] = x[at["r_N"]] * force
     if "r_T" in at:
         f[scene.tangent_index] = x[at["r_T"]] * force
-    extra = {
-        g.name: x[at[g.name]] * g.size for g in system.groups if g.name not in ("r_N", "r_T", "λ", "u")
-    }
+    extra = {g.name: x[at[g.name]] * g.size for g in system.groups if g.name not in ("r_N", "r_T", "λ", "u")}
     for e in effects:
         if isinstance(e, PrescribedForce):
             f[3 * e.contact : 3 * e.contact + 3] = e.force

@@ -17,7 +17,9 @@ from handlcp.tolerances import CERTIFY
 
 __all__ = ["Residuals", "Verdict", "judge"]
 
-_GROWTH = 1e3  # forces up to this many times the load are measured against themselves, larger ones get no further excuse
+_GROWTH = (
+    1e3  # forces up to this many times the load are measured against themselves, larger ones get no further excuse
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,9 @@ def judge(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, candidate
     F, V = scales(scene.wrench, f, units.length, units.force, 1e-12 * units.motion, scene.flexibility, scale, _GROWTH)
     planar = scene.plane is not None
     limits = scene.mu if planar else pyramid.limit(scene.mu)
-    normal, cone, slip = check_contacts(f, v, limits, np.array(scene.governed), 2 if planar else int(pyramid.faces), F, V)
+    normal, cone, slip = check_contacts(
+        f, v, limits, np.array(scene.governed), 2 if planar else int(pyramid.faces), F, V
+    )
     balance = math.hypot(lost_force, lost_moment / units.length) / F
     motion = float(V.max())
     others = max((e.residual(scene, f, candidate.extra, F, motion) for e in effects), default=0.0)

@@ -27,7 +27,7 @@ class Contact:
 
     The contact frame is R = (x, y, z) with z the normal and y = z × x: Pinocchio's contact convention.
     A contact made of 2-vectors lies in the xy plane, with y = (0, 0, 1) and x in the plane.
-    Raises InputError for wrong shapes, numbers not finite, a normal that is not a unit vector, a tangent along the normal.
+    Raises InputError for wrong shapes, numbers not finite, a normal not of unit length, a tangent along the normal.
     """
 
     __slots__ = ("friction", "mu", "name", "planar", "position", "rotation")
@@ -39,8 +39,9 @@ class Contact:
     planar: bool
     name: str | None
 
-    def __init__(self, position: Any, normal: Any, friction: Friction | None = None, tangent: Any = None,
-                 name: str | None = None) -> None:
+    def __init__(
+        self, position: Any, normal: Any, friction: Friction | None = None, tangent: Any = None, name: str | None = None
+    ) -> None:
         friction = Coulomb(0.5) if friction is None else friction
         if not isinstance(friction, (Coulomb, Frictionless)):
             raise InputError("friction", "Coulomb(mu) or Frictionless()", repr(friction))
@@ -70,7 +71,8 @@ class Contact:
 
     def __repr__(self) -> str:
         name = f"{self.name!r}, " if self.name else ""
-        return f"Contact({name}position={self.position.tolist()}, normal={self.normal.tolist()}, friction={self.friction!r})"
+        where = f"position={self.position.tolist()}, normal={self.normal.tolist()}"
+        return f"Contact({name}{where}, friction={self.friction!r})"
 
 
 def frame(normal: Array, tangent: Array | None = None) -> Array:
@@ -80,7 +82,9 @@ def frame(normal: Array, tangent: Array | None = None) -> Array:
     x = tangent - normal * (normal @ tangent)
     length = float(np.sqrt(x @ x))
     if length <= 1e-6 * float(np.sqrt(tangent @ tangent)):
-        raise InputError("tangent", "a direction that is not along the normal", f"{tangent.tolist()} for normal {normal.tolist()}")
+        raise InputError(
+            "tangent", "a direction that is not along the normal", f"{tangent.tolist()} for normal {normal.tolist()}"
+        )
     x /= length
     # y = z × x, written out: numpy's cross product costs more than all the rest
     (a, b, c), (d, e, f) = normal, x

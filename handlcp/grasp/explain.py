@@ -49,10 +49,15 @@ class Explanation:
     def __str__(self) -> str:
         lines = []
         for e in self.effects:
-            brings = ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns) or "no unknowns"
+            brings = (
+                ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
+                or "no unknowns"
+            )
             lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}" + (f" [{brings}]" if e.on else ""))
         what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
-        lines.append(f"{self.unknowns} unknowns, {what} (rcond of their block {self.rcond:.1e}): the solver sees {self.size}")
+        lines.append(
+            f"{self.unknowns} unknowns, {what} (rcond of their block {self.rcond:.1e}): the solver sees {self.size}"
+        )
         return "\n".join(lines)
 
 

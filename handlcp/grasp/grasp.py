@@ -52,8 +52,18 @@ class Grasp:
     reference: Array
     scene: Scene
 
-    def __init__(self, contacts: Iterable[Contact], wrench: Any = None, *, flexibility: Any = 0.0, preload: Any = 0.0,
-                 offset: Any = None, reference: Any = (0.0, 0.0, 0.0), effects: Iterable[Effect] = (), plane: Any = None) -> None:
+    def __init__(
+        self,
+        contacts: Iterable[Contact],
+        wrench: Any = None,
+        *,
+        flexibility: Any = 0.0,
+        preload: Any = 0.0,
+        offset: Any = None,
+        reference: Any = (0.0, 0.0, 0.0),
+        effects: Iterable[Effect] = (),
+        plane: Any = None,
+    ) -> None:
         cs = arguments.contacts(contacts)
         positions = np.array([c.position for c in cs])
         frames = np.array([c.rotation for c in cs])
@@ -62,19 +72,46 @@ class Grasp:
             frames = _in_plane(frames, normal)
         point = array("reference", reference, (3,), *(() if normal is None else ((2,),)))
         point = point if point.shape == (3,) else read_only(np.append(point, 0.0))
-        self._place(cs, positions, frames, arguments.wrench(wrench, normal), point,
-                    arguments.flexibility(flexibility, len(cs), normal is not None),
-                    arguments.offset(offset, preload, len(cs)), arguments.effects(effects, len(cs)), normal)
+        self._place(
+            cs,
+            positions,
+            frames,
+            arguments.wrench(wrench, normal),
+            point,
+            arguments.flexibility(flexibility, len(cs), normal is not None),
+            arguments.offset(offset, preload, len(cs)),
+            arguments.effects(effects, len(cs)),
+            normal,
+        )
 
-    def _place(self, contacts: tuple[Contact, ...], positions: Array, frames: Array, wrench: Array, reference: Array,
-               flexibility: Array, offset: Array, effects: tuple[Effect, ...], plane: Array | None) -> None:
+    def _place(
+        self,
+        contacts: tuple[Contact, ...],
+        positions: Array,
+        frames: Array,
+        wrench: Array,
+        reference: Array,
+        flexibility: Array,
+        offset: Array,
+        effects: tuple[Effect, ...],
+        plane: Array | None,
+    ) -> None:
         """Take over arrays that are known to be sound (a hand's are, by construction)."""
         self.contacts, self.effects, self.reference = contacts, effects, reference
         prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
         moment = wrench[3:] + cross_rows(reference, wrench[:3])
         mu = np.array([c.mu for c in contacts])
-        self.scene = Scene(read_only(positions), read_only(frames), mu, flexibility, offset, wrench[:3], moment, plane,
-                           tuple(i not in prescribed for i in range(len(contacts))))
+        self.scene = Scene(
+            read_only(positions),
+            read_only(frames),
+            mu,
+            flexibility,
+            offset,
+            wrench[:3],
+            moment,
+            plane,
+            tuple(i not in prescribed for i in range(len(contacts))),
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -93,7 +130,9 @@ class Grasp:
         """Which effects are on and off, why, and what each costs in unknowns."""
         return explain(self.scene, self.problem(faces), self.effects)
 
-    def solve(self, faces: int | str | Pyramid = 8, solver: Solver | Auto | None = None, throw: bool = True) -> GraspSolution:
+    def solve(
+        self, faces: int | str | Pyramid = 8, solver: Solver | Auto | None = None, throw: bool = True
+    ) -> GraspSolution:
         """Grasp forces, slips and object motion, certified.
 
         faces : see `problem`. solver : `Auto()` when None. Raises NoSolutionFound (with problem and solution) unless
@@ -118,8 +157,15 @@ class Grasp:
             raise NoSolutionFound("\n  ".join((str(solution), *trace)), problem, solution)
         return solution
 
-    def _solution(self, problem: GraspProblem, pyramid: Pyramid, candidate: Candidate, verdict: Verdict, iterations: int,
-                  trace: tuple[str, ...]) -> GraspSolution:
+    def _solution(
+        self,
+        problem: GraspProblem,
+        pyramid: Pyramid,
+        candidate: Candidate,
+        verdict: Verdict,
+        iterations: int,
+        trace: tuple[str, ...],
+    ) -> GraspSolution:
         scene = self.scene
         shift = _shift(self.reference - scene.units.centre)
         uniqueness: Uniqueness | None = None
@@ -144,14 +190,26 @@ class Grasp:
                 verdict = Verdict(nothing, verdict.residuals)
         forces, motion = candidate.forces, verdict.motion
         return GraspSolution(
-            status, self.names, read_only(forces), read_only((scene.frames @ forces[:, :, None])[:, :, 0]),
-            read_only(motion[:, 2]), read_only(motion[:, :2]), read_only(shift @ candidate.twist), names,
-            verdict.residuals, uniqueness, certificate, iterations, trace, candidate.extra,
+            status,
+            self.names,
+            read_only(forces),
+            read_only((scene.frames @ forces[:, :, None])[:, :, 0]),
+            read_only(motion[:, 2]),
+            read_only(motion[:, :2]),
+            read_only(shift @ candidate.twist),
+            names,
+            verdict.residuals,
+            uniqueness,
+            certificate,
+            iterations,
+            trace,
+            candidate.extra,
         )
 
     def __repr__(self) -> str:
         s = self.scene
-        return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{', planar' if s.plane is not None else ''})"
+        planar = ", planar" if s.plane is not None else ""
+        return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{planar})"
 
 
 def _load(problem: GraspProblem, scene: Scene) -> Array:
@@ -166,14 +224,21 @@ def _load(problem: GraspProblem, scene: Scene) -> Array:
 def _shift(arm: Array) -> Array:
     """(6, 6) that moves a small twist to a point `arm` away: u' = u + ω × arm."""
     x, y, z = arm.tolist()
-    return np.array([
-        [1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0],
-        [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1],
-    ], dtype=float)
+    return np.array(
+        [
+            [1, 0, 0, 0, z, -y],
+            [0, 1, 0, -z, 0, x],
+            [0, 0, 1, y, -x, 0],
+            [0, 0, 0, 1, 0, 0],
+            [0, 0, 0, 0, 1, 0],
+            [0, 0, 0, 0, 0, 1],
+        ],
+        dtype=float,
+    )
 
 
 def _in_plane(frames: Array, normal: Array) -> Array:
-    """Contact frames with x in the plane (towards the contact's own x axis) and y along the plane's normal or against it."""
+    """Contact frames turned about their normals until x lies in the plane, on the side of the contact's own x axis."""
     out = np.empty_like(frames)
     for i, R in enumerate(frames):
         x = cross_rows(normal, R[:, 2])

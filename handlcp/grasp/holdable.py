@@ -25,8 +25,13 @@ def escaping_twist(scene: Scene, pyramid: Pyramid, load: Array) -> Array | None:
     from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
 
     W = _generators(scene, pyramid)
-    lp = linprog(-load, A_ub=-W.T if W.size else None, b_ub=np.zeros(W.shape[1]) if W.size else None,
-                 bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
+    lp = linprog(
+        -load,
+        A_ub=-W.T if W.size else None,
+        b_ub=np.zeros(W.shape[1]) if W.size else None,
+        bounds=[(-1.0, 1.0)] * scene.dof,
+        method="highs",
+    )
     if lp.x is None or not is_escape(scene, pyramid, load, lp.x):
         return None
     t = lp.x / np.sqrt(lp.x @ lp.x)
@@ -61,6 +66,10 @@ def _generators(scene: Scene, pyramid: Pyramid) -> Array:
     for i in range(scene.n):
         if not scene.governed[i]:
             continue
-        r = np.array([[0.0], [0.0], [1.0]]) if limits[i] <= 0 else np.vstack([limits[i] * edges, np.ones(edges.shape[1])])
+        r = (
+            np.array([[0.0], [0.0], [1.0]])
+            if limits[i] <= 0
+            else np.vstack([limits[i] * edges, np.ones(edges.shape[1])])
+        )
         out.append(G[:, i] @ r)
     return np.hstack(out) if out else np.zeros((scene.dof, 0))

@@ -1,10 +1,10 @@
-"""Compiled mechanics of contacts: the grasp matrix, the blocks in natural units, relative motion, friction's residuals."""
+"""Compiled mechanics of contacts: grasp matrix, blocks in natural units, relative motion, residuals of friction."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["check_contacts", "natural_blocks", "nearest_in_polygon", "relative_motion", "unbalanced", "wrench_map"]
@@ -27,10 +27,17 @@ def wrench_map(arms: Array, frames: Array) -> Array:
 
 @kernel
 def natural_blocks(
-    grasp_matrix: Array, wrench: Array, freedom: Array, flexibility: Array, offset: Array, index: Array,
-    force: float, length: float, motion: float,
+    grasp_matrix: Array,
+    wrench: Array,
+    freedom: Array,
+    flexibility: Array,
+    offset: Array,
+    index: Ints,
+    force: float,
+    length: float,
+    motion: float,
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """(G over `index`, G over all components, E and d over `index`, w) in natural units; freedom (dof, 6) projects G and w."""
+    """(G over `index`, G over all, E and d over `index`, w) in natural units; freedom (dof, 6) projects G and w."""
     dof, columns, k = freedom.shape[0], grasp_matrix.shape[1], len(index)
     every, w = np.zeros((dof, columns)), np.zeros(dof)
     for i in range(dof):
@@ -54,8 +61,10 @@ def natural_blocks(
 
 
 @kernel
-def relative_motion(arms: Array, frames: Array, flexibility: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array]:
-    """v = Rᵀ(u + ω × a) + E r + d for every contact, and its scale.
+def relative_motion(
+    arms: Array, frames: Array, flexibility: Array, offset: Array, forces: Array, twist: Array
+) -> tuple[Array, Array]:
+    """V = Rᵀ(u + ω × a) + E r + d for every contact, and its scale.
 
     arms (n, 3) contact points from the centre that twist (6,) refers to, frames (n, 3, 3), flexibility (3n, 3n),
     offset and forces (n, 3) in contact axes. Returns v (n, 3) and (n,): the largest term of each contact's own sum.
@@ -81,7 +90,7 @@ def relative_motion(arms: Array, frames: Array, flexibility: Array, offset: Arra
 
 @kernel
 def nearest_in_polygon(x: float, y: float, apothem: float, faces: int) -> tuple[float, float]:
-    """The point nearest to (x, y) of the regular polygon with that apothem and outward normals at 2πj/m from the x axis.
+    """The point nearest to (x, y) of the regular polygon with that apothem, outward normals at 2πj/m from the x axis.
 
     faces = 2: the interval [-apothem, apothem] of the x axis. faces = 0: the disc of that radius.
     """
@@ -104,7 +113,9 @@ def nearest_in_polygon(x: float, y: float, apothem: float, faces: int) -> tuple[
 
 
 @kernel
-def check_contacts(forces: Array, v: Array, limits: Array, governed: Array, faces: int, F: float, V: Array) -> tuple[float, float, float]:
+def check_contacts(
+    forces: Array, v: Array, limits: Array, governed: Array, faces: int, F: float, V: Array
+) -> tuple[float, float, float]:
     """Worst (normal, cone, slip) residual over the governed contacts, each relative to F [N] and V (n,) [m].
 
     normal: |min(r_N / F, v_N / V)|. cone: excess of r_T over the polygon of apothem limits·r_N, / F.
@@ -131,7 +142,7 @@ def check_contacts(forces: Array, v: Array, limits: Array, governed: Array, face
 
 @kernel
 def unbalanced(arms: Array, frames: Array, forces: Array, wrench: Array) -> tuple[float, float]:
-    """(force [N], moment [N·m]) that the contact forces (n, 3), contact axes, leave of wrench (6,); about the arms' origin."""
+    """(force [N], moment [N·m]) that forces (n, 3), contact axes, leave of wrench (6,) about the arms' origin."""
     lost = wrench.copy()
     for i in range(len(arms)):
         ax, ay, az = arms[i, 0], arms[i, 1], arms[i, 2]
@@ -150,8 +161,16 @@ def unbalanced(arms: Array, frames: Array, forces: Array, wrench: Array) -> tupl
 
 
 @kernel
-def scales(wrench: Array, forces: Array, length: float, unit: float, floor: float, flexibility: Array, own: Array,
-           growth: float) -> tuple[float, Array]:
+def scales(
+    wrench: Array,
+    forces: Array,
+    length: float,
+    unit: float,
+    floor: float,
+    flexibility: Array,
+    own: Array,
+    growth: float,
+) -> tuple[float, Array]:
     """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
 
     F is the largest force of the candidate, at least the load's size (`unit` where there is no load) and at most
@@ -166,6 +185,10 @@ def scales(wrench: Array, forces: Array, length: float, unit: float, floor: floa
     F = min(max(np.max(np.abs(forces)), load), growth * load)
     V = np.empty(len(forces))
     for i in range(len(forces)):
-        retreat = (flexibility[3 * i, 3 * i] + flexibility[3 * i + 1, 3 * i + 1] + flexibility[3 * i + 2, 3 * i + 2]) * F / 3.0
+        retreat = (
+            (flexibility[3 * i, 3 * i] + flexibility[3 * i + 1, 3 * i + 1] + flexibility[3 * i + 2, 3 * i + 2])
+            * F
+            / 3.0
+        )
         V[i] = max(own[i], retreat, floor)
     return F, V

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.grasp.kernels import natural_blocks, wrench_map
 from handlcp.grasp.units import GraspUnits
 
 __all__ = ["Natural", "Scene", "cross_rows"]
-
-Index = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ class Scene:
     # ---- the object's freedom: 6 unknowns, or 3 in a plane
     @cached_property
     def freedom(self) -> Array | None:
-        """(3, 6) wrench and twist components a planar scene has: two forces in the plane, the moment about its normal."""
+        """(3, 6) components of wrenches and twists in a planar scene: two forces, the moment about the normal."""
         if self.plane is None:
             return None
         a = self.frames[0][:, 2]
@@ -81,7 +78,7 @@ class Scene:
 
     # ---- which of the 3n force components are unknown
     @property
-    def normal_index(self) -> Index:
+    def normal_index(self) -> Ints:
         """(n_N,) entries of the stacked (x, y, z) forces that are unknown normal forces."""
         return _normal_index(self.governed)
 
@@ -91,7 +88,7 @@ class Scene:
         return tuple(i for i, mu in enumerate(self.mu.tolist()) if mu > 0 and self.governed[i])
 
     @property
-    def rough_rows(self) -> Index:
+    def rough_rows(self) -> Ints:
         """(k,) for each contact with friction, which of the unknown normal forces is its own."""
         return _rough_rows(self.governed, self.rough)
 
@@ -101,7 +98,7 @@ class Scene:
         return 2 if self.plane is None else 1
 
     @property
-    def tangent_index(self) -> Index:
+    def tangent_index(self) -> Ints:
         """(n_T,) entries of the stacked (x, y, z) forces that are unknown tangential forces."""
         return _tangent_index(self.rough, self.tangents)
 
@@ -111,9 +108,20 @@ class Scene:
         """The blocks of G, E, d and w that the unknowns touch, in natural units."""
         u = self.units
         index = _index(self.governed, self.rough, self.tangents)
-        return Natural(*natural_blocks(
-            self.grasp_matrix, self.wrench, _SPATIAL if self.freedom is None else self.freedom, self.flexibility,
-            self.offset, index, u.force, u.length, u.motion), len(self.normal_index))
+        return Natural(
+            *natural_blocks(
+                self.grasp_matrix,
+                self.wrench,
+                _SPATIAL if self.freedom is None else self.freedom,
+                self.flexibility,
+                self.offset,
+                index,
+                u.force,
+                u.length,
+                u.motion,
+            ),
+            len(self.normal_index),
+        )
 
     @cached_property
     def twist_units(self) -> Array:
@@ -131,7 +139,8 @@ class Scene:
 @dataclass(frozen=True, slots=True)
 class Natural:
     """G (dof, k), E (k, k), d (k,) over the k = n_N + n_T unknown force components, normals first; w (dof,);
-    every (dof, 3n) G of all components; `split` = n_N."""
+    every (dof, 3n) G of all components; `split` = n_N.
+    """
 
     G: Array
     every: Array
@@ -144,30 +153,30 @@ class Natural:
 _SPATIAL = np.eye(6)
 
 
-# Index arrays depend on the pattern of contacts alone: a hand in many postures meets the same few patterns again and again
+# Index arrays depend on the pattern of contacts alone: a hand in many postures meets the same few again and again
 @lru_cache(maxsize=1024)
-def _normal_index(governed: tuple[bool, ...]) -> Index:
-    return np.array([3 * i + 2 for i, g in enumerate(governed) if g], dtype=np.intp)
-
-
-@lru_cache(maxsize=1024)
-def _tangent_index(rough: tuple[int, ...], tangents: int) -> Index:
-    return np.array([3 * i + k for i in rough for k in range(tangents)], dtype=np.intp)
+def _normal_index(governed: tuple[bool, ...]) -> Ints:
+    return np.array([3 * i + 2 for i, g in enumerate(governed) if g], dtype=np.int64)
 
 
 @lru_cache(maxsize=1024)
-def _rough_rows(governed: tuple[bool, ...], rough: tuple[int, ...]) -> Index:
+def _tangent_index(rough: tuple[int, ...], tangents: int) -> Ints:
+    return np.array([3 * i + k for i in rough for k in range(tangents)], dtype=np.int64)
+
+
+@lru_cache(maxsize=1024)
+def _rough_rows(governed: tuple[bool, ...], rough: tuple[int, ...]) -> Ints:
     place = {i: row for row, i in enumerate(i for i, g in enumerate(governed) if g)}
-    return np.array([place[i] for i in rough], dtype=np.intp)
+    return np.array([place[i] for i in rough], dtype=np.int64)
 
 
 @lru_cache(maxsize=1024)
-def _index(governed: tuple[bool, ...], rough: tuple[int, ...], tangents: int) -> Index:
+def _index(governed: tuple[bool, ...], rough: tuple[int, ...], tangents: int) -> Ints:
     return np.concatenate([_normal_index(governed), _tangent_index(rough, tangents)])
 
 
 def cross_rows(a: Array, b: Array) -> Array:
-    """a × b for (3,) arguments, or (n, 3) ones row by row; numpy's own costs ten times as much on arrays this small."""
+    """A × b for (3,) arguments, or (n, 3) ones row by row; numpy's own costs ten times as much on arrays this small."""
     if a.ndim == b.ndim == 1:
         (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
         return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])

@@ -68,13 +68,18 @@ class GraspSolution:
                 f"  {name}: {state:9s}  normal {f[2]:9.4g} N  tangential ({f[0]:9.4g}, {f[1]:9.4g}) N  "
                 f"slip ({s[0]:9.3g}, {s[1]:9.3g}) m  gap {g:9.3g} m"
                 for name, state, f, s, g in zip(
-                    self.names, self.contact_state, self.forces, self.slip, self.gap, strict=True)
+                    self.names, self.contact_state, self.forces, self.slip, self.gap, strict=True
+                )
             ]
             u = self.object_displacement
-            lines.append(f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad")
+            lines.append(
+                f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"
+            )
             lines.append(f"  {self.uniqueness}; worst relative residual {self.residuals.worst:.1e}")
         if self.certificate is not None:
             t = self.certificate
-            lines.append(f"  the object escapes along ({t[0]:.3g}, {t[1]:.3g}, {t[2]:.3g}) m, "
-                         f"({t[3]:.3g}, {t[4]:.3g}, {t[5]:.3g}) rad")
+            lines.append(
+                f"  the object escapes along ({t[0]:.3g}, {t[1]:.3g}, {t[2]:.3g}) m, "
+                f"({t[3]:.3g}, {t[4]:.3g}, {t[5]:.3g}) rad"
+            )
         return "\n".join(lines)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.grasp.certify import Residuals
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.scene import Scene
@@ -23,14 +22,14 @@ NAMES = ("separated", "sticking", "sliding", "sliding", "sliding")
 
 @dataclass(frozen=True, slots=True)
 class States:
-    """kind (n,) int: one of the constants above; faces (n, 2, 2): outward normals (rows) of the faces it slides against."""
+    """kind (n,) int: one of the constants above; faces (n, 2, 2): outward normals, in rows, that it slides against."""
 
-    kind: npt.NDArray[np.int64]
+    kind: Ints
     faces: Array
 
     @property
     def names(self) -> tuple[str, ...]:
-        """"separated" | "sticking" | "sliding" for each contact."""
+        """For each contact "separated", "sticking" or "sliding"."""
         return tuple(NAMES[k] for k in self.kind.tolist())
 
 
@@ -45,7 +44,9 @@ def classify(scene: Scene, pyramid: Pyramid, forces: Array, motion: Array, resid
 
 
 @kernel
-def _classify(forces: Array, motion: Array, limits: Array, normals: Array, planar: bool, weak: float, slow: float) -> tuple[Array, Array]:
+def _classify(
+    forces: Array, motion: Array, limits: Array, normals: Array, planar: bool, weak: float, slow: float
+) -> tuple[Ints, Array]:
     n, m = len(forces), normals.shape[1]
     kind, faces = np.zeros(n, np.int64), np.zeros((n, 2, 2))
     for i in range(n):

@@ -43,9 +43,14 @@ class Uniqueness:
     forces_determined: bool
 
     def __str__(self) -> str:
-        motion = "object motion determined" if not self.loose_motions else (
-            f"object motion free in {self.loose_motions} direction{'s' if self.loose_motions > 1 else ''} "
-            "(the smallest motion is given)")
+        motion = (
+            "object motion determined"
+            if not self.loose_motions
+            else (
+                f"object motion free in {self.loose_motions} direction{'s' if self.loose_motions > 1 else ''} "
+                "(the smallest motion is given)"
+            )
+        )
         return f"forces {'' if self.forces_determined else 'NOT '}determined, {motion}"
 
 
@@ -56,8 +61,9 @@ class FreeDirections:
     basis: Array
 
 
-def free_directions(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, states: States,
-                    candidate: Candidate) -> FreeDirections | None:
+def free_directions(
+    scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, states: States, candidate: Candidate
+) -> FreeDirections | None:
     """None when the solution is locally unique (decided by elimination, the cheap way), otherwise what is free."""
     G, E = scene.natural.every, scene.flexibility * (scene.units.force / scene.units.motion)
     planar = scene.plane is not None
@@ -87,12 +93,13 @@ def describe(scene: Scene, free: FreeDirections | None, to_reference: Array) -> 
     return Uniqueness(moving.shape[1], read_only(twists), bool(abs(free.basis[:k]).max(initial=0.0) < 1e-9))
 
 
-def minimum_norm(scene: Scene, pyramid: Pyramid, states: States, candidate: Candidate, motion: Array,
-                 free: FreeDirections) -> Candidate:
+def minimum_norm(
+    scene: Scene, pyramid: Pyramid, states: States, candidate: Candidate, motion: Array, free: FreeDirections
+) -> Candidate:
     """The member of least norm (natural units) that keeps every contact in its state; motion (n, 3) as it is now [m].
 
     min ‖x₀ + B c‖ subject to the inequalities of the states (forces push, gaps stay open, friction within its limit,
-    slip against the faces): a least-distance problem, solved as nonnegative least squares (Lawson & Hanson, chapter 23).
+    slip against the faces): a least-distance problem, solved as nonnegative least squares (Lawson & Hanson, ch. 23).
     """
     from scipy.optimize import nnls  # half a second of import that only loose scenes should pay
 

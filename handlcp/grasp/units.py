@@ -28,12 +28,14 @@ class GraspUnits:
 
     @staticmethod
     def of(positions: Array, flexibility: Array, offset: Array, force: Array, moment: Array) -> GraspUnits:
-        """From positions (n, 3), flexibility (3n, 3n), offset (n, 3) and the wrench about the origin: force, moment (3,)."""
+        """From positions, offset (n, 3), flexibility (3n, 3n) and the wrench about the origin: force, moment (3,)."""
         return GraspUnits(*_sizes(positions, flexibility, offset, force, moment))
 
 
 @kernel
-def _sizes(positions: Array, flexibility: Array, offset: Array, force: Array, moment: Array) -> tuple[float, float, float, Array]:
+def _sizes(
+    positions: Array, flexibility: Array, offset: Array, force: Array, moment: Array
+) -> tuple[float, float, float, Array]:
     n = len(positions)
     centre = np.zeros(3)
     for i in range(n):
@@ -49,11 +51,13 @@ def _sizes(positions: Array, flexibility: Array, offset: Array, force: Array, mo
         length = np.sqrt(np.sum(centre * centre))
     if length == 0.0:
         length = 1.0
-    m = moment - np.array([
-        centre[1] * force[2] - centre[2] * force[1],
-        centre[2] * force[0] - centre[0] * force[2],
-        centre[0] * force[1] - centre[1] * force[0],
-    ])
+    m = moment - np.array(
+        [
+            centre[1] * force[2] - centre[2] * force[1],
+            centre[2] * force[0] - centre[0] * force[2],
+            centre[0] * force[1] - centre[1] * force[0],
+        ]
+    )
     load = np.sqrt(np.sum(force * force) + np.sum(m * m) / length**2)
     travel = np.sqrt(travel)
     size = load + (travel / softness if softness > 0.0 else 0.0)

@@ -12,7 +12,7 @@ __all__ = ["farkas_vector"]
 
 
 def farkas_vector(problem: LCP) -> Array | None:
-    """y (n,) with y ≥ 0 (free rows: any sign), Mᵀy ≤ 0 (free: = 0) and qᵀy < 0, certified; None when there is none.
+    """Y (n,) with y ≥ 0 (free rows: any sign), Mᵀy ≤ 0 (free: = 0) and qᵀy < 0, certified; None when there is none.
 
     A linear program over the box |y| ≤ 1 minimises qᵀy; its sign pattern is what counts, not its status.
     """
@@ -22,9 +22,13 @@ def farkas_vector(problem: LCP) -> Array | None:
     bounds = [(-1.0, 1.0) if f else (0.0, 1.0) for f in s.free]
     own = ~s.free
     lp = linprog(
-        s.q, A_ub=s.M.T[own] if own.any() else None, b_ub=np.zeros(int(own.sum())) if own.any() else None,
-        A_eq=s.M.T[s.free] if s.free.any() else None, b_eq=np.zeros(int(s.free.sum())) if s.free.any() else None,
-        bounds=bounds, method="highs",
+        s.q,
+        A_ub=s.M.T[own] if own.any() else None,
+        b_ub=np.zeros(int(own.sum())) if own.any() else None,
+        A_eq=s.M.T[s.free] if s.free.any() else None,
+        b_eq=np.zeros(int(s.free.sum())) if s.free.any() else None,
+        bounds=bounds,
+        method="highs",
     )
     if lp.x is None:
         return None

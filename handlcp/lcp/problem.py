@@ -51,7 +51,7 @@ class LCP:
 
     @classmethod
     def from_scaled(cls, M: Array, q: Array, free: Mask, units: Units) -> LCP:
-        """A problem already in natural units, as the grasp assembles it; arrays are taken over, not copied or checked."""
+        """A problem already in natural units, as the grasp assembles it; arrays are neither copied nor checked."""
         self = cls.__new__(cls)
         self.free, self._units = free, units
         self.__dict__["scaled"] = Scaled(M, q, free, units)

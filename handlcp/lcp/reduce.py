@@ -22,7 +22,7 @@ __all__ = ["Reduced", "reduce"]
 
 @dataclass(frozen=True, slots=True)
 class Reduced:
-    """A standard problem M (k, k), q (k,), and x = back_M v + back_q, which leads from its unknowns v to the mixed x."""
+    """A standard problem M (k, k), q (k,), and x = back_M v + back_q, the mixed x for its unknowns v."""
 
     M: Array
     q: Array
@@ -73,7 +73,10 @@ def _swap(M: Array, free: Mask) -> Mask:
         strength = np.linalg.norm(column, axis=0) * np.linalg.norm(row, axis=1)
         if strength.max() <= RANK:
             return swapped
-        _, _, order = qr(column * np.sqrt(strength / np.maximum(np.linalg.norm(column, axis=0) ** 2, 1e-300)),
-                         mode="economic", pivoting=True)
+        _, _, order = qr(
+            column * np.sqrt(strength / np.maximum(np.linalg.norm(column, axis=0) ** 2, 1e-300)),
+            mode="economic",
+            pivoting=True,
+        )
         useful = [j for j in order[: int(null.sum())] if strength[j] > RANK]
         swapped[B[useful or [int(strength.argmax())]]] = True

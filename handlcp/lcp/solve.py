@@ -19,7 +19,9 @@ from handlcp.lcp.status import Status
 __all__ = ["proposals", "solve_lcp"]
 
 
-def solve_lcp(problem: LCP, solver: Solver | Auto | None = None, throw: bool = True, start: Array | None = None) -> LCPSolution:
+def solve_lcp(
+    problem: LCP, solver: Solver | Auto | None = None, throw: bool = True, start: Array | None = None
+) -> LCPSolution:
     """The certified answer to a (mixed) linear complementarity problem.
 
     solver : `Auto()` when None. start : (n,) first guess in the user's units, zero when None.
@@ -39,22 +41,40 @@ def solve_lcp(problem: LCP, solver: Solver | Auto | None = None, throw: bool = T
         status, w, residual = certify(problem, z)
         trace.append(f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {residual:.1e}")
         if best is None or residual < best.residual:
-            best = LCPSolution(read_only(z), read_only(w), status, residual, proposal.iterations,
-                               outcome=proposal.outcome, history=proposal.history)
+            best = LCPSolution(
+                read_only(z),
+                read_only(w),
+                status,
+                residual,
+                proposal.iterations,
+                outcome=proposal.outcome,
+                history=proposal.history,
+            )
         if status is Status.SOLVED:
             break
     assert best is not None  # every solver proposes something
     if best.status is not Status.SOLVED and (y := farkas_vector(problem)) is not None:
         nothing = read_only(np.full(problem.n, np.nan))  # so that nobody uses them by accident
         best = LCPSolution(nothing, nothing, Status.INFEASIBLE, np.inf, best.iterations, y, "Farkas vector found")
-    solution = LCPSolution(best.z, best.w, best.status, best.residual, best.iterations, best.certificate, best.outcome,
-                           tuple(trace), best.history)
+    solution = LCPSolution(
+        best.z,
+        best.w,
+        best.status,
+        best.residual,
+        best.iterations,
+        best.certificate,
+        best.outcome,
+        tuple(trace),
+        best.history,
+    )
     if throw and solution.status is not Status.SOLVED:
         raise NoSolutionFound("\n  ".join((solution.status.meaning, *trace)), problem, solution)
     return solution
 
 
-def proposals(problem: LCP, solver: Solver | Auto | None = None, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
+def proposals(
+    problem: LCP, solver: Solver | Auto | None = None, start: Array | None = None
+) -> Iterator[tuple[str, Proposal]]:
     """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next."""
     solver = Auto() if solver is None else solver
     if isinstance(solver, Auto):
@@ -62,8 +82,8 @@ def proposals(problem: LCP, solver: Solver | Auto | None = None, start: Array | 
     elif isinstance(solver, Solver):
         stages = (solver,)
     else:
-        raise InputError("solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver))
+        raise InputError(
+            "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
+        )
     for stage in stages:
         yield type(stage).__name__, stage.propose(problem.scaled, start)
-
-

@@ -11,9 +11,7 @@ class Status(Enum):
     """The value of each member is its meaning and what to do about it."""
 
     SOLVED = "solved: every condition was recomputed and holds within the stated residual"
-    INFEASIBLE = (
-        "infeasible: no z ≥ 0 gives w = M z + q ≥ 0; the certificate y ≥ 0 proves it (Mᵀy ≤ 0, qᵀy < 0)"
-    )
+    INFEASIBLE = "infeasible: no z ≥ 0 gives w = M z + q ≥ 0; the certificate y ≥ 0 proves it (Mᵀy ≤ 0, qᵀy < 0)"
     NO_EQUILIBRIUM = (
         "no elastic equilibrium: some contact forces balance the wrench, but these compliances and gaps cannot create "
         "them; squeeze harder (preload) or change the flexibility"

@@ -47,7 +47,9 @@ class Effect:
         """
         return None
 
-    def residual(self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float) -> float:
+    def residual(
+        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
+    ) -> float:
         """How far a candidate misses this effect's own law, relative; forces (n, 3) N in contact axes.
 
         The laws of balance, contact and friction are recomputed by the certifier itself.

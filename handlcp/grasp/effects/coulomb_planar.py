@@ -38,8 +38,15 @@ class CoulombPlanar(Effect):
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the tangent, and how far the force is from both ends."""
         at = system.at
-        place_faces(system.M, at["r_T"].start, at["λ"].start, at["r_N"].start, scene.rough_rows,
-                    scene.mu[list(scene.rough)], _ENDS)
+        place_faces(
+            system.M,
+            at["r_T"].start,
+            at["λ"].start,
+            at["r_N"].start,
+            scene.rough_rows,
+            scene.mu[list(scene.rough)],
+            _ENDS,
+        )
         system.load("r_T", scene.natural.d[scene.natural.split :])
 
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.scene import Scene
@@ -45,13 +44,20 @@ class CoulombPyramid(Effect):
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the faces, and how far the force is inside each of them."""
         at = system.at
-        place_faces(system.M, at["r_T"].start, at["λ"].start, at["r_N"].start, scene.rough_rows,
-                    self.pyramid.limit(scene.mu[list(scene.rough)]), self.pyramid.normals)
+        place_faces(
+            system.M,
+            at["r_T"].start,
+            at["λ"].start,
+            at["r_N"].start,
+            scene.rough_rows,
+            self.pyramid.limit(scene.mu[list(scene.rough)]),
+            self.pyramid.normals,
+        )
         system.load("r_T", scene.natural.d[scene.natural.split :])
 
 
 @kernel
-def place_faces(M: Array, tangential: int, faces: int, normals: int, rows: Array, limits: Array, N: Array) -> None:
+def place_faces(M: Array, tangential: int, faces: int, normals: int, rows: Ints, limits: Array, N: Array) -> None:
     """Write the blocks above for every contact with friction; rows: which normal force is its own."""
     axes, m = N.shape
     for k in range(len(rows)):

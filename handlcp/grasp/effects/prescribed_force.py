@@ -51,6 +51,8 @@ class PrescribedForce(Effect):
         system.load("r_N", retreat[scene.normal_index])
         system.load("r_T", retreat[scene.tangent_index])
 
-    def residual(self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float) -> float:
+    def residual(
+        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
+    ) -> float:
         """Whether the answer carries this very force."""
         return float(abs(forces[self.contact] - self.force).max()) / force_size

@@ -50,13 +50,15 @@ class TotalForceBound(Effect):
 
     def opening(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
         """z̄ along the normal of every governed contact."""
-        return _normals(scene) * extra["z̄"][0]
+        return _normals(scene) * float(extra["z̄"][0])
 
     def coupling(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
         """Σ r_N stays at the bound while z̄ > 0."""
         return _normals(scene).ravel() if extra["z̄"][0] > ACTIVE * scene.units.motion else None
 
-    def residual(self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float) -> float:
+    def residual(
+        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
+    ) -> float:
         """|min(z̄, r̄ - Σ r_N)|, relative."""
         slack = self.limit - float(forces[list(scene.governed), 2].sum())
         return abs(min(float(extra["z̄"][0]) / motion_size, slack / force_size))

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["solve_ranked"]
 
 
 @kernel
-def solve_ranked(A: Array, b: Array, x: Array, col: Array, rank_tolerance: float) -> int:
+def solve_ranked(A: Array, b: Array, x: Array, col: Ints, rank_tolerance: float) -> int:
     """Solve A x = b by Gaussian elimination with partial pivoting, complete pivoting once a column gives no pivot.
 
     A (k, k) and b (k,) are overwritten, col (k,) int is work. Unknowns without a pivot (relative to the largest entry

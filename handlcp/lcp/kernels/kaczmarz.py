@@ -12,12 +12,15 @@ changes z along row i of M, and w = M z + q by -t (a M e_i + b M Mᵀ e_i): with
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.problem import Mask
 
 __all__ = ["kaczmarz", "multiply_add"]
+
+Seeds = npt.NDArray[np.uint64]
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -27,7 +30,7 @@ _CORNER = 1.0 / np.sqrt(2.0) - 1.0
 
 
 @kernel
-def uniform(state: Array) -> float:
+def uniform(state: Seeds) -> float:
     """A number in [0, 1) from the SplitMix64 generator; `state` (1,) uint64 moves on."""
     state[0] += _GOLDEN
     x = state[0]
@@ -39,7 +42,7 @@ def uniform(state: Array) -> float:
 
 @kernel
 def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
-    """w ← M z + q."""
+    """W ← M z + q."""
     n = len(q)
     for i in range(n):
         w[i] = q[i]
@@ -49,8 +52,18 @@ def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
 
 @kernel
 def kaczmarz(
-    M: Array, MT: Array, MMT: Array, q: Array, free: Mask, z: Array, w: Array, state: Array,
-    steps: int, tolerance: float, stride: int, history: Array,
+    M: Array,
+    MT: Array,
+    MMT: Array,
+    q: Array,
+    free: Mask,
+    z: Array,
+    w: Array,
+    state: Seeds,
+    steps: int,
+    tolerance: float,
+    stride: int,
+    history: Array,
 ) -> tuple[int, float, int]:
     """Take up to `steps` steps in place; stop at ‖Φ(z)‖₂ ≤ tolerance.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["RAY", "SOLVED", "SPENT", "lemke"]
@@ -29,7 +29,7 @@ def lemke(M: Array, q: Array, d: Array, most: int, pivot: float) -> tuple[int, i
     D[:, 0] = d
     D[:, 1 : n + 1] = M
     D[:, n + 1] = q
-    basic = np.arange(n)
+    basic = np.arange(n, dtype=np.int64)
     nonbasic = np.empty(n + 1, np.int64)
     nonbasic[0] = 2 * n
     for j in range(n):
@@ -82,8 +82,8 @@ def _exchange(D: Array, r: int, e: int) -> None:
 
 
 @kernel
-def _ratio(D: Array, e: int, basic: Array, column: Array, tolerance: float) -> int:
-    """The row that blocks the growth of column e first; z₀ before all others of equals, then lexicographically. -1: none."""
+def _ratio(D: Array, e: int, basic: Ints, column: Ints, tolerance: float) -> int:
+    """The row that blocks the growth of column e first; of equals z₀, then the lexicographically least. -1: none."""
     n, last = D.shape[0], D.shape[1] - 1
     size, constants = 0.0, 0.0
     for i in range(n):
@@ -103,12 +103,12 @@ def _ratio(D: Array, e: int, basic: Array, column: Array, tolerance: float) -> i
 
 
 @kernel
-def _before(D: Array, i: int, k: int, e: int, basic: Array, column: Array) -> bool:
+def _before(D: Array, i: int, k: int, e: int, basic: Ints, column: Ints) -> bool:
     """Whether row i's perturbed ratio is lexicographically less than row k's."""
     for c in range(D.shape[0]):
         at = column[c]  # w_c
         a = (-D[i, at] if at >= 0 else 1.0 * (basic[i] == c)) / -D[i, e]
         b = (-D[k, at] if at >= 0 else 1.0 * (basic[k] == c)) / -D[k, e]
         if abs(a - b) > 1e-9 * max(abs(a), abs(b)):
-            return a < b
+            return bool(a < b)
     return False

@@ -15,7 +15,7 @@ __all__ = ["active_set", "damped_newton", "residual"]
 
 @kernel
 def residual(z: Array, w: Array, free: Mask) -> float:
-    """max |min(z_i, w_i)| over complementary and |w_i| over free rows; NaN counts as infinite."""
+    """Max |min(z_i, w_i)| over complementary and |w_i| over free rows; NaN counts as infinite."""
     worst = 0.0
     for i in range(len(z)):
         r = abs(w[i]) if free[i] else abs(min(z[i], w[i]))
@@ -26,7 +26,14 @@ def residual(z: Array, w: Array, free: Mask) -> float:
 
 @kernel
 def active_set(
-    M: Array, q: Array, free: Mask, z: Array, w: Array, steps: int, tolerance: float, rank_tolerance: float,
+    M: Array,
+    q: Array,
+    free: Mask,
+    z: Array,
+    w: Array,
+    steps: int,
+    tolerance: float,
+    rank_tolerance: float,
 ) -> tuple[int, float]:
     """Semismooth Newton on min(z, w): with A = {free} ∪ {z_i > w_i}, solve M_AA z_A = -q_A, z elsewhere zero; repeat.
 
@@ -77,7 +84,14 @@ def active_set(
 
 @kernel
 def damped_newton(
-    M: Array, q: Array, free: Mask, z: Array, w: Array, steps: int, tolerance: float, rank_tolerance: float,
+    M: Array,
+    q: Array,
+    free: Mask,
+    z: Array,
+    w: Array,
+    steps: int,
+    tolerance: float,
+    rank_tolerance: float,
 ) -> tuple[int, float]:
     """Semismooth Newton on the Fischer–Burmeister rows with Armijo's rule on ½‖Φ‖² and a Levenberg–Marquardt step
     where the Newton direction fails (De Luca, Facchinei & Kanzow, Math. Program. 75, 1996). In place.

@@ -52,8 +52,19 @@ class NSNGRK:
         z = np.zeros(n) if start is None else np.array(start, dtype=float)
         history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
         steps, ok, written = _run(
-            M, np.ascontiguousarray(M.T), M @ M.T, problem.q, problem.free, z, np.uint64(self.seed),
-            self.max_iterations, self.tol, self.polish, self.stride, history, RANK,
+            M,
+            np.ascontiguousarray(M.T),
+            M @ M.T,
+            problem.q,
+            problem.free,
+            z,
+            self.seed,
+            self.max_iterations,
+            self.tol,
+            self.polish,
+            self.stride,
+            history,
+            RANK,
         )
         outcome = "converged" if ok else f"{steps} Kaczmarz steps spent"
         return Proposal(z, steps, outcome, history[:written] if self.stride else None)
@@ -61,8 +72,19 @@ class NSNGRK:
 
 @kernel
 def _run(
-    M: Array, MT: Array, MMT: Array, q: Array, free: Mask, z: Array, seed: int, most: int, tolerance: float,
-    polish: bool, stride: int, history: Array, rank_tolerance: float,
+    M: Array,
+    MT: Array,
+    MMT: Array,
+    q: Array,
+    free: Mask,
+    z: Array,
+    seed: int,
+    most: int,
+    tolerance: float,
+    polish: bool,
+    stride: int,
+    history: Array,
+    rank_tolerance: float,
 ) -> tuple[int, bool, int]:
     """Kaczmarz steps in place, with Newton's in between when `polish`. (steps, converged, history rows)."""
     n = len(q)
