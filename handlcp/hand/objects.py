@@ -95,15 +95,36 @@ class Sphere(Object):
 
 
 class Cylinder(Object):
-    """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame."""
+    """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame.
+
+    coal 3.0.3 takes the wrong way out for a ball whose centre is inside, near an end (-24 mm for -11 mm): for spherical
+    fingertips the nearest point is computed here.
+    """
 
     __slots__ = ("length", "radius")
 
     def __init__(self, radius: Any, length: Any, placement: Any = None, mass: Any = 0.0) -> None:
         self.radius, self.length = number("radius", radius, above=0.0), number("length", length, above=0.0)
-        super().__init__(
-            coal.Cylinder(self.radius, self.length), placement, mass, (0, 0, 0), (self.radius, self.length)
-        )
+        geometry = coal.Cylinder(self.radius, self.length)
+        super().__init__(geometry, placement, mass, (0, 0, 0), (self.radius, self.length))
+
+    def closest(self, point: Array) -> tuple[float, Array, Array]:
+        """Outside: the point clamped to mantle and ends. Inside: straight out through the nearer of the two."""
+        R, p = self._placement.rotation, self._placement.translation
+        x, y, z = R.T @ (point - p)
+        away = float(np.hypot(x, y))
+        cx, cy = (x / away, y / away) if away > 0 else (1.0, 0.0)
+        end = 0.5 * self.length if z >= 0 else -0.5 * self.length
+        beside, above = away - self.radius, abs(z) - 0.5 * self.length
+        if beside > 0 and above > 0:  # off the rim
+            distance = float(np.hypot(beside, above))
+            out = np.array([cx * beside, cy * beside, z - end]) / distance
+            on = np.array([cx * self.radius, cy * self.radius, end])
+        elif beside > above:
+            distance, out, on = beside, np.array([cx, cy, 0.0]), np.array([cx * self.radius, cy * self.radius, z])
+        else:
+            distance, out, on = float(above), np.array([0.0, 0.0, np.sign(end)]), np.array([x, y, end])
+        return distance, R @ on + p, R @ out
 
 
 class Ellipsoid(Object):

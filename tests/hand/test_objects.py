@@ -1,0 +1,224 @@
+"""Contacts by coal against closed forms: gap, point and normal, outside and overlapping, on every kind of object."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from handlcp.errors import InputError, NotReached
+from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, example_hand
+from handlcp.hand.detect import nearest
+from handlcp.hand.tips import sphere_tip
+
+RADIUS = 0.01
+PLACEMENT = pin.SE3(pin.exp3(np.array([0.3, -1.1, 0.7])), np.array([0.1, 0.2, 0.3]))
+BOX, RADII = np.array([0.04, 0.05, 0.06]), np.array([0.02, 0.03, 0.04])
+Surface = Callable[[np.random.Generator], tuple[np.ndarray, np.ndarray]]
+
+
+def _face(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    i, x, n = rng.integers(3), rng.uniform(-0.4, 0.4, 3) * BOX, np.zeros(3)
+    n[i] = rng.choice([-1.0, 1.0])
+    x[i] = n[i] * BOX[i] / 2
+    return x, n
+
+
+def _mantle(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    a = rng.uniform(0, 2 * np.pi)
+    n = np.array([np.cos(a), np.sin(a), 0.0])
+    return 0.02 * n + np.array([0, 0, rng.uniform(-0.03, 0.03)]), n
+
+
+def _lid(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    return np.array([*rng.uniform(-0.008, 0.008, 2), 0.05]), np.array([0.0, 0.0, 1.0])
+
+
+def _ball(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    n = rng.normal(size=3)
+    n /= np.linalg.norm(n)
+    return 0.03 * n, n
+
+
+def _egg(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    u = rng.normal(size=3)
+    u[rng.integers(3)] *= rng.integers(2)  # on planes of symmetry too
+    u /= np.linalg.norm(u)
+    n = u / RADII
+    return RADII * u, n / np.linalg.norm(n)
+
+
+def box_file(folder: Path, size: np.ndarray = BOX) -> Path:
+    """A box as a mesh file (OBJ)."""
+    return _obj(
+        folder / "box.obj",
+        [(0, 0), (size[0], 0), (size[0], size[1]), (0, size[1])],
+        size[2],
+        [(0, 1, 2), (0, 2, 3)],
+        -size / 2,
+    )
+
+
+def angle_file(folder: Path) -> Path:
+    """An L of unit squares, 10 mm each and 10 mm thick: a mesh that is not convex."""
+    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    triangles = [(0, 1, 2), (0, 2, 3), (0, 3, 5), (3, 4, 5)]
+    return _obj(folder / "angle.obj", [(0.01 * x, 0.01 * y) for x, y in corners], 0.01, triangles, np.zeros(3))
+
+
+def _obj(
+    path: Path, outline: list[tuple[float, float]], height: float, lid: list[tuple[int, int, int]], at: np.ndarray
+) -> Path:
+    n = len(outline)
+    corners = [np.array([x, y, z]) + at for z in (0.0, height) for x, y in outline]
+    faces = [(c, b, a) for a, b, c in lid] + [(a + n, b + n, c + n) for a, b, c in lid]
+    for i in range(n):
+        j = (i + 1) % n
+        faces += [(i, j, j + n), (i, j + n, i + n)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("make", "surface", "deepest", "exact"),
+    [
+        (lambda _: Box(BOX, PLACEMENT), _face, -0.012, 1e-12),
+        (lambda _: Cylinder(0.02, 0.1, PLACEMENT), _mantle, -0.012, 1e-12),
+        (lambda _: Cylinder(0.02, 0.1, PLACEMENT), _lid, -0.012, 1e-12),
+        (lambda _: Sphere(0.03, PLACEMENT), _ball, -0.012, 1e-12),
+        (lambda _: Ellipsoid(RADII, PLACEMENT), _egg, -0.012, 1e-12),
+        (lambda folder: Mesh(box_file(folder), 1.0, PLACEMENT), _face, -0.012, 1e-8),  # files hold single precision
+    ],
+    ids=["box", "cylinder", "cylinder end", "sphere", "ellipsoid", "convex mesh"],
+)
+def test_contact_of_a_spherical_tip_is_the_closed_form(
+    make: Callable[[Path], Object], surface: Surface, deepest: float, exact: float, tmp_path: Path
+) -> None:
+    """A ball centred gap + r above a surface point: the gap, that point, and the inward normal; overlapping too."""
+    obj, rng = make(tmp_path), np.random.default_rng(4)
+    for _ in range(100):
+        x, n = surface(rng)
+        gap = rng.uniform(deepest, 0.05)
+        centre = PLACEMENT.act(x + n * (gap + RADIUS))
+        found = nearest(sphere_tip(RADIUS), centre, np.eye(3), obj)
+        assert found.gap == pytest.approx(gap, abs=exact)
+        np.testing.assert_allclose(found.position, PLACEMENT.act(x), atol=exact)
+        np.testing.assert_allclose(found.normal, -PLACEMENT.rotation @ n, atol=1e-6)
+        np.testing.assert_allclose(found.tip_point, centre + RADIUS * found.normal, atol=exact)
+
+
+def test_a_mesh_that_is_not_convex_keeps_its_notch(tmp_path: Path) -> None:
+    """In the notch of an L the gap is to the faces there, not to the hull; overlap is signed right."""
+    obj = Mesh(angle_file(tmp_path), 1.0, mass=0.3)
+    assert not obj.convex
+    np.testing.assert_allclose(obj.center_of_mass, [0.025 / 3, 0.025 / 3, 0.005], atol=1e-8)
+    for height, gap in ((0.006, 0.004), (0.0015, -0.0005), (-0.001, -0.003)):
+        found = nearest(sphere_tip(0.002), np.array([0.014, 0.01 + height, 0.005]), np.eye(3), obj)
+        expected = min(height, 0.004) if height > 0 else height  # the notch's other wall is 4 mm away
+        assert found.gap == pytest.approx(expected - 0.002, abs=1e-8), gap
+        normal = [0, -1, 0] if height < 0.004 else [-1, 0, 0]
+        np.testing.assert_allclose(found.normal, normal, atol=1e-6)
+
+
+def test_a_convex_mesh_is_its_hull_and_scales(tmp_path: Path) -> None:
+    """Scale in three directions; the centre of mass is that of the volume."""
+    obj = Mesh(box_file(tmp_path), (1.0, 2.0, 3.0), (1.0, 0.0, 0.0), mass=1.5)
+    assert obj.convex
+    found = nearest(sphere_tip(RADIUS), np.array([1.0, 0.0, 0.2]), np.eye(3), obj)
+    assert found.gap == pytest.approx(0.2 - 0.09 - RADIUS, abs=1e-8)
+    np.testing.assert_allclose(obj.center_of_mass, [1.0, 0.0, 0.0], atol=1e-8)
+
+
+def test_tips_can_be_the_urdf_s_collision_geometry() -> None:
+    """Without a tip radius: the ball in the shipped URDF, and the hull of the psyonic's mesh fixed to the anchor frame."""
+    own, given = example_hand("five_finger", tip_radius=None), example_hand("five_finger")
+    ball = Sphere(0.03, (0, 0, 0.09))
+    q = np.tile([0.2, 0.1], 5)
+    a, b = own.at(q).grasp(ball, max_gap=1.0), given.at(q).grasp(ball, max_gap=1.0)
+    np.testing.assert_allclose(a.scene.offset, b.scene.offset, atol=1e-15)
+    hand = example_hand("psyonic", tip_radius=None, fingertips=["Left_index_anchor"])
+    state = hand.at(hand.neutral)
+    far = state.tip_positions[0] + np.array([0.0, 0.0, 1.0])
+    gap = state.grasp(Sphere(0.02, far), max_gap=2.0).scene.offset[0, 2]
+    assert 0.9 < gap < 1.0
+
+
+def test_penetration_is_preload(five: Hand) -> None:
+    """A finger 2 mm inside an object, one that touches, one 0.5 mm away: offsets -2, 0 and +0.5 mm; preload adds."""
+    state = five.at(np.tile([0.1, 0.1], 5))
+    tips = state.tip_positions
+    radius = float(np.hypot(*tips[0, :2])) - 0.008
+    for shift, preload in ((-0.002, 0.0), (0.0, 0.001), (0.0005, 0.0)):
+        drum = Cylinder(radius - shift, 1.0, (0.0, 0.0, tips[0, 2]))
+        g = state.grasp(drum, preload=preload)
+        np.testing.assert_allclose(g.scene.offset[:, 2], shift - preload, atol=1e-12)
+        np.testing.assert_allclose(
+            g.scene.positions[:, :2], tips[:, :2] * (radius - shift) / (radius + 0.008), atol=1e-12
+        )
+
+
+def test_fingers_that_do_not_touch_are_all_named(five: Hand) -> None:
+    """NotReached lists every finger that is too far, with its gap, and none of the others."""
+    state = five.at(np.tile([0.1, 0.1], 5))
+    x = state.tip_positions[0]
+    with pytest.raises(NotReached, match="finger_3_tip") as caught:
+        state.grasp(Sphere(0.01, x + np.array([0.018, 0.0, 0.0])))
+    assert set(caught.value.gaps) == {f"finger_{i}_tip" for i in (2, 3, 4, 5)}
+    assert caught.value.gaps["finger_3_tip"] > 0.02
+    alone = state.grasp(Sphere(0.01, x + np.array([0.018, 0.0, 0.0])), fingers=["finger_1_tip"])
+    assert alone.names == ("finger_1_tip",)
+    np.testing.assert_allclose(alone.contacts[0].normal, [1, 0, 0], atol=1e-12)
+
+
+def test_objects_pickle_and_stay(tmp_path: Path) -> None:
+    """Objects survive pickle; what they hand out are copies."""
+    for obj in (
+        Box(0.1),
+        Sphere(0.1, mass=1),
+        Cylinder(0.1, 0.2),
+        Ellipsoid(RADII, PLACEMENT),
+        Mesh(box_file(tmp_path)),
+    ):
+        again = pickle.loads(pickle.dumps(obj))
+        assert repr(again) == repr(obj)
+        obj.placement.translation = np.ones(3)
+        assert again.placement == obj.placement
+        moved = obj.moved_to((0.0, 0.0, 1.0))
+        np.testing.assert_allclose(moved.center_of_mass[2], 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "argument"),
+    [
+        (lambda _: Box((0.1, 0.0, 0.1)), "size"),
+        (lambda _: Box((0.1, 0.1)), "size"),
+        (lambda _: Sphere(-1.0), "radius"),
+        (lambda _: Sphere(np.nan), "radius"),
+        (lambda _: Cylinder(0.1, 0), "length"),
+        (lambda _: Ellipsoid((0.1, 0.1, np.inf)), "radii"),
+        (lambda _: Box(0.1, mass=-1), "mass"),
+        (lambda _: Box(0.1, (0, 0)), "placement"),
+        (lambda _: Box(0.1, "here"), "placement"),
+        (lambda _: Box(0.1, pin.SE3(np.ones((3, 3)), np.zeros(3))), "placement"),
+        (lambda folder: Mesh(folder / "none.stl"), "path"),
+        (lambda folder: Mesh(_broken(folder)), "path"),
+        (lambda folder: Mesh(box_file(folder), 0.0), "scale"),
+        (lambda _: Mesh(3), "path"),
+    ],
+)
+def test_bad_objects_name_the_argument(make: Callable[[Path], Object], argument: str, tmp_path: Path) -> None:
+    """One broken argument a time; each names itself."""
+    with pytest.raises(InputError) as caught:
+        make(tmp_path)
+    assert caught.value.argument == argument
+
+
+def _broken(folder: Path) -> Path:
+    path = folder / "broken.stl"
+    path.write_text("no mesh at all")
+    return path
