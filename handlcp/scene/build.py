@@ -1,0 +1,179 @@
+"""From a checked scene file to a grasp. Refusals of the package's own functions are given the file's key names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import InputError, UnknownName
+from handlcp.grasp import Contact, Coulomb, Frictionless, Grasp, PrescribedForce, TotalForceBound
+from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SphereTable
+
+if TYPE_CHECKING:
+    from handlcp.grasp import Effect, Friction
+    from handlcp.hand import Hand, Object
+    from handlcp.scene.file import SceneFile
+
+__all__ = ["build", "hand", "shape"]
+
+# Arguments of the package's functions, and the keys that they come from
+HAND = {
+    "source": "hand.urdf", "path": "hand.urdf", "name": "hand.name", "base": "hand.base",
+    "fingertips": "hand.fingertips",
+    "joint_stiffness": "hand.joint_stiffness_Nm_per_rad", "pad_flexibility": "hand.pad_flexibility_m_per_N",
+    "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
+}  # fmt: skip
+OBJECT = {
+    "size": "object.size_m", "radius": "object.radius_m", "length": "object.length_m", "radii": "object.radii_m",
+    "path": "object.file", "scale": "object.scale", "mass": "object.mass_kg", "placement": "object.position_m",
+}  # fmt: skip
+GRASP = HAND | {
+    "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object", "squeeze": "posture.squeeze_m",
+    "friction": "grasp.friction", "gravity": "grasp.gravity_m_per_s2", "preload": "grasp.preload_m",
+    "fingers": "grasp.fingers", "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
+    "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
+}  # fmt: skip
+
+
+def build(scene: SceneFile) -> Grasp:
+    """The grasp that a scene file describes."""
+    return _by_hand(scene) if scene.hand is not None else _by_contacts(scene)
+
+
+def hand(scene: SceneFile) -> Hand:
+    """The hand of a scene that has one."""
+    from handlcp.hand import Hand, example_hand
+
+    h = scene.hand
+    assert h is not None
+    words: dict[str, Any] = {
+        "base": h.base, "fingertips": h.fingertips, "joint_stiffness": h.joint_stiffness_Nm_per_rad,
+        "pad_flexibility": h.pad_flexibility_m_per_N, "torque_limits": h.torque_limits_Nm, "tip_radius": h.tip_radius_m,
+        "package_dirs": None if h.package_dirs is None else [str(scene.folder / d) for d in h.package_dirs],
+    }  # fmt: skip
+    given = {name: value for name, value in words.items() if value is not None}
+    with keyed(HAND):
+        return example_hand(h.name, **given) if h.name else Hand.from_urdf(scene.folder / (h.urdf or ""), **given)
+
+
+def shape(scene: SceneFile) -> Object | None:
+    """The object of a scene; None where there is none."""
+    import pinocchio as pin
+
+    from handlcp.hand import Box, Cylinder, Ellipsoid, Mesh, Sphere
+
+    table = scene.object
+    if table is None:
+        return None
+    placement = pin.SE3(pin.rpy.rpyToMatrix(*table.rpy_rad), np.array(table.position_m))
+    with keyed(OBJECT):
+        match table:
+            case BoxTable():
+                return Box(table.size_m, placement, table.mass_kg)
+            case SphereTable():
+                return Sphere(table.radius_m, placement, table.mass_kg)
+            case CylinderTable():
+                return Cylinder(table.radius_m, table.length_m, placement, table.mass_kg)
+            case EllipsoidTable():
+                return Ellipsoid(table.radii_m, placement, table.mass_kg)
+            case MeshTable():
+                return Mesh(scene.folder / table.file, table.scale, placement, table.mass_kg)
+
+
+def _by_hand(scene: SceneFile) -> Grasp:
+    the_hand, obj, g, posture = hand(scene), shape(scene), scene.grasp, scene.posture
+    assert obj is not None
+    with keyed(GRASP):
+        q = _posture(the_hand, posture.q_rad)
+        if posture.close:
+            q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
+        fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
+        laws = {f: _law(v) for f, v in g.friction.items()} if isinstance(g.friction, dict) else _law(g.friction)
+        return the_hand.at(q).grasp(
+            obj, laws, _wrench(scene), g.gravity_m_per_s2, _by_finger("grasp.preload_m", g.preload_m, fingers),
+            reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=_effects(scene, fingers),
+            finger_weight=g.finger_weight, plane=g.plane,
+        )  # fmt: skip
+
+
+def _by_contacts(scene: SceneFile) -> Grasp:
+    g, tables, contacts = scene.grasp, scene.contact, []
+    names = tuple(c.name or f"finger {i + 1}" for i, c in enumerate(tables))
+    laws = g.friction if isinstance(g.friction, dict) else dict.fromkeys(names, g.friction)
+    _known("grasp.friction", laws, names)
+    for i, c in enumerate(tables):
+        law = laws.get(names[i], 0.6) if c.friction is None else c.friction
+        with keyed({"position": f"contact[{i}].position_m"}, f"contact[{i}]."):
+            contacts.append(Contact(c.position_m, c.normal, _law(law), c.tangent, c.name))
+    wrench, reference = _wrench(scene), np.array([0.0, 0.0, 0.0] if g.reference_m is None else g.reference_m)
+    if (obj := shape(scene)) is not None and obj.mass > 0:
+        if g.reference_m is None:
+            reference = obj.center_of_mass
+        weight = obj.mass * np.array(g.gravity_m_per_s2)
+        wrench = wrench + np.concatenate([weight, np.cross(obj.center_of_mass - reference, weight)])
+    with keyed(GRASP):
+        return Grasp(
+            contacts, wrench, flexibility=g.flexibility_m_per_N or 0.0, reference=reference, plane=g.plane,
+            preload=_by_finger("grasp.preload_m", g.preload_m, names), effects=_effects(scene, names),
+        )  # fmt: skip
+
+
+def _posture(the_hand: Hand, q: Any) -> Any:
+    """A table of some joints is completed with the neutral posture."""
+    if not isinstance(q, dict):
+        return the_hand.neutral if q is None else q
+    _known("posture.q_rad", q, the_hand.joint_names)
+    return dict(zip(the_hand.joint_names, the_hand.neutral.tolist(), strict=True)) | q
+
+
+def _wrench(scene: SceneFile) -> Array:
+    return np.array([*scene.load.force_N, *scene.load.torque_Nm])
+
+
+def _law(value: Any) -> Friction:
+    return Frictionless() if value == "frictionless" else Coulomb(value)
+
+
+def _by_finger(key: str, value: Any, fingers: Sequence[str]) -> Any:
+    """A table by finger as a list in the fingers' order, 0 for those left out."""
+    if not isinstance(value, dict):
+        return value
+    _known(key, value, fingers)
+    return [value.get(f, 0.0) for f in fingers]
+
+
+def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
+    effects: list[Effect] = []
+    if (bound := scene.effects.total_force_bound_N) is not None:
+        effects.append(TotalForceBound(bound))
+    for i, known in enumerate(scene.effects.prescribed_force):
+        which, key = known.contact, f"effects.prescribed_force[{i}].contact"
+        if isinstance(which, str):
+            _known(key, [which], fingers)
+            which = fingers.index(which)
+        elif which >= len(fingers):
+            raise InputError(key, f"a contact's number from 0 to {len(fingers) - 1}", which)
+        effects.append(PrescribedForce(which, known.force_N))
+    return effects
+
+
+def _known(key: str, names: Any, valid: Sequence[str]) -> None:
+    if unknown := [n for n in names if n not in valid]:
+        raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
+
+
+@contextmanager
+def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
+    """Name the scene file's key in an InputError instead of the argument that it became; the error's type stays."""
+    try:
+        yield
+    except InputError as error:
+        head, dot, rest = error.argument.partition("[")
+        named = keys.get(head, prefix + head) + dot + rest
+        if named != error.argument:
+            error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
+        raise

@@ -1,0 +1,87 @@
+"""Every key of a scene file, with what it holds and what it means: read off the schema, so that it cannot go stale."""
+
+from __future__ import annotations
+
+import typing
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pydantic import BaseModel
+
+from handlcp.scene.kinds import SHAPES, Expected
+
+__all__ = ["Key", "keys"]
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """table : "" at the top, "hand", "object", "contact", "effects.prescribed_force", …; key : its name.
+
+    expected : what it holds, in words. meaning : what it says. required : whether the table needs it.
+    default : what it is when left out, as TOML; "" where the meaning tells.
+    shape : the object shape that has it, or "".
+    """
+
+    table: str
+    key: str
+    expected: str
+    meaning: str
+    required: bool
+    default: str
+    shape: str = ""
+
+    @property
+    def path(self) -> str:
+        """Such as "object.radius_m"."""
+        return f"{self.table}.{self.key}" if self.table else self.key
+
+
+def keys() -> tuple[Key, ...]:
+    """All keys, in the order of the schema."""
+    from handlcp.scene.file import SceneFile
+
+    found = list(_walk("", SceneFile))
+    shapes = {k.shape for k in found if k.shape}
+    alike = Counter(replace(k, shape="") for k in found)
+    common = [replace(k, shape="") if alike[replace(k, shape="")] == len(shapes) else k for k in found]
+    return tuple(dict.fromkeys(common))
+
+
+def _walk(table: str, model: type[BaseModel], shape: str = "") -> Iterator[Key]:
+    for field_name, field in model.model_fields.items():
+        name = field.alias or field_name
+        inner = _models(field.annotation)
+        if not inner:
+            default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
+            words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)
+            words = words or _words(field.annotation)
+            yield Key(table, name, words, (field.description or "").strip(), field.is_required(), default, shape)
+        for m in inner:
+            tag = m.model_fields["shape"].annotation if "shape" in m.model_fields else None
+            yield from _walk(f"{table}.{name}" if table else name, m, typing.get_args(tag)[0] if tag else "")
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The tables among the members of a type."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [m for a in typing.get_args(annotation) for m in _models(a)]
+
+
+def _words(annotation: Any) -> str:
+    """What the type expects, in words; the only one without words of its own is an object's shape."""
+    for a in typing.get_args(annotation):
+        for m in getattr(a, "__metadata__", ()):
+            if isinstance(m, Expected):
+                return m.words
+    return "one of " + ", ".join(SHAPES)
+
+
+def _toml(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else f"{value}"

@@ -1,0 +1,110 @@
+"""What a key of a scene file may hold. Each kind says it in words, and those words are what its error expects."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, WrapValidator
+from pydantic_core import PydanticCustomError
+
+__all__ = [
+    "SHAPES",
+    "Expected",
+    "Faces",
+    "Finger",
+    "Flexibility",
+    "Friction",
+    "FrictionByFinger",
+    "Lengths",
+    "Names",
+    "NotNegative",
+    "Number",
+    "PadFlexibility",
+    "PlanarVector",
+    "Positive",
+    "Posture",
+    "Preload",
+    "Radius",
+    "Seed",
+    "Size",
+    "Stiffness",
+    "Switch",
+    "Text",
+    "TorqueLimits",
+    "Vector",
+]
+
+
+SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh")
+
+
+class Expected(WrapValidator):
+    """Any refusal inside becomes one: `words`."""
+
+    words: str
+
+    def __init__(self, words: str) -> None:
+        def check(value: Any, inner: Any) -> Any:
+            try:
+                return inner(value)
+            except ValidationError:
+                raise PydanticCustomError("expected", "{words}", {"words": words}) from None
+
+        super().__init__(check)
+        object.__setattr__(self, "words", words)
+
+
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Above0 = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+_From0 = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Above0OrInf = Annotated[float, Field(gt=0)]  # inf: rigid, or without limit
+_Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
+_ThreeAbove0 = Annotated[list[_Above0], Field(min_length=3, max_length=3)]
+_ThreeFrom0 = Annotated[list[_From0], Field(min_length=3, max_length=3)]
+
+Text = Annotated[str, Expected("a string")]
+Names = Annotated[list[str], Field(min_length=1), Expected("a list of names")]
+Switch = Annotated[bool, Expected("true or false")]
+
+Number = Annotated[_Finite, Expected("a finite number")]
+Positive = Annotated[_Above0, Expected("a number > 0")]
+NotNegative = Annotated[_From0, Expected("a number ≥ 0")]
+Vector = Annotated[_Three, Expected("three finite numbers")]
+PlanarVector = Annotated[
+    list[_Finite], Field(min_length=2, max_length=3), Expected("three finite numbers (two in a planar scene)")
+]
+Lengths = Annotated[_ThreeAbove0, Expected("three numbers > 0")]
+Size = Annotated[_Above0 | _ThreeAbove0, Expected("a number > 0 or three of them")]
+
+Stiffness = Annotated[
+    _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
+    Expected("a number > 0 (inf: rigid), one for each joint, or a table by joint name"),
+]
+TorqueLimits = Annotated[
+    _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
+    Expected("a number > 0 (inf: no limit), one for each joint, or a table by joint name"),
+]
+PadFlexibility = Annotated[
+    _From0 | _ThreeFrom0 | dict[str, _From0 | _ThreeFrom0],
+    Expected("a number ≥ 0, three of them, or a table by fingertip"),
+]
+Radius = Annotated[_Above0 | dict[str, _Above0], Expected("a number > 0, or a table by fingertip")]
+Posture = Annotated[
+    list[_Finite] | dict[str, _Finite], Expected("one finite number for each joint, or a table by joint name")
+]
+Friction = Annotated[_From0 | Literal["frictionless"], Expected('a coefficient ≥ 0 or "frictionless"')]
+FrictionByFinger = Annotated[
+    _From0 | Literal["frictionless"] | dict[str, _From0 | Literal["frictionless"]],
+    Expected('a coefficient ≥ 0, "frictionless", or a table of them by finger'),
+]
+Preload = Annotated[
+    _Finite | list[_Finite] | dict[str, _Finite],
+    Expected("a finite number, one for each contact, or a table by finger"),
+]
+Flexibility = Annotated[
+    _From0 | _ThreeFrom0 | list[list[_Finite]] | list[list[list[_Finite]]],
+    Expected("a number ≥ 0, three of them, (n, 3, 3) blocks or a (3n, 3n) matrix"),
+]
+Finger = Annotated[Annotated[int, Field(ge=0)] | str, Expected("a finger's name or a contact's number, counted from 0")]
+Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], Expected('an integer ≥ 3 or "cone"')]
+Seed = Annotated[int, Field(ge=0), Expected("an integer ≥ 0")]

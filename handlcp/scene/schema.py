@@ -1,0 +1,206 @@
+"""The tables of a scene file, key by key. Every key that is a quantity carries its unit in its name (SI throughout)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from handlcp.scene import kinds as k
+
+__all__ = [
+    "BoxTable",
+    "ContactTable",
+    "CylinderTable",
+    "EffectsTable",
+    "EllipsoidTable",
+    "GraspTable",
+    "HandTable",
+    "LoadTable",
+    "MeshTable",
+    "ObjectTable",
+    "PostureTable",
+    "PrescribedForceTable",
+    "SolveTable",
+    "SphereTable",
+    "Table",
+]
+
+
+class Table(BaseModel):
+    """A table of a scene file: no keys but its own, no conversions but integers to numbers."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, use_attribute_docstrings=True)
+
+
+class HandTable(Table):
+    """Which hand, and what its URDF does not say. Either `name` or `urdf`."""
+
+    name: k.Text | None = None
+    """a hand to use: two_finger, three_finger, five_finger, planar_ring, allegro or psyonic (see `handlcp hands`)"""
+    urdf: k.Text | None = None
+    """instead of name: path of a URDF file, relative to the scene file"""
+    base: k.Text | None = None
+    """only the links below this one are the hand; its frame is the scene's world frame"""
+    fingertips: k.Names | None = None
+    """frame names of the fingertips; left out: the leaf frames whose names end in "tip\""""
+    joint_stiffness_Nm_per_rad: k.Stiffness | None = None
+    """a URDF has no place for it: needed with urdf"""
+    pad_flexibility_m_per_N: k.PadFlexibility | None = None
+    """of the fingertips' pads, the same in all directions or along the axes of the tip frame"""
+    torque_limits_Nm: k.TorqueLimits | None = None
+    """over the effort limits of the URDF"""
+    tip_radius_m: k.Radius | None = None
+    """fingertips as balls about their frames; left out: the collision geometry of the URDF"""
+    package_dirs: k.Names | None = None
+    """folders for package:// addresses of meshes, relative to the scene file"""
+
+
+class PostureTable(Table):
+    """Where the joints are, and whether the fingers close from there."""
+
+    q_rad: k.Posture | None = None
+    """joint positions in the hand's order or by name; joints left out are at the neutral posture"""
+    close: k.Switch = True
+    """flex each finger from q_rad until its tip touches the object"""
+    squeeze_m: k.NotNegative = 0.0
+    """with close: how far the tips close past the surface, a preload by geometry"""
+
+
+class _Body(Table):
+    """What all objects have."""
+
+    position_m: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """where the object's frame is in the hand's world frame"""
+    rpy_rad: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """how it is turned: roll, pitch and yaw about fixed axes, as in a URDF"""
+    mass_kg: k.NotNegative = 0.0
+    """weighs at the centre of mass, along gravity_m_per_s2"""
+
+
+class BoxTable(_Body):
+    """A box centred on its frame."""
+
+    shape: Literal["box"]
+    """decides which further keys there are"""
+    size_m: k.Size
+    """edges along x, y, z; one number: a cube"""
+
+
+class SphereTable(_Body):
+    """A ball."""
+
+    shape: Literal["sphere"]
+    """decides which further keys there are"""
+    radius_m: k.Positive
+    """radius of the ball"""
+
+
+class CylinderTable(_Body):
+    """A cylinder along its z axis, centred on its frame."""
+
+    shape: Literal["cylinder"]
+    """decides which further keys there are"""
+    radius_m: k.Positive
+    """radius of the cylinder"""
+    length_m: k.Positive
+    """length along its axis"""
+
+
+class EllipsoidTable(_Body):
+    """An ellipsoid centred on its frame."""
+
+    shape: Literal["ellipsoid"]
+    """decides which further keys there are"""
+    radii_m: k.Lengths
+    """semi-axes along x, y, z"""
+
+
+class MeshTable(_Body):
+    """A triangle mesh from a file."""
+
+    shape: Literal["mesh"]
+    """decides which further keys there are"""
+    file: k.Text
+    """STL, OBJ, DAE or PLY, relative to the scene file"""
+    scale: k.Size = 1.0
+    """turns the file's unit into metres; three numbers: along each axis"""
+
+
+ObjectTable = Annotated[
+    BoxTable | SphereTable | CylinderTable | EllipsoidTable | MeshTable, Field(discriminator="shape")
+]
+
+
+class ContactTable(Table):
+    """One contact of a scene without a hand."""
+
+    position_m: k.PlanarVector
+    """contact point; two numbers in a planar scene in xy"""
+    normal: k.PlanarVector
+    """unit vector into the object, the way the finger pushes"""
+    friction: k.Friction | None = None
+    """left out: that of [grasp]"""
+    tangent: k.PlanarVector | None = None
+    """direction of the contact's x axis; left out: chosen"""
+    name: k.Text | None = None
+    """what reports call the finger; left out: "finger 1", "finger 2", …"""
+
+
+class GraspTable(Table):
+    """How fingers and object meet."""
+
+    friction: k.FrictionByFinger = 0.6
+    """of all contacts, or by finger"""
+    gravity_m_per_s2: k.Vector = Field(default=[0.0, 0.0, -9.81])
+    """on the object's mass, and on the fingers' when finger_weight is on; world axes"""
+    preload_m: k.Preload = 0.0
+    """squeeze of the normals before any load"""
+    fingers: k.Names | None = None
+    """the fingertips that take part; left out: all"""
+    max_gap_m: k.NotNegative = 1e-3
+    """the farthest a fingertip may be from the object and still count as touching"""
+    finger_weight: k.Switch = False
+    """add the fingers' own weight to the joint torques"""
+    reference_m: k.Vector | None = None
+    """point that load and object motion refer to; left out: the object's centre of mass, else the origin"""
+    plane: k.Vector | None = None
+    """unit normal of the plane of a planar scene; left out: a spatial scene"""
+    flexibility_m_per_N: k.Flexibility | None = None
+    """of the fingers of a scene without a hand, in contact axes (x, y, normal); left out: rigid"""
+
+
+class LoadTable(Table):
+    """What the world does to the object, besides its weight."""
+
+    force_N: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """on the object, world axes"""
+    torque_Nm: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """on the object, world axes, with the force acting at the reference"""
+
+
+class PrescribedForceTable(Table):
+    """A contact whose force is known."""
+
+    contact: k.Finger
+    """which one"""
+    force_N: k.Vector
+    """contact axes: tangents x and y, then the normal"""
+
+
+class EffectsTable(Table):
+    """Effects that a scene has only when asked for."""
+
+    total_force_bound_N: k.Positive | None = None
+    """the most that all normal forces may add up to"""
+    prescribed_force: list[PrescribedForceTable] = Field(default_factory=list)
+    """contacts whose force is known, one [[effects.prescribed_force]] each"""
+
+
+class SolveTable(Table):
+    """How to solve."""
+
+    faces: k.Faces = 8
+    """of the inscribed friction pyramids; planar scenes are exact without"""
+    seed: k.Seed = 0
+    """of the solver's random numbers; the same seed gives the same answer, bit by bit"""
