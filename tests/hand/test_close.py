@@ -82,7 +82,7 @@ def test_other_fingers_stay(five: Hand) -> None:
 
 
 def test_unreachable_fingers_are_named_with_what_is_left(five: Hand) -> None:
-    """An object on one side: the near fingers touch, the far ones are reported with their gaps and the posture reached."""
+    """An object on one side: the near fingers touch, the far ones are reported with gaps and posture."""
     ball = Sphere(0.01, (0.045, 0.0, 0.1))
     with pytest.raises(NotReached) as caught:
         five.close_on(ball)

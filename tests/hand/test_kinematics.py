@@ -90,7 +90,7 @@ def test_rotations_are_those_of_the_tip_frames(five: Hand) -> None:
 
 
 def test_flexibility_is_j_kinv_jt_plus_pads(hand: Hand) -> None:
-    """E against J K⁻¹ Jᵀ + c I, symmetric to the last bit, positive semidefinite; the joints alone leave it singular."""
+    """E against J K⁻¹ Jᵀ + c I, symmetric to the last bit and PSD; the joints alone leave it singular."""
     state = hand.at(inside(hand, 1))
     J, n = state.jacobian, len(hand.fingertips)
     expected = J @ np.linalg.inv(hand.joint_stiffness) @ J.T + 1e-4 * np.eye(3 * n)

@@ -135,7 +135,7 @@ def test_a_convex_mesh_is_its_hull_and_scales(tmp_path: Path) -> None:
 
 
 def test_tips_can_be_the_urdf_s_collision_geometry() -> None:
-    """Without a tip radius: the ball in the shipped URDF, and the hull of the psyonic's mesh fixed to the anchor frame."""
+    """Without a tip radius: the ball in the shipped URDF, and the hull of the psyonic's mesh."""
     own, given = example_hand("five_finger", tip_radius=None), example_hand("five_finger")
     ball = Sphere(0.03, (0, 0, 0.09))
     q = np.tile([0.2, 0.1], 5)
