@@ -10,7 +10,7 @@ from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.lcp.kernels.kaczmarz import multiply_add
 from handlcp.lcp.problem import Mask
 
-__all__ = ["active_set", "damped_newton", "residual"]
+__all__ = ["active_set", "damped_newton", "residual", "size"]
 
 
 @kernel
@@ -22,6 +22,15 @@ def residual(z: Array, w: Array, free: Mask) -> float:
         if not r <= worst:
             worst = r if r == r else np.inf
     return worst
+
+
+@kernel
+def size(z: Array) -> float:
+    """max(1, largest |z_i|): what a residual is measured against."""
+    largest = 1.0
+    for x in z:
+        largest = max(largest, abs(x))
+    return largest
 
 
 @kernel
@@ -64,18 +73,16 @@ def active_set(
             for t in range(k):
                 A[s, t] = M[index[s], index[t]]
         solve_ranked(A, b, x, col, rank_tolerance)
-        size = 1.0
         for i in range(n):
             z[i] = 0.0
         for s in range(k):
             z[index[s]] = x[s]
-            size = max(size, abs(x[s]))
         for i in range(n):
             w[i] = q[i]
             for s in range(k):
                 w[i] += M[i, index[s]] * x[s]
         r = residual(z, w, free)
-        if r <= tolerance * size:
+        if r <= tolerance * size(z):
             return step + 1, r
         for i in range(n):
             on[i] = free[i] or z[i] > w[i]

@@ -10,7 +10,7 @@ from handlcp.check import Array, number
 from handlcp.errors import InputError
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.kaczmarz import kaczmarz, multiply_add
-from handlcp.lcp.kernels.newton import active_set, damped_newton
+from handlcp.lcp.kernels.newton import active_set, damped_newton, size
 from handlcp.lcp.problem import Mask, Scaled
 from handlcp.lcp.result import Proposal
 from handlcp.tolerances import RANK, SOLVE
@@ -43,8 +43,8 @@ class NSNGRK:
         number("tol", self.tol, above=0.0)
         for name, least in (("max_iterations", 0), ("seed", 0), ("stride", 0)):
             value = getattr(self, name)
-            if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < least:
-                raise InputError(name, f"an integer ≥ {least}", repr(value))
+            if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not least <= value < 2**63:
+                raise InputError(name, f"an integer ≥ {least}, below 2^63", repr(value))
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None."""
@@ -106,7 +106,7 @@ def _run(
         taken, written = taken + done, written + rows
         zt[:], wt[:] = z, w
         _, r = active_set(M, q, free, zt, wt, 16, tolerance, rank_tolerance)
-        if batch > n and not r <= tolerance * max(1.0, np.max(np.abs(zt))):
+        if batch > n and not r <= tolerance * size(zt):
             zt[:], wt[:] = z, w
             _, r = damped_newton(M, q, free, zt, wt, 30, tolerance, rank_tolerance)
             if r > tolerance:
@@ -114,7 +114,7 @@ def _run(
         if r < best:
             best = r
             best_z[:] = zt
-        if r <= tolerance * max(1.0, np.max(np.abs(zt))):
+        if r <= tolerance * size(zt):
             z[:] = zt
             return taken, True, written
         if taken >= most:

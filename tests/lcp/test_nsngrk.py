@@ -1,0 +1,116 @@
+"""NSNGRK is the paper's Algorithm 2: subgradients, threshold, index set, sampling and step, checked one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.lcp.kernels.kaczmarz import kaczmarz, uniform
+from tests.lcp.problems import random_p
+
+
+def phi(M, q, free, z):
+    w = M @ z + q
+    return np.where(free, w, np.hypot(z, w) - z - w)
+
+
+def jacobian(M, q, free, z):
+    """The paper's generalized Jacobian, equation (19), by central differences."""
+    h = 1e-6
+    return np.column_stack(
+        [(phi(M, q, free, z + h * e) - phi(M, q, free, z - h * e)) / (2 * h) for e in np.eye(len(q))]
+    )
+
+
+def one_step(M, q, free, z, seed):
+    z, w = z.copy(), M @ z + q
+    steps, norm, _ = kaczmarz(
+        M, np.ascontiguousarray(M.T), M @ M.T, q, free, z, w, np.full(1, seed, np.uint64), 1, 0.0, 0, np.empty((0, 2))
+    )
+    assert steps == 1
+    return z, w, norm
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_step_projects_on_a_row_of_the_greedy_set(seed):
+    rng = np.random.default_rng(seed)
+    M, q = random_p(rng, 9)
+    free = rng.random(9) < 0.3
+    z = rng.normal(size=9)
+    f, J = phi(M, q, free, z), jacobian(M, q, free, z)
+    g2 = (J * J).sum(1)
+    # thresholds (21) and set (22)
+    epsilon = 0.5 * ((f**2 / g2).max() / (f @ f)) + 0.5 / (J * J).sum()
+    U = np.flatnonzero(f**2 >= epsilon * (f @ f) * g2 * (1 - 1e-6))
+    z1, w1, _ = one_step(M, q, free, z, seed)
+    targets = [z - f[i] / g2[i] * J[i] for i in U]  # equation (20)
+    assert min(abs(z1 - t).max() for t in targets) < 1e-6
+    np.testing.assert_allclose(w1, M @ z1 + q, atol=1e-12)
+
+
+def test_rows_of_the_set_are_drawn_in_proportion_to_their_squared_residual():
+    M, q = np.eye(3), np.array([-3.0, -2.9, -0.1])  # from zero φ = (6, 5.8, 0.2), of which the last is not greedy
+    free = np.zeros(3, bool)
+    hits = np.zeros(3)
+    for seed in range(4000):
+        z, _, _ = one_step(M, q, free, np.zeros(3), seed)
+        hits[np.flatnonzero(z)[0]] += 1
+    f = phi(M, q, free, np.zeros(3))
+    assert hits[2] == 0
+    assert hits[0] / hits[:2].sum() == pytest.approx(f[0] ** 2 / (f[:2] @ f[:2]), abs=0.03)
+
+
+def test_the_generator_is_uniform_and_repeats_with_its_seed():
+    state = np.full(1, 7, np.uint64)
+    u = np.array([uniform(state) for _ in range(20_000)])
+    assert (u >= 0).all()
+    assert (u < 1).all()
+    np.testing.assert_allclose(np.histogram(u, 10, (0, 1))[0] / len(u), 0.1, atol=0.01)
+    state = np.full(1, 7, np.uint64)
+    assert uniform(state) == u[0]
+
+
+def test_equal_seeds_give_equal_runs_and_others_do_not():
+    p = hl.LCP(*random_p(np.random.default_rng(0), 12))
+    runs = [hl.solve_lcp(p, hl.NSNGRK(seed=s, polish=False), throw=False) for s in (1, 1, 2)]
+    np.testing.assert_array_equal(runs[0].z, runs[1].z)
+    assert (runs[0].z != runs[2].z).any()
+
+
+def test_history_holds_the_residual_at_its_stride_and_falls_linearly():
+    p = hl.LCP(*random_p(np.random.default_rng(0), 12))
+    s = hl.solve_lcp(p, hl.NSNGRK(polish=False, stride=10, max_iterations=50_000))
+    steps, norms = s.history.T
+    np.testing.assert_array_equal(steps, 10 * np.arange(len(steps)))
+    assert norms[-1] < 1e-8 < norms[0]
+    half = len(norms) // 2  # two halves of the run gain about the same number of decades
+    first, second = np.log10(norms[0] / norms[half]), np.log10(norms[half] / norms[-1])
+    assert 0.3 < first / second < 3
+
+
+def test_polish_turns_a_rough_iterate_into_an_exact_one():
+    p = hl.LCP(*random_p(np.random.default_rng(5), 15))
+    rough = hl.solve_lcp(p, hl.NSNGRK(polish=False, tol=1e-2), throw=False)
+    exact = hl.solve_lcp(p, hl.NSNGRK(polish=True))
+    assert rough.residual > 1e-6
+    assert exact.residual < 1e-14
+    assert exact.iterations < rough.iterations + 15 * 15
+
+
+def test_one_that_cannot_converge_says_so():
+    s = hl.solve_lcp(hl.LCP([[0, 1], [0, 0]], [-1, 0.0]), hl.NSNGRK(max_iterations=50), throw=False)
+    assert s.status in (hl.Status.SOLVED, hl.Status.UNDECIDED)
+    s = hl.solve_lcp(hl.LCP([[-1]], [-1]), hl.NSNGRK(max_iterations=50), throw=False)
+    assert s.status is hl.Status.INFEASIBLE
+    assert "50 Kaczmarz steps" in s.trace[0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [({"tol": 0}, "tol"), ({"tol": np.nan}, "tol"), ({"seed": -1}, "seed"), ({"seed": 1.5}, "seed"),
+     ({"max_iterations": -1}, "max_iterations"), ({"stride": -2}, "stride"), ({"seed": 2**64}, "seed")],
+)  # fmt: skip
+def test_bad_settings_are_refused_by_name(settings, name):
+    with pytest.raises(hl.InputError, match=name):
+        hl.NSNGRK(**settings)
