@@ -59,8 +59,7 @@ def _walk(table: str, model: type[BaseModel], shape: str = "") -> Iterator[Key]:
             words = words or _words(field.annotation)
             yield Key(table, name, words, (field.description or "").strip(), field.is_required(), default, shape)
         for m in inner:
-            tag = m.model_fields["shape"].annotation if "shape" in m.model_fields else None
-            yield from _walk(f"{table}.{name}" if table else name, m, typing.get_args(tag)[0] if tag else "")
+            yield from _walk(f"{table}.{name}" if table else name, m, _shape(m))
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
@@ -68,6 +67,12 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [m for a in typing.get_args(annotation) for m in _models(a)]
+
+
+def _shape(model: type[BaseModel]) -> str:
+    """Which object shape this table is for."""
+    field = model.model_fields.get("shape")
+    return "" if field is None else str(typing.get_args(field.annotation)[0])
 
 
 def _words(annotation: Any) -> str:

@@ -1,0 +1,124 @@
+"""A solved grasp for machines: one JSON object, SI units in the key names, null for what is not a finite number."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+from handlcp.grasp import Explanation, Grasp, GraspSolution
+from handlcp.show.tables import friction_used
+from handlcp.show.verdict import verdict
+
+__all__ = ["clean", "record"]
+
+
+def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, title: str = "") -> dict[str, Any]:
+    """Everything `handlcp solve` prints, and the residuals behind it."""
+    import handlcp
+
+    v, u, scene = verdict(grasp, solution), solution.object_displacement, grasp.scene
+    certificate = None
+    if solution.certificate is not None:
+        certificate = {"linear_m": solution.certificate[:3], "angular_rad": solution.certificate[3:]}
+    return dict(
+        clean(
+            {
+                "title": title,
+                "status": solution.status.name,
+                "verdict": {"word": v.word, "text": v.text, "notes": v.notes, "exit_code": v.exit_code},
+                "load": {"force_N": scene.force, "torque_Nm": _torque(grasp), "reference_m": grasp.reference},
+                "effects": [
+                    {"title": e.title, "on": e.on, "why": e.why, "equation": e.equation, "unknowns": e.cost}
+                    for e in explanation.effects
+                ],
+                "problem": {
+                    "unknowns": explanation.unknowns,
+                    "eliminated": explanation.eliminated,
+                    "solved": explanation.size,
+                    "rcond": explanation.rcond,
+                },
+                "contacts": _contacts(grasp, solution),
+                "object_displacement": {"linear_m": u[:3], "angular_rad": u[3:]},
+                "torques": _torques(solution),
+                "residuals": asdict(solution.residuals) | {"worst": solution.residuals.worst},
+                "uniqueness": None if solution.uniqueness is None else asdict(solution.uniqueness),
+                "certificate": certificate,
+                "extra": solution.extra,
+                "iterations": solution.iterations,
+                "trace": solution.trace,
+                "versions": {
+                    "handlcp": handlcp.__version__,
+                    "python": platform.python_version(),
+                    **{name: _version(name) for name in ("numpy", "scipy", "numba", "pin")},
+                },
+            }
+        )
+    )
+
+
+def clean(value: Any) -> Any:
+    """Plain JSON values: arrays become lists, numbers that are not finite become None."""
+    if isinstance(value, Mapping):
+        return {str(k): clean(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [clean(v) for v in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    return value if value is None or isinstance(value, str) else str(value)
+
+
+def _contacts(grasp: Grasp, solution: GraspSolution) -> list[dict[str, Any]]:
+    used, planar = friction_used(grasp, solution), grasp.scene.plane is not None
+    return [
+        {
+            "name": name,
+            "position_m": grasp.scene.positions[i],
+            "axes": grasp.scene.frames[i].T,
+            "friction": grasp.contacts[i].mu,
+            "state": solution.contact_state[i],
+            "force_N": solution.forces[i],
+            "force_world_N": solution.forces_world[i],
+            "friction_used": used[i],
+            "slip_m": solution.slip[i] if not planar else solution.slip[i][:1],
+            "gap_m": solution.gap[i],
+        }
+        for i, name in enumerate(solution.names)
+    ]
+
+
+def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
+    check: Any = getattr(solution, "torque_check", None)
+    if check is None:
+        return None
+    return [
+        {
+            "joint": r.joint,
+            "torque_Nm": r.torque,
+            "limit_Nm": r.limit,
+            "utilisation": r.utilisation if r.known else None,
+            "limit_known": r.known,
+            "binding": r.joint == check.binding,
+        }
+        for r in check
+    ]
+
+
+def _torque(grasp: Grasp) -> Any:
+    """(3,) the load's torque about the grasp's reference."""
+    return grasp.scene.moment - np.cross(grasp.reference, grasp.scene.force)
+
+
+def _version(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

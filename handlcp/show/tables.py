@@ -1,0 +1,150 @@
+"""Tables for the terminal: effects, contacts, joint torques, hands. Readable from 80 columns on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from handlcp.grasp import Explanation, Grasp, GraspSolution
+from handlcp.show import units
+
+__all__ = ["contact_table", "effect_table", "friction_used", "hand_table", "key_table", "torque_table"]
+
+STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
+BAR = 10  # cells of a full torque bar
+
+
+def effect_table(explanation: Explanation) -> Table:
+    """Which effects are on and off, why, and what each costs."""
+    e = explanation
+    solved = f"{e.unknowns} unknowns, of which the solver sees {e.size}" if e.eliminated else f"{e.unknowns} unknowns"
+    table = _table("Effects", caption=solved)
+    for heading in ("", "effect", "why"):
+        table.add_column(heading, no_wrap=heading == "")
+    table.add_column("unknowns", justify="right", no_wrap=True)
+    for line in e.effects:
+        brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
+        mark = Text("on", style="green") if line.on else Text("–", style="dim")
+        table.add_row(mark, Text(line.title), Text(line.why), brings, style=None if line.on else "dim")
+    return table
+
+
+def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Table:
+    """Finger by finger: state, forces, share of the friction limit, slip and gap."""
+    slips = np.hypot(*solution.slip.T)
+    slip, gap = units.length_unit(slips.tolist()), units.length_unit(solution.gap.tolist())
+    table = _table("Contacts", caption=_limit_note(grasp, faces))
+    table.add_column("finger", overflow="fold")
+    table.add_column("state", no_wrap=True)
+    for heading in ("normal\nN", "friction\nN", "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    used = friction_used(grasp, solution)
+    for i, (name, state) in enumerate(zip(solution.names, solution.contact_state, strict=True)):
+        f = solution.forces[i]
+        table.add_row(
+            Text(name),
+            Text(state, style=STATE.get(state, "dim")),
+            _number(f[2]),
+            _number(float(np.hypot(f[0], f[1]))),
+            units.percent(used[i]),
+            slip(float(slips[i])),
+            gap(float(solution.gap[i])),
+        )
+    return table
+
+
+def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
+    """(n) |r_T| / (μ r_N); NaN where there is no friction or no force."""
+    out = []
+    for contact, f in zip(grasp.contacts, solution.forces, strict=True):
+        limit = contact.mu * f[2]
+        out.append(float(np.hypot(f[0], f[1]) / limit) if limit > 0 else float("nan"))
+    return out
+
+
+def torque_table(check: Any) -> Table:
+    """Joint by joint; `check` is a `TorqueCheck`."""
+    table = _table("Joint torques")
+    table.add_column("joint", overflow="fold")
+    for heading in ("torque\nN·m", "limit\nN·m", "of limit\n"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for r in check:
+        finite = r.known and np.isfinite(r.limit)
+        over, binding = finite and r.utilisation > 1.0, r.joint == check.binding
+        style = "bold red" if over else "bold" if binding else None
+        limit = f"{r.limit:.3g}" if finite else "none" if r.known else "unknown"
+        share = units.percent(r.utilisation) if finite else "–"
+        mark = " over limit" if over else " binding" if binding and finite else ""
+        bar = Text(_bar(r.utilisation) if finite else "", style="red" if over else "cyan") + Text(mark)
+        table.add_row(Text(r.joint), _number(r.torque, 4), limit, share, bar, style=style)
+    return table
+
+
+def hand_table(rows: Sequence[tuple[str, Sequence[str], Sequence[str], str]]) -> Table:
+    """Hands to use: (name, joints, fingertips, note)."""
+    table = _table("Hands")
+    table.add_column("name", no_wrap=True)
+    for heading in ("joints", "fingertips", "limits\nN·m"):
+        table.add_column(heading)
+    for name, joints, tips, note in rows:
+        title = Text.assemble((name, "bold"), f"\n{len(joints)} joints\n{len(tips)} fingers")
+        table.add_row(title, Text(", ".join(joints)), Text(", ".join(tips)), note)
+        table.add_section()
+    return table
+
+
+def key_table(keys: Sequence[Any]) -> Table:
+    """The keys of scene files; `keys` are `handlcp.scene.Key`s."""
+    table = _table("Keys of a scene file")
+    for heading in ("key", "what it holds", "meaning"):
+        table.add_column(heading, no_wrap=heading == "key")
+    last = ""
+    for k in keys:
+        if k.table != last:
+            table.add_section()
+            many = k.table in ("contact", "effects.prescribed_force")
+            table.add_row(Text(f"[[{k.table}]]" if many else f"[{k.table}]", style="bold cyan"))
+        last = k.table
+        only = f" (shape {k.shape})" if k.shape else ""
+        left_out = "; needed" if k.required else f"; left out: {k.default}" if k.default not in ("", '""') else ""
+        name = Text(k.key, style="bold" if k.required else "")
+        table.add_row(name, Text(k.expected), Text(f"{k.meaning}{only}{left_out}"))
+    return table
+
+
+def _table(title: str, caption: str | None = None) -> Table:
+    return Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        caption=caption,
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1),
+    )
+
+
+def _number(value: float, digits: int = 3) -> str:
+    if not np.isfinite(value):
+        return "–"
+    return f"{value:.{digits}f}" if abs(value) < 100 else f"{value:.1f}"
+
+
+def _bar(share: float) -> str:
+    filled = round(min(share, 1.0) * BAR)
+    return "█" * filled + "·" * (BAR - filled)
+
+
+def _limit_note(grasp: Grasp, faces: Any) -> str | None:
+    """What 100 % of the friction limit means with a pyramid."""
+    if grasp.scene.plane is not None or not len(grasp.scene.rough) or not isinstance(faces, int):
+        return None
+    least = units.percent(float(np.cos(np.pi / faces)))
+    return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a finger slide from {least} on"

@@ -1,0 +1,82 @@
+"""Numbers for people: the unit that fits, three digits, no noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from handlcp.check import Array
+
+__all__ = ["LengthUnit", "angle", "direction", "force", "length", "length_unit", "percent", "torque"]
+
+NOTHING = 1e-10  # [m] motions below this are rounding
+
+
+class LengthUnit:
+    """Millimetres or micrometres, chosen for a whole column."""
+
+    def __init__(self, name: str, size: float) -> None:
+        self.name, self.size = name, size
+
+    def __call__(self, metres: float) -> str:
+        """The number alone; "–" for none, a bare 0 for rounding noise."""
+        if not np.isfinite(metres):
+            return "–"
+        if abs(metres) < NOTHING:
+            return "0"
+        value = metres / self.size
+        return f"{value:.1f}" if abs(value) >= 100 else f"{value:.2f}" if abs(value) >= 0.095 else f"{value:.3f}"
+
+
+def length_unit(metres: Iterable[float]) -> LengthUnit:
+    """Millimetres, or micrometres when nothing reaches a tenth of a millimetre."""
+    largest = max((abs(m) for m in metres if np.isfinite(m)), default=0.0)
+    return LengthUnit("µm", 1e-6) if NOTHING <= largest < 1e-4 else LengthUnit("mm", 1e-3)
+
+
+def length(metres: float) -> str:
+    """Such as "0.42 mm", "12 µm"."""
+    if not np.isfinite(metres):
+        return "–"
+    return f"{_digits(metres * 1e6)} µm" if NOTHING <= abs(metres) < 1e-4 else f"{_digits(metres * 1e3)} mm"
+
+
+def force(newtons: float) -> str:
+    """Such as "1.53 N"."""
+    return f"{_digits(newtons)} N" if np.isfinite(newtons) else "–"
+
+
+def torque(newton_metres: float) -> str:
+    """Such as "0.142 N·m", "3.1 mN·m"."""
+    if not np.isfinite(newton_metres):
+        return "–"
+    small = abs(newton_metres) < 0.01
+    return f"{_digits(newton_metres * 1e3)} mN·m" if small and newton_metres else f"{_digits(newton_metres)} N·m"
+
+
+def angle(radians: float) -> str:
+    """Degrees."""
+    return f"{_digits(np.degrees(radians))}°" if np.isfinite(radians) else "–"
+
+
+def percent(share: float) -> str:
+    """Whole percents; one digit more below ten."""
+    if not np.isfinite(share):
+        return "–"
+    value = 100 * share
+    return f"{value:.0f} %" if value >= 9.95 or value == 0 else f"{value:.1f} %"
+
+
+def direction(v: Array) -> str:
+    """A unit vector, such as "(0, 0, -1)"."""
+    size = float(np.linalg.norm(v))
+    parts = [f"{round(float(x) / size, 2) + 0.0:g}" for x in v] if size else ["0"] * len(v)
+    return f"({', '.join(parts)})"
+
+
+def _digits(value: float) -> str:
+    """Three significant digits, or whole numbers above a thousand."""
+    if abs(value) < 1e-9:
+        return "0"
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"

@@ -1,0 +1,161 @@
+"""The verdict in plain words: held or not, what gives out first, what slides, how far the object moves.
+
+HELD needs a certified equilibrium *and* motors that can hold it: a joint over its torque limit makes it OVER LIMIT.
+Joints without a known limit are not judged, and the verdict says so. UNDECIDED claims nothing about the grasp.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp import Grasp, GraspSolution
+from handlcp.lcp import Status
+from handlcp.show import units
+
+__all__ = ["Verdict", "largest_motion", "verdict"]
+
+SMALL_TURN = 0.1  # [rad] the model is linear in the motions: cos(0.1) is off by half a percent
+SMALL_MOVE = 0.2  # of the grasp's size
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """word : "HELD", "OVER LIMIT", "NOT HELD" or "UNDECIDED". text : the rest of the sentence. notes : caveats.
+
+    exit_code : 0 held, 1 anything else.
+    """
+
+    word: str
+    text: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def exit_code(self) -> int:
+        """For the shell."""
+        return 0 if self.word == "HELD" else 1
+
+    @property
+    def colour(self) -> str:
+        """For rich."""
+        return {"HELD": "green", "UNDECIDED": "yellow"}.get(self.word, "red")
+
+    def __str__(self) -> str:
+        """One sentence, then the notes."""
+        return "\n".join([f"{self.word}: {self.text}.", *(f"Note: {n}." for n in self.notes)])
+
+
+def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
+    """From the certified status, the torques and the motions of a solution."""
+    if solution.status is Status.SOLVED:
+        return _held(grasp, solution)
+    if solution.status is Status.NOT_HOLDABLE and solution.certificate is not None:
+        return Verdict("NOT HELD", f"no finger forces within friction balance the load; {_escape(grasp, solution)}")
+    if solution.status is Status.NO_EQUILIBRIUM:
+        return Verdict(
+            "NOT HELD",
+            "forces within friction that balance the load exist, but the fingers do not create them with this "
+            "squeeze and these flexibilities; squeeze harder (preload)",
+        )
+    if solution.status is Status.UNDECIDED:
+        return Verdict(
+            "UNDECIDED",
+            "the solver stopped before it found an answer, which says nothing about the grasp; "
+            "try another seed or number of faces, or more preload",
+        )
+    return Verdict("NOT HELD", solution.status.meaning.rstrip("."))
+
+
+def largest_motion(grasp: Grasp, solution: GraspSolution) -> float:
+    """How far the object's contact points travel at most [m]: the larger of its shift and its turn times the size."""
+    u = solution.object_displacement
+    return float(max(np.linalg.norm(u[:3]), np.linalg.norm(u[3:]) * grasp.scene.units.length))
+
+
+def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
+    parts, notes = [], []
+    check: Any = getattr(s, "torque_check", None)
+    word = "HELD"
+    if check is not None:
+        over = [r for r in check if r.known and r.utilisation > 1.0]
+        if over:
+            word = "OVER LIMIT"
+            listed = ", ".join(
+                f"{r.joint} needs {units.torque(abs(r.torque))} of {units.torque(r.limit)}" for r in over
+            )
+            parts.append(f"the contacts could hold the object, the motors cannot: {listed}")
+        elif check.binding is not None:
+            r = check[check.binding]
+            share, limit = units.percent(r.utilisation), units.torque(r.limit)
+            parts.append(
+                f"the binding joint is {r.joint} at {share} of {limit}"
+                if np.isfinite(r.limit)
+                else "no joint has a limit"
+            )
+        if check.unknown:
+            notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
+    parts += [_sliding(s), _motion(grasp, s)]
+    if s.uniqueness is not None:
+        if not s.uniqueness.forces_determined:
+            notes.append("other forces satisfy the same conditions; the smallest are given")
+        if k := s.uniqueness.loose_motions:
+            notes.append(f"the object is loose in {k} direction{'s' if k > 1 else ''}; the smallest motion is given")
+    turn, move = float(np.linalg.norm(s.object_displacement[3:])), largest_motion(grasp, s)
+    if turn > SMALL_TURN or move > SMALL_MOVE * grasp.scene.units.length:
+        how_far = f"the object moves {units.length(move)} and turns {units.angle(turn)}"
+        notes.append(f"{how_far}: more than a model of small motions covers")
+    return Verdict(word, "; ".join(p for p in parts if p), tuple(notes))
+
+
+def _sliding(s: GraspSolution) -> str:
+    slips = np.hypot(*s.slip.T)
+    sliding = [(n, float(d)) for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"]
+    apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
+    parts = []
+    if sliding and len(sliding) == len(s.names) > 1:
+        parts.append(f"all fingers slide, up to {units.length(max(d for _, d in sliding))}")
+    elif sliding:
+        parts.append(", ".join(f"{n} slides {units.length(d)}" for n, d in sliding))
+    if apart:
+        parts.append(f"{_listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
+    return "; ".join(parts) or "all fingers stick"
+
+
+def _motion(grasp: Grasp, s: GraspSolution) -> str:
+    u, load = s.object_displacement, grasp.scene.force
+    move, turn = float(np.linalg.norm(u[:3])), float(np.linalg.norm(u[3:]))
+    size = float(np.linalg.norm(load))
+    if max(move, turn * grasp.scene.units.length) < units.NOTHING:
+        return "the object stays where it is"
+    if size > 0:
+        along = float(u[:3] @ load) / size
+        text = f"the object moves {units.length(abs(along))} {'along' if along >= 0 else 'against'} the load"
+    else:
+        text = f"the object moves {units.length(move)}"
+    return f"{text} and turns {units.angle(turn)}" if turn > 1e-4 else text
+
+
+def _escape(grasp: Grasp, s: GraspSolution) -> str:
+    """Where a certificate leads."""
+    assert s.certificate is not None
+    move, turn = s.certificate[:3], s.certificate[3:]
+    shift, swing = float(np.linalg.norm(move)), float(np.linalg.norm(turn)) * grasp.scene.units.length
+    return " ".join(["the object", *_ways(move, shift, turn, swing)])
+
+
+def _ways(move: Array, shift: float, turn: Array, swing: float) -> list[str]:
+    out = []
+    if shift >= 0.05 * swing:
+        out.append(f"slides out along {units.direction(move)}")
+    if swing >= 0.05 * shift:
+        out.append(f"{'and turns' if out else 'turns out'} about {units.direction(turn)}")
+    return out
+
+
+def _listed(names: Any) -> str:
+    """At most four names."""
+    names = list(names)
+    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
