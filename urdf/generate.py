@@ -1,10 +1,9 @@
 """Write the four hands of this folder, byte for byte the same every time: `python urdf/generate.py [folder]`.
 
 Every finger has two joints and links of 50 mm and 40 mm that end in a ball of 8 mm radius about the tip frame. Three
-hands stand
-their fingers on a round palm (two, three and five of them), pointing along +z; positive angles close the hand. The
-fourth is a
-ring of six fingers that lie in the xy plane and point at its centre, with joints about z. World frame: the palm's.
+hands stand their fingers on a round palm (two, three and five of them), pointing along +z; positive angles close the
+hand. The fourth is a ring of six fingers that lie in the xy plane and point at its centre, with joints about z. World
+frame: the palm's.
 """
 
 from __future__ import annotations

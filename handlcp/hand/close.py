@@ -36,12 +36,12 @@ def close_on(
 ) -> Array:
     """Flex each finger from q0 until its tip touches the object; the posture (nv,), read-only. Deterministic.
 
-    Only joints that move one fingertip alone take part, each within its range: Gauss–Newton steps δq = gap · g / |g|²
-    with
-    g = nᵀJ, joints at the end of their range left out. Only fingertips are looked at: links and the palm may pass.
+    Only joints that move one fingertip alone take part, each within its range (q0 is moved into it first):
+    Gauss–Newton steps δq = gap · g / |g|² with g = nᵀJ, joints at the end of their range left out. Only fingertips
+    are looked at: links and the palm may pass.
 
-    squeeze [m]: how far the tips end up inside the object (a preload). tolerance [m]: on the gap, at the end.
-    Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
+    squeeze [m]: how far the tips end up inside the object (a preload). tolerance [m]: on the gap, at the end. Raises
+    NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
     """
     if not isinstance(obj, Object):
         raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))

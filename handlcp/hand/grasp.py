@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from handlcp.check import Array, array, number, read_only
-from handlcp.errors import InputError, NotReached
+from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
@@ -19,7 +19,7 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.grasp import _in_plane as in_plane
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.solution import GraspSolution
-from handlcp.hand.detect import nearest
+from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.state import HandState
 from handlcp.hand.stiffness import per_name
@@ -106,11 +106,10 @@ def grasp(
     """The grasp of an object by a hand in a posture.
 
     target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected, and a
-        fingertip
-        that overlaps the object is preloaded by the overlap. Or contacts, a sequence with one for each finger, or a
-        mapping by fingertip name: each moves rigidly with its fingertip, and is taken as touching.
-    friction : of all contacts with an object, or a mapping by fingertip name; None: Coulomb(0.6). Contacts bring their
-        own.
+        fingertip that overlaps the object is preloaded by the overlap. Or contacts, a sequence with one for each
+        finger, or a mapping by fingertip name: each moves rigidly with its fingertip, and is taken as touching.
+    friction : of all contacts with an object, or a mapping by fingertip name; None: Coulomb(0.6). Contacts bring
+        their own.
     wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
     gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
     preload : [m] a number or (n,), more squeeze of the normals. offset : (n, 3) [m], contact axes, as in `Grasp`.
@@ -125,7 +124,8 @@ def grasp(
     obj = target if isinstance(target, Object) else None
     if obj is not None:
         tips = hand.tip_numbers("fingers", fingers)
-        contacts, gaps = _detect(state, tips, obj, friction, number("max_gap", max_gap, minimum=0.0))
+        laws = _frictions(friction, [hand.fingertips[i] for i in tips])
+        contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
     else:
         tips, contacts = _given(state, target, fingers, friction)
         gaps = None
@@ -163,21 +163,6 @@ def grasp(
     weigh = hand.kinematics.gravity_torque(state.q, g) if finger_weight else np.zeros(hand.nv)
     made.gravity_torque = read_only(weigh)
     return made
-
-
-def _detect(
-    state: HandState, tips: tuple[int, ...], obj: Object, friction: Any, max_gap: float
-) -> tuple[tuple[Contact, ...], Array]:
-    hand = state.hand
-    laws = _frictions(friction, [hand.fingertips[i] for i in tips])
-    near = [nearest(hand.tip_shapes(i), state.tip_positions[i], state.tip_rotations[i], obj) for i in tips]
-    far = {hand.fingertips[i]: p.gap for i, p in zip(tips, near, strict=True) if not p.gap <= max_gap}
-    if far:
-        raise NotReached("fingers", f"fingertips within max_gap = {max_gap * 1e3:g} mm of the object", far)
-    contacts = tuple(
-        Contact(p.position, p.normal, law, None, hand.fingertips[i]) for i, p, law in zip(tips, near, laws, strict=True)
-    )
-    return contacts, np.array([p.gap for p in near])
 
 
 def _frictions(friction: Any, names: list[str]) -> list[Friction]:

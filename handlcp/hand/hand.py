@@ -29,8 +29,7 @@ class Hand:
     """A hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.
 
     Made by `Hand.from_urdf`. A mimic joint is no joint of its own here: positions, Jacobians, stiffness, limits and
-    torques
-    are those of the nv independent joints, and the joint that follows is built into them.
+    torques are those of the nv independent joints, and the joint that follows is built into them.
     """
 
     __slots__ = ("_geometry", "kinematics", "pads", "source", "stiffness", "tips", "torques")
@@ -86,15 +85,13 @@ class Hand:
         joint_stiffness : [N·m/rad] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv) for tendons;
             None or inf: rigid.
         pad_flexibility : [m/N] a number, (3,) along the tip frame's axes, (3, 3) PSD in tip axes, (n, 3, 3), or a
-            mapping
-            by tip name.
+            mapping by tip name.
         torque_limits : [N·m] None: the URDF's efforts (zero, infinite or absent: unknown); a number, (nv,), or a
-            mapping
-            by joint name over the URDF's; inf: no limit.
+            mapping by joint name over the URDF's; inf: no limit.
         base : only the links below this one are the hand, and its frame is the world frame.
         tip_radius : [m] a number, or a mapping by tip name: a sphere about the tip frame. None: the URDF's collision
-            geometry of the link that is the tip frame or, if it has none, of the links fixed to it. Used when contacts
-            are detected, and only then.
+            geometry of the link that is the tip frame or, if it has none, of the links fixed to it. Used when
+            contacts are detected, and only then.
         package_dirs : folders for package:// addresses of meshes.
 
         Raises URDFError, UnknownName (listing the valid names), InputError.

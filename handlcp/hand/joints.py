@@ -31,8 +31,8 @@ class Mimic:
 
 @dataclass(frozen=True, slots=True)
 class JointFacts:
-    """One movable joint as written. Numbers that are absent or no numbers are NaN; lengths in m or rad, efforts in N·m
-    or N.
+    """One movable joint as written. Numbers that are absent or no numbers are NaN; lengths in m or rad, efforts in
+    N·m or N.
     """
 
     name: str
@@ -127,8 +127,8 @@ def model_facts(model: Any) -> tuple[JointFacts, ...]:
 
 
 def movable_joints(argument: str, model: Any) -> tuple[str, ...]:
-    """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one degree
-    of freedom.
+    """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one
+    degree of freedom.
     """
     joints = [
         (joint.idx_v, model.names[i], joint.nv, joint.shortname())
@@ -176,9 +176,8 @@ def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...])
 
 def _master(written: str, name: str, names: list[str], ancestors: set[str]) -> str | None:
     """The joint a tag means. Prefixed copies of a hand often keep the unprefixed name in the tag ("Left_index_q2"
-    mimics
-    "index_q1"): then it is the one joint that ends in the name, the one further up the same finger if there are
-    several.
+    mimics "index_q1"): then it is the one joint that ends in the name, the one further up the same finger if there
+    are several.
     """
     if written in names:
         return written

@@ -37,8 +37,7 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
 
 def psyonic() -> tuple[Path, Path]:
     """URDF file and package folder of the Alex robot that wears the psyonic hands: cut it at
-    "LeftPsyonicAbilityBaseLink" or
-    "RightPsyonicAbilityBaseLink". Raises URDFError.
+    "LeftPsyonicAbilityBaseLink" or "RightPsyonicAbilityBaseLink". Raises URDFError.
     """
     return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
 
@@ -48,8 +47,8 @@ def example_hand(name: str, **overrides: Any) -> Hand:
 
     joint stiffness : 1 N·m/rad, a number of the right size and no measurement. pad flexibility : 1e-4 m/N.
     tip radius : 8 mm; Allegro 12 mm, as in its URDF.
-    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m; psyonic as in its URDF.
-    Raises UnknownName.
+    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m; psyonic as in its URDF. Raises
+        UnknownName.
     """
     if name not in HANDS:
         raise UnknownName("name", "an example hand", [str(name)], HANDS)

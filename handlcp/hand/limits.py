@@ -47,9 +47,8 @@ class TorqueLimits:
 def read_torque_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
     """None (the URDF's efforts), a number, a mapping by joint name (over the URDF's), or (nv,) [N·m].
 
-    A URDF effort that is zero, negative, infinite or absent counts as unknown; an inf that the user gives is known: no
-    limit.
-    Raises InputError for limits that are not positive; UnknownName.
+    A URDF effort that is zero, negative, infinite or absent counts as unknown; an inf that the user gives is known:
+    no limit. Raises InputError for limits that are not positive; UnknownName.
     """
     argument, given = "torque_limits", dict[str, float]()
     if isinstance(value, Mapping):

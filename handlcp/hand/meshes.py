@@ -1,8 +1,7 @@
 """Mesh files through coal: the hull of a convex mesh, the triangles of one that is not.
 
 Measured on coal 3.0.3: the distance between a sphere and a triangle mesh is wrong once they overlap (-3.9 mm for -5
-mm), and
-right for a sphere too small to overlap; so a mesh that is not convex is asked about points only.
+mm), and right for a sphere too small to overlap; so a mesh that is not convex is asked about points only.
 """
 
 from __future__ import annotations

@@ -29,8 +29,16 @@ class Object:
     mass: float
     triangles: Array | None
 
-    def __init__(self, geometry: Any, placement: Any, mass: Any, centre: Any, args: tuple[Any, ...]) -> None:
-        self.geometry, self.triangles = geometry, None
+    def __init__(
+        self,
+        geometry: Any,
+        placement: Any,
+        mass: Any,
+        centre: Any,
+        args: tuple[Any, ...],
+        triangles: Array | None = None,
+    ) -> None:
+        self.geometry, self.triangles = geometry, triangles
         self._placement = read_placement(placement)
         self._transform = coal.Transform3s(self._placement.rotation, self._placement.translation)
         self.mass = number("mass", mass, minimum=0.0)
@@ -59,10 +67,15 @@ class Object:
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
         """Signed distance of a world point, the nearest surface point and the outward normal there, where this class
-        knows better
-        than coal; None: ask coal.
+        knows better than coal; None: ask coal.
         """
         return None
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Everything is set once."""
+        if hasattr(self, name):
+            raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set (moved_to makes another)")
+        object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the call that made it."""
@@ -97,8 +110,8 @@ class Sphere(Object):
 class Cylinder(Object):
     """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame.
 
-    coal 3.0.3 takes the wrong way out for a ball whose centre is inside, near an end (-24 mm for -11 mm): for spherical
-    fingertips the nearest point is computed here.
+    coal 3.0.3 takes the wrong way out for a ball whose centre is inside, near an end (-24 mm for -11 mm): for
+    spherical fingertips the nearest point is computed here.
     """
 
     __slots__ = ("length", "radius")
@@ -141,8 +154,8 @@ class Ellipsoid(Object):
         super().__init__(coal.Ellipsoid(*self.radii), placement, mass, (0, 0, 0), (self.radii,))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Nearest point x = a² c / (t + a²) with |x / a| = 1: the root t by Newton on a convex function, from its left
-        side.
+        """Nearest point x = a² c / (t + a²) with |x / a| = 1: the root t by Newton on a convex function, from its
+        left side.
         """
         R, p = self._placement.rotation, self._placement.translation
         squares = self.radii * self.radii
@@ -170,8 +183,8 @@ class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …), in metres after `scale` (a number or (3,)).
 
     A convex mesh is held as its hull, exact for every fingertip. One that is not convex is held as its triangles:
-    contact with
-    spherical fingertips only, and the surface has to be closed. The centre of mass is that of the enclosed volume.
+    contact with spherical fingertips only, and the surface has to be closed. The centre of mass is that of the
+    enclosed volume.
     """
 
     __slots__ = ("convex", "path", "scale")
@@ -182,8 +195,8 @@ class Mesh(Object):
             raise InputError("scale", "numbers above 0", repr(scale))
         mesh = load_mesh("path", path, np.ones(3) * scales)
         self.path, self.scale, self.convex = Path(path), scales, mesh.convex
-        super().__init__(mesh.geometry, placement, mass, mesh.centre, (self.path, self.scale))
-        self.triangles = None if mesh.convex else mesh.triangles
+        triangles = None if mesh.convex else mesh.triangles
+        super().__init__(mesh.geometry, placement, mass, mesh.centre, (self.path, self.scale), triangles)
 
 
 def read_placement(value: Any) -> Any:

@@ -27,8 +27,7 @@ class Pads:
 
     def add_to(self, E: Array, rotations: Array, tips: Sequence[int]) -> None:
         """Add the pads numbered `tips` (m of them) to the diagonal blocks of E (3m, 3m); rotations (m, 3, 3) turn tip
-        axes
-        into those of E. Pads that are the same in all directions need no turning.
+        axes into those of E. Pads that are the same in all directions need no turning.
         """
         m = len(tips)
         if self._isotropic:
@@ -44,7 +43,8 @@ class Pads:
 
 
 def read_pads(value: Any, tips: Sequence[str]) -> Pads:
-    """From a number, (3,), (3, 3), (n, 3, 3), or a mapping by tip name of one of these [m/N]; tips left out are rigid.
+    """From a number, (3,), (3, 3), (n, 3, 3), or a mapping by tip name of one of these [m/N]; tips left out are
+    rigid.
 
     Raises InputError for anything that is not positive semidefinite; UnknownName.
     """

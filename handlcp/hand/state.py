@@ -22,6 +22,7 @@ _SPREAD[:3, :3] = np.eye(3)
 _SPREAD[[4, 5], [5, 4]] = 1.0, -1.0  # x: (0, ω_z, -ω_y)
 _SPREAD[[6, 8], [5, 3]] = -1.0, 1.0  # y: (-ω_z, 0, ω_x)
 _SPREAD[[9, 10], [4, 3]] = 1.0, -1.0  # z: (ω_y, -ω_x, 0)
+_set = object.__setattr__
 
 
 class HandState:
@@ -39,33 +40,33 @@ class HandState:
     q: Array
     tip_positions: Array
     tip_rotations: Array
+    _spread: Array
+    _jacobian: Array
+    _flexibility: Array
 
     def __init__(self, hand: Hand, q: Array, placements: Array, columns: Array) -> None:
         """From `Hand.at`: placements (n, 4, 4) of the tips, columns (6, joints) of the world Jacobian, linear part
         first.
         """
-        self.hand, self.q = hand, q
-        self.tip_positions = read_only(placements[:, :3, 3])
-        self.tip_rotations = read_only(placements[:, :3, :3])
-        self._spread = (_SPREAD @ columns).reshape(4, -1)
-        self._jacobian: Array | None = None
-        self._flexibility: Array | None = None
+        placements.flags.writeable = False
+        _set(self, "hand", hand)
+        _set(self, "q", q)
+        _set(self, "tip_positions", placements[:, :3, 3])
+        _set(self, "tip_rotations", placements[:, :3, :3])
+        _set(self, "_spread", (_SPREAD @ columns).reshape(4, -1))
 
     @property
     def jacobian(self) -> Array:
         """(3n, nv) translational Jacobian of the tip origins, world axes."""
-        if self._jacobian is None:
-            self._jacobian = read_only(
-                self.jacobian_at(self.tip_positions, self.hand.tips.every).reshape(-1, self.hand.nv)
-            )
+        if not hasattr(self, "_jacobian"):
+            J = self.jacobian_at(self.tip_positions, self.hand.tips.every)
+            self._jacobian = read_only(J.reshape(-1, self.hand.nv))
         return self._jacobian
 
     @property
     def flexibility(self) -> Array:
-        """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes; the pads' own blocks
-        included.
-        """
-        if self._flexibility is None:
+        """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes, the pads included."""
+        if not hasattr(self, "_flexibility"):
             E = self.hand.stiffness.compliance(self.jacobian)
             self.hand.pads.add_to(E, self.tip_rotations, self.hand.tips.every)
             self._flexibility = read_only(E)
@@ -82,8 +83,8 @@ class HandState:
         return J if coupling is None else np.asarray(J @ coupling)
 
     def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
-        """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,) [m/s²]
-        world axes.
+        """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,)
+        [m/s²] world axes.
         """
         return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
 
@@ -123,6 +124,12 @@ class HandState:
             finger_weight=finger_weight,
             plane=plane,
         )
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Everything is set once."""
+        if hasattr(self, name):
+            raise AttributeError(f"a HandState is immutable: {name} cannot be set")
+        _set(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the call that made it."""

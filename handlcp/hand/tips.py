@@ -32,6 +32,7 @@ class TipShape:
     rotation: Array
     translation: Array
     radius: float | None
+    central: bool = False
 
 
 class TipGeometry:
@@ -68,7 +69,7 @@ class TipGeometry:
 
 def sphere_tip(radius: float) -> tuple[TipShape, ...]:
     """A sphere about the origin of the tip frame."""
-    return (TipShape(coal.Sphere(radius), read_only(np.eye(3)), read_only(np.zeros(3)), radius),)
+    return (TipShape(coal.Sphere(radius), read_only(np.eye(3)), read_only(np.zeros(3)), radius, True),)
 
 
 def read_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
@@ -85,8 +86,7 @@ def read_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
 
 def urdf_tip(model: Any, root: ET.Element, frame: str, folders: Sequence[Path]) -> tuple[TipShape, ...]:
     """The collision geometry of the link that is the tip frame; if that link has none, all of the links fixed to it
-    (those that
-    move as one body with it). Meshes count as their convex hulls.
+    (those that move as one body with it). Meshes count as their convex hulls.
 
     Raises URDFError when there is none, or a mesh file is not found.
     """
@@ -127,7 +127,8 @@ def _shape(frame: str, found: Any, placement: Any) -> TipShape:
             "tip_radius", f"a radius for {frame!r}, whose collision geometry is no convex shape", type(g).__name__
         )
     radius = float(g.radius) if isinstance(g, coal.Sphere) else None
-    return TipShape(g, read_only(placement.rotation.copy()), read_only(placement.translation.copy()), radius)
+    rotation, translation = read_only(placement.rotation.copy()), read_only(placement.translation.copy())
+    return TipShape(g, rotation, translation, radius, radius is not None and not translation.any())
 
 
 def _carriers(root: ET.Element, frame: str) -> set[str]:

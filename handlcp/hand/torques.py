@@ -32,8 +32,8 @@ class TorqueCheck:
         or unknown.
     known : nv booleans. unknown : names of the joints without a known limit.
     binding : the joint with the highest utilisation among the known limits; None when no limit is known.
-    ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf for
-        none).
+    ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf
+        for none).
     """
 
     joints: tuple[str, ...]

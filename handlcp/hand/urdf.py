@@ -1,7 +1,7 @@
 """Reading a URDF: find it, parse it, cut out the hand, and pass on what a parser has to say.
 
-Pinocchio reports a broken URDF on C-level stderr only, so the XML is read with the standard library first (which gives
-the line of a syntax error), and file descriptor 2 is captured around Pinocchio's own parse.
+Pinocchio reports a broken URDF on C-level stderr only, so the XML is read with the standard library first (which
+gives the line of a syntax error), and file descriptor 2 is captured around Pinocchio's own parse.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ _FD2 = threading.Lock()
 
 
 def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.Element, Path]:
-    """The <robot> element of the file `source`, cut down to the links below `base` (that link included), and the file's
-    path.
+    """The <robot> element of the file `source`, cut down to the links below `base` (that link included), and the
+    file's path.
 
-    Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for an unknown base.
+    Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for an unknown
+    base.
     """
     try:
         path = Path(source)

@@ -45,6 +45,16 @@ def test_torques_are_virtual_work_at_the_contact_points(held: HandGrasp) -> None
     assert abs(solution.torques).max() > 0.01
 
 
+def test_detected_contacts_are_ordinary_contacts(held: HandGrasp) -> None:
+    """Made in one go, they equal what the constructor makes, frame by frame."""
+    for c, name in zip(held.contacts, held.fingertips, strict=True):
+        same = Contact(c.position, c.normal, c.friction, None, c.name)
+        np.testing.assert_allclose(c.rotation, same.rotation, atol=1e-15)
+        assert (c.name, c.mu, c.planar, repr(c)) == (name, 0.6, False, repr(same))
+        assert not c.position.flags.writeable
+        assert not c.rotation.flags.writeable
+
+
 def test_flexibility_is_turned_into_contact_axes(five: Hand) -> None:
     """E of the grasp = Rᵀ (J K⁻¹ Jᵀ + pads) R at the contact points, with anisotropic pads and tendons."""
     rng = np.random.default_rng(0)

@@ -176,6 +176,10 @@ def test_states_are_immutable_and_outlive_the_next_call(five: Hand) -> None:
             array[0] = 1.0
     with pytest.raises(AttributeError, match="immutable"):
         five.stiffness = None  # type: ignore[assignment]
+    with pytest.raises(AttributeError, match="immutable"):
+        first.q = kept[0]
+    with pytest.raises(AttributeError):
+        first.jacobian = kept[1]  # type: ignore[misc]
 
 
 def test_hands_and_states_pickle(hand: Hand) -> None:

@@ -188,6 +188,8 @@ def test_objects_pickle_and_stay(tmp_path: Path) -> None:
         assert repr(again) == repr(obj)
         obj.placement.translation = np.ones(3)
         assert again.placement == obj.placement
+        with pytest.raises(AttributeError, match="immutable"):
+            obj.mass = 2.0
         moved = obj.moved_to((0.0, 0.0, 1.0))
         np.testing.assert_allclose(moved.center_of_mass[2], 1.0, atol=1e-9)
 
