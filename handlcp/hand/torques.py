@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.errors import UnknownName
 
 __all__ = ["TorqueCheck", "TorqueRow", "torque_check"]
 
@@ -115,8 +116,6 @@ def torque_check(joints: Sequence[str], torque: Array, limit: Array, known: Sequ
 
 
 def _no_joint(joint: str, joints: Sequence[str]) -> TorqueRow:
-    from handlcp.errors import UnknownName
-
     raise UnknownName("joint", "a joint", [str(joint)], joints)
 
 
