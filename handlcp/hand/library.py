@@ -47,7 +47,9 @@ def example_hand(name: str, **overrides: Any) -> Hand:
 
     joint stiffness : 1 N·m/rad, a number of the right size and no measurement. pad flexibility : 1e-4 m/N.
     tip radius : 8 mm; Allegro 12 mm, as in its URDF.
-    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m; psyonic as in its URDF. Raises
+    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m (an assumption); psyonic as in its URDF.
+
+    Raises
         UnknownName.
     """
     if name not in HANDS:
@@ -58,9 +60,9 @@ def example_hand(name: str, **overrides: Any) -> Hand:
 
 def _allegro() -> tuple[Path, dict[str, Any]]:
     file, share = allegro()
-    # The URDF says 15 N·m for every joint, a placeholder. The maker's data sheet for the Allegro Hand V4 (Wonik
-    # Robotics) gives
-    # 0.70 N·m as the maximum torque of a joint.
+    # The URDF says 15 N·m for every joint, a placeholder; the real hand stays below 1 N·m. 0.7 N·m is the figure
+    # usually
+    # quoted for the V4, taken on trust and from no data sheet: pass the torques of your own hand.
     return file, {
         "package_dirs": share,
         "torque_limits": 0.7,
