@@ -11,9 +11,10 @@ from handlcp.check import Array, array, number, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.scene import cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
-__all__ = ["contacts", "effects", "flexibility", "offset", "plane", "wrench"]
+__all__ = ["contacts", "effects", "flexibility", "in_plane", "offset", "plane", "wrench"]
 
 
 def contacts(value: Any) -> tuple[Contact, ...]:
@@ -56,6 +57,16 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
             "plane", "a plane that holds all normals", f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
         )
     return a
+
+
+def in_plane(frames: Array, normal: Array) -> Array:
+    """Contact frames turned about their normals until x lies in the plane, on the side of the contact's own x axis."""
+    out = np.empty_like(frames)
+    for i, R in enumerate(frames):
+        x = cross_rows(normal, R[:, 2])
+        x = x / np.sqrt(x @ x) * (-1.0 if x @ R[:, 0] < 0 else 1.0)
+        out[i] = np.column_stack([x, cross_rows(R[:, 2], x), R[:, 2]])
+    return out
 
 
 def wrench(value: Any, normal: Array | None) -> Array:

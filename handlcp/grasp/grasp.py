@@ -21,7 +21,8 @@ from handlcp.grasp.pyramid import Pyramid, as_pyramid
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.states import classify
-from handlcp.grasp.uniqueness import Uniqueness, describe, free_directions, minimum_norm
+from handlcp.grasp.tangent import free_branches
+from handlcp.grasp.uniqueness import Uniqueness, describe, minimum_norm
 from handlcp.lcp import Auto, Solver, Status, proposals
 
 __all__ = ["Grasp"]
@@ -69,7 +70,7 @@ class Grasp:
         frames = np.array([c.rotation for c in cs])
         normal = arguments.plane(plane, cs, positions, frames)
         if normal is not None:
-            frames = _in_plane(frames, normal)
+            frames = arguments.in_plane(frames, normal)
         point = array("reference", reference, (3,), *(() if normal is None else ((2,),)))
         point = point if point.shape == (3,) else read_only(np.append(point, 0.0))
         self._place(
@@ -173,8 +174,8 @@ class Grasp:
         if verdict.residuals.passes:
             status = Status.SOLVED
             states = classify(scene, pyramid, candidate.forces, verdict.motion, verdict.residuals)
-            free = free_directions(scene, problem.effects, pyramid, states, candidate)
-            if free is not None:
+            free = free_branches(scene, problem.effects, pyramid, states, candidate)
+            if free:
                 smallest = minimum_norm(scene, pyramid, states, candidate, verdict.motion, free)
                 if (checked := judge(scene, problem.effects, pyramid, smallest)).residuals.passes:
                     candidate, verdict = smallest, checked
@@ -235,13 +236,3 @@ def _shift(arm: Array) -> Array:
         ],
         dtype=float,
     )
-
-
-def _in_plane(frames: Array, normal: Array) -> Array:
-    """Contact frames turned about their normals until x lies in the plane, on the side of the contact's own x axis."""
-    out = np.empty_like(frames)
-    for i, R in enumerate(frames):
-        x = cross_rows(normal, R[:, 2])
-        x = x / np.sqrt(x @ x) * (-1.0 if x @ R[:, 0] < 0 else 1.0)
-        out[i] = np.column_stack([x, cross_rows(R[:, 2], x), R[:, 2]])
-    return out

@@ -13,11 +13,11 @@ from handlcp.grasp.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["GLIDING", "NAMES", "SEPARATED", "SLIDING", "STICKING", "VERTEX", "States", "classify"]
+__all__ = ["GLIDING", "NAMES", "RESTING", "SEPARATED", "SLIDING", "STICKING", "VERTEX", "States", "classify"]
 
-# GLIDING touches without friction; VERTEX slides against two faces at once
-SEPARATED, STICKING, SLIDING, VERTEX, GLIDING = 0, 1, 2, 3, 4
-NAMES = ("separated", "sticking", "sliding", "sliding", "sliding")
+# VERTEX slides against two faces at once, GLIDING pushes without friction, RESTING touches without pushing
+SEPARATED, STICKING, SLIDING, VERTEX, GLIDING, RESTING = 0, 1, 2, 3, 4, 5
+NAMES = ("separated", "sticking", "sliding", "sliding", "sliding", "separated")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +53,16 @@ def _classify(
         r = forces[i]
         slip = abs(motion[i, 0]) if planar else np.hypot(motion[i, 0], motion[i, 1])
         if not r[2] > weak:
-            continue
-        if limits[i] <= 0.0:
-            kind[i] = 4
+            kind[i] = RESTING if motion[i, 2] <= slow else SEPARATED
+        elif limits[i] <= 0.0:
+            kind[i] = GLIDING
         elif not slip > slow:
-            kind[i] = 1
+            kind[i] = STICKING
         else:
             found = 0
             for j in range(m):
                 if limits[i] * r[2] - normals[0, j] * r[0] - normals[1, j] * r[1] <= weak and found < 2:
                     faces[i, found, 0], faces[i, found, 1] = normals[0, j], normals[1, j]
                     found += 1
-            kind[i] = 3 if found == 2 else 2
+            kind[i] = VERTEX if found == 2 else SLIDING
     return kind, faces

@@ -16,7 +16,6 @@ from handlcp.grasp import arguments
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.grasp import _in_plane as in_plane
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.detect import touching
@@ -134,7 +133,7 @@ def grasp(
     frames = np.array([c.rotation for c in contacts])
     normal = arguments.plane(plane, contacts, positions, frames)
     if normal is not None:
-        frames = in_plane(frames, normal)
+        frames = arguments.in_plane(frames, normal)
     turned = frames.transpose(0, 2, 1)
     jacobian = (turned @ state.jacobian_at(positions, tips)).reshape(3 * n, hand.nv)
     flexibility = hand.stiffness.compliance(jacobian)

@@ -12,6 +12,8 @@ from handlcp.lcp.problem import Mask
 
 __all__ = ["active_set", "damped_newton", "residual", "size"]
 
+_TIE = 1e-11
+
 
 @kernel
 def residual(z: Array, w: Array, free: Mask) -> float:
@@ -84,8 +86,11 @@ def active_set(
         r = residual(z, w, free)
         if r <= tolerance * size(z):
             return step + 1, r
+        # a tie within rounding keeps its side: which way the last bit falls must not choose the path
+        tie = _TIE * size(z)
         for i in range(n):
-            on[i] = free[i] or z[i] > w[i]
+            if abs(z[i] - w[i]) > tie:
+                on[i] = free[i] or z[i] > w[i]
     return steps, r
 
 

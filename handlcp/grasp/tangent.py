@@ -1,0 +1,184 @@
+"""The changes of forces and object motion that keep every active condition of a solution.
+
+Around a solution with given contact states the model is linear in the changes Δr, Δu:
+
+    balance     G Δr = 0                        separated   Δr = 0
+    sticking    Δv = 0                          sliding     nᵀΔr_T = μ_m Δr_N, Δv_N = 0, Δv_T along the face normal n
+    gliding     Δr_T = 0, Δv_N = 0              at a vertex nᵀΔr_T = μ_m Δr_N for both faces, Δv_N = 0
+
+with Δv = GᵀΔu + EΔr. It is square; what its null space spans stays free (model, "Not unique"). A contact that rests,
+touching without force, may either take up force or open: each choice is a branch of its own, with one-sided changes.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.scene import Scene
+from handlcp.grasp.states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, VERTEX, States
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import solve_ranked
+from handlcp.tolerances import RANK
+
+__all__ = ["Branch", "free_branches", "inequalities"]
+
+_MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """One choice for the contacts at rest: kind (n,) as in `states`, and basis (3n + dof, k), orthonormal changes
+    (Δr, Δu) in natural units, k ≥ 1.
+    """
+
+    kind: Ints
+    basis: Array
+
+
+def free_branches(
+    scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, states: States, candidate: Candidate
+) -> tuple[Branch, ...]:
+    """The branches that leave something free; none when the solution is locally unique (decided by elimination)."""
+    planar = scene.plane is not None
+    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    rows = [c for e in effects if (c := e.coupling(scene, candidate.extra)) is not None]
+    coupling = np.array(rows).reshape(len(rows), 3 * scene.n)
+    governed = np.where(np.array(scene.governed), states.kind, SEPARATED)
+    E = scene.flexibility * (scene.units.force / scene.units.motion)
+    out = []
+    for kind in _choices(governed, limits):
+        A = _tangent(scene.natural.every, E, kind, states.faces, limits, planar, coupling)
+        k = len(A)
+        if solve_ranked(A.copy(), np.zeros(k), np.zeros(k), np.zeros(k, np.int64), RANK) == k:
+            continue
+        _, sv, Vt = np.linalg.svd(A)
+        # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
+        basis = _orthonormal(Vt[sv <= RANK * sv[0]].T[: 3 * scene.n + scene.dof])
+        resting = np.flatnonzero(governed == RESTING)
+        if len(resting) and basis.shape[1]:
+            D, _ = inequalities(scene, pyramid, kind, states.faces, candidate.forces * 0, candidate.forces * 0, resting)
+            basis = basis @ _span(D @ basis)
+        if basis.shape[1]:
+            out.append(Branch(kind, basis))
+    return tuple(out)
+
+
+def _choices(kind: Ints, limits: Array) -> list[Ints]:
+    resting = np.flatnonzero(kind == RESTING)
+    closed = np.where(limits > 0, STICKING, GLIDING)
+    patterns = itertools.product((False, True), repeat=len(resting))
+    if len(resting) > _MOST_RESTING:
+        patterns = iter([(False,) * len(resting), (True,) * len(resting)])  # type: ignore[assignment]
+    out = []
+    for pattern in patterns:
+        choice = kind.copy()
+        choice[resting] = np.where(pattern, closed[resting], SEPARATED)
+        out.append(choice)
+    return out
+
+
+def _orthonormal(columns: Array) -> Array:
+    U, s, _ = np.linalg.svd(columns, full_matrices=False)
+    return U[:, s > 1e-9]
+
+
+def _span(D: Array) -> Array:
+    """(k, j) orthonormal basis of the span of the cone {c : D c ≥ 0}, D (rows, k)."""
+    from scipy.optimize import linprog  # half a second of import that only degenerate, loose scenes should pay
+
+    D = D[abs(D).max(axis=1) > 1e-9]
+    zero = np.zeros(len(D))
+    tight = [
+        row for row in D if linprog(-row, A_ub=-D, b_ub=zero, bounds=[(-1, 1)] * D.shape[1], method="highs").fun > -1e-9
+    ]
+    if not tight:
+        return np.eye(D.shape[1])
+    _, sv, Vt = np.linalg.svd(np.array(tight))
+    return Vt[int((sv > 1e-9).sum()) :].T
+
+
+def inequalities(
+    scene: Scene, pyramid: Pyramid, kind: Ints, faces: Array, forces: Array, motion: Array, contacts: Ints | None = None
+) -> tuple[Array, Array]:
+    """(rows, now): now + rows · (Δr, Δu) ≥ 0 keeps the given contacts (None: all) in their states; natural units."""
+    n, dof = scene.n, scene.dof
+    planar = scene.plane is not None
+    normals = np.array([[1.0, -1.0], [0.0, 0.0]]) if planar else pyramid.normals
+    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    force = np.eye(3 * n, 3 * n + dof)
+    move = np.hstack([scene.flexibility * (scene.units.force / scene.units.motion), scene.natural.every.T])
+    rows: list[Array] = []
+    now: list[float] = []
+    for i in range(n) if contacts is None else contacts.tolist():
+        x, y, z = 3 * i, 3 * i + 1, 3 * i + 2
+        if not scene.governed[i]:
+            continue
+        if kind[i] == SEPARATED:
+            rows.append(move[z])
+            now.append(motion[i, 2])
+            continue
+        rows.append(force[z])
+        now.append(forces[i, 2])
+        if kind[i] != GLIDING:
+            for c, s in normals.T:
+                rows.append(limits[i] * force[z] - c * force[x] - s * force[y])
+                now.append(limits[i] * forces[i, 2] - c * forces[i, 0] - s * forces[i, 1])
+        # The slip is -(λ₁n₁ + λ₂n₂) with λ ≥ 0
+        if kind[i] == SLIDING:
+            c, s = faces[i, 0]
+            rows.append(-c * move[x] - s * move[y])
+            now.append(-c * motion[i, 0] - s * motion[i, 1])
+        if kind[i] == VERTEX:
+            rows += list(np.linalg.solve(faces[i].T, -np.vstack([move[x], move[y]])))
+            now += np.linalg.solve(faces[i].T, -motion[i, :2]).tolist()
+    return np.array(rows).reshape(-1, 3 * n + dof), np.array(now)
+
+
+@kernel
+def _tangent(G: Array, E: Array, kind: Ints, faces: Array, limits: Array, planar: bool, coupling: Array) -> Array:
+    """The square system of the module's docstring; columns Δr (3n), Δu (dof), multipliers of active couplings."""
+    dof, n, extra = G.shape[0], len(kind), len(coupling)
+    k = 3 * n + dof + extra
+    A, V = np.zeros((k, k)), np.zeros((3 * n, k))
+    A[:dof, : 3 * n] = G
+    V[:, : 3 * n] = E
+    V[:, 3 * n : 3 * n + dof] = G.T
+    for c in range(extra):
+        V[:, 3 * n + dof + c] = coupling[c]
+        A[dof + 3 * n + c, : 3 * n] = coupling[c]
+    for i in range(n):
+        x, row = 3 * i, dof + 3 * i
+        if kind[i] == SEPARATED:
+            for d in range(3):
+                A[row + d, x + d] = 1.0
+        elif kind[i] == GLIDING:
+            A[row, x] = A[row + 1, x + 1] = 1.0
+            A[row + 2] = V[x + 2]
+        elif kind[i] == STICKING:
+            for d in range(3):
+                A[row + d] = V[x + d]
+        else:
+            A[row, x], A[row, x + 1], A[row, x + 2] = faces[i, 0, 0], faces[i, 0, 1], -limits[i]
+            A[row + 1] = V[x + 2]
+            if kind[i] == SLIDING:
+                A[row + 2] = faces[i, 0, 0] * V[x + 1] - faces[i, 0, 1] * V[x]
+            else:
+                A[row + 2, x], A[row + 2, x + 1], A[row + 2, x + 2] = faces[i, 1, 0], faces[i, 1, 1], -limits[i]
+        if planar and kind[i] != SEPARATED and kind[i] != GLIDING:  # nothing acts out of the plane
+            out = row + 1 if kind[i] == STICKING else row + 2
+            A[out] = 0.0
+            A[out, x + 1] = 1.0
+    for r in range(k):
+        largest = 0.0
+        for c in range(k):
+            largest = max(largest, abs(A[r, c]))
+        if largest > 0.0:
+            A[r] /= largest
+    return A

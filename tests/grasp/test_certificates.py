@@ -1,0 +1,181 @@
+"""Certifier, uniqueness, holdability: no wrong answer passes, what is loose is named, every no is proven."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.certify import judge
+from handlcp.grasp.holdable import is_escape
+from handlcp.grasp.kernels import nearest_in_polygon
+from tests.grasp.scenes import cube_example, pinch, ring
+
+PYRAMID = hl.Pyramid(8)
+
+
+def judged(g, forces, twist, extra=None):
+    return judge(g.scene, g.problem(PYRAMID).effects, PYRAMID, Candidate(forces, twist, extra or {})).residuals
+
+
+@pytest.fixture(params=range(4))
+def answer(request):
+    contacts, data = ring(np.random.default_rng(request.param))
+    g = hl.Grasp(contacts, **data)
+    s = g.solve()
+    u = s.object_displacement
+    centre = np.r_[u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:]]
+    return g, s.forces.copy(), centre
+
+
+def test_the_answer_passes(answer):
+    assert judged(*answer).passes
+
+
+def test_every_corrupted_force_is_refused(answer):
+    g, f, u = answer
+    for i in range(f.size):
+        for change in (1e-5, -1e-5, np.nan, np.inf):
+            bad = f.copy()
+            bad.flat[i] += change * abs(f).max()
+            assert not judged(g, bad, u).passes
+
+
+def test_every_corrupted_motion_is_refused(answer):
+    g, f, u = answer
+    for i in range(6):
+        for change in (1e-4, -1e-4, np.nan):
+            bad = u.copy()
+            bad[i] += change * g.scene.units.motion / (1 if i < 3 else g.scene.units.length)
+            assert not judged(g, f, bad).passes
+
+
+def test_forces_scaled_beyond_balance_are_refused(answer):
+    g, f, u = answer
+    assert judged(g, 1.001 * f, u).balance > 1e-5
+    assert judged(g, 0 * f, u).balance > 1e-2
+
+
+def test_pulling_is_refused():
+    g = pinch(load=(0, 0, 0), squeeze=0.0)
+    f = np.array([[0, 0, -1.0], [0, 0, -1.0]])
+    assert judged(g, f, np.zeros(6)).normal > 0.1
+
+
+@pytest.mark.parametrize("faces", [3, 4, 5, 8, 16, 2, 0])
+def test_the_projection_on_the_friction_polygon_is_the_nearest_point(faces):
+    rng = np.random.default_rng(faces)
+    m = faces or 4096
+    a = 2 * np.pi * np.arange(m) / m
+    N = np.vstack([np.cos(a), np.sin(a)]) if faces != 2 else np.array([[1.0, -1], [0, 0]])
+    for _ in range(200):
+        p = rng.normal(size=2) * 2
+        x = np.array(nearest_in_polygon(*p, 0.7, faces))
+        assert (N.T @ x <= 0.7 + (1e-6 if faces == 0 else 1e-12)).all()
+        if faces == 2:
+            assert x[1] == 0.0
+            continue
+        # variational inequality of the nearest point, tested at the polygon's vertices
+        vertices = 0.7 / np.cos(np.pi / m) * np.vstack([np.cos(a + np.pi / m), np.sin(a + np.pi / m)])
+        assert ((p - x) @ (vertices - x[:, None]) <= (1e-5 if faces == 0 else 1e-9)).all()
+
+
+# ---------------------------------------------------------------- uniqueness
+def test_example_3_leaves_one_direction_of_the_object_free():
+    s = cube_example().solve(8)
+    assert s.uniqueness.loose_motions == 1
+    assert s.uniqueness.forces_determined
+
+
+def test_moving_along_a_loose_direction_keeps_every_law_and_another_direction_does_not():
+    g = cube_example()
+    s = g.solve(8)
+    d = s.uniqueness.directions[0]
+    shift = np.cross(d[3:], g.scene.units.centre - g.reference)
+    centre = lambda u: np.r_[u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:]]  # noqa: E731
+    u = centre(s.object_displacement)
+    step = np.r_[d[:3] + shift, d[3:]] * 1e-8 / np.linalg.norm(d)  # the slips may turn by 1e-7 m only
+    assert judged(g, s.forces, u + step).passes
+    assert judged(g, s.forces, u - step).passes
+    other = np.roll(step, 1)
+    assert not judged(g, s.forces, u + other).passes
+
+
+def test_the_smallest_motion_is_given():
+    g = cube_example()
+    s = g.solve(8)
+    d = s.uniqueness.directions[0]
+    for t in (-1e-7, 1e-7):
+        u = s.object_displacement + t * d / np.linalg.norm(d)
+        shifted = np.r_[u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:]]
+        if judged(g, s.forces, shifted).passes:
+            own = s.object_displacement
+            now = np.r_[own[:3] + np.cross(own[3:], g.scene.units.centre - g.reference), own[3:]]
+            size = np.r_[np.ones(3), np.full(3, g.scene.units.length)]
+            assert np.linalg.norm(shifted * size) >= np.linalg.norm(now * size) * (1 - 1e-9)
+
+
+def test_two_hard_fingers_leave_the_spin_about_their_line():
+    s = pinch().solve()
+    assert s.uniqueness.loose_motions == 1
+    d = s.uniqueness.directions[0]
+    np.testing.assert_allclose(abs(d[3:]) / np.linalg.norm(d[3:]), [1, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(d[:3], 0, atol=1e-12)
+    np.testing.assert_allclose(s.object_displacement[3], 0, atol=1e-12)  # and no spin is made up
+
+
+def test_a_well_held_object_has_nothing_loose():
+    contacts, data = ring(np.random.default_rng(0), n=5)
+    s = hl.Grasp(contacts, **data).solve()
+    assert s.uniqueness.loose_motions == 0
+    assert s.uniqueness.forces_determined
+    assert s.uniqueness.directions.shape == (0, 6)
+
+
+def test_an_object_nobody_touches_is_loose_in_every_direction():
+    s = pinch(squeeze=-1e-3, load=(0, 0, 0)).solve()
+    assert s.contact_state == ("separated", "separated")
+    assert s.uniqueness.loose_motions == 6
+    np.testing.assert_array_equal(s.object_displacement, 0)
+
+
+# ---------------------------------------------------------------- holdability
+@pytest.mark.parametrize("seed", range(6))
+def test_what_escapes_is_proven_by_signs(seed):
+    rng = np.random.default_rng(seed)
+    contacts, _ = ring(rng, n=3)
+    # all fingers push upwards, and so does the load
+    up = [hl.Contact(c.position, (0, 0, 1), hl.Coulomb(0.3)) for c in contacts]
+    g = hl.Grasp(up, (0.1, 0, 1.0, 0, 0, 0), flexibility=1e-4)
+    s = g.solve(throw=False)
+    assert s.status is hl.Status.NOT_HOLDABLE
+    t = s.certificate
+    p = np.array([c.position for c in g.contacts])
+    angles = 2 * np.pi * (np.arange(8) + 0.5) / 8
+    for c, a in zip(g.contacts, p, strict=True):
+        at = t[:3] + np.cross(t[3:], a)
+        edges = c.rotation @ np.vstack([0.3 * np.cos(angles), 0.3 * np.sin(angles), np.ones(8)])
+        assert (at @ edges >= -1e-9).all()  # no force of the finger resists
+    assert g.scene.force @ t[:3] + g.scene.moment @ t[3:] > 0  # and the load drives it
+
+
+def test_an_escape_that_does_no_work_or_is_resisted_is_no_proof():
+    g = pinch()
+    w = g.scene.natural.w
+    assert not is_escape(g.scene, PYRAMID, w, np.zeros(6))
+    assert not is_escape(g.scene, PYRAMID, w, -w)
+    assert not is_escape(g.scene, PYRAMID, w, w)  # downwards: friction resists
+    assert not is_escape(g.scene, PYRAMID, w, np.full(6, np.nan))
+
+
+def test_undecided_carries_its_trace_and_claims_nothing():
+    contacts, data = ring(np.random.default_rng(0))
+    g = hl.Grasp(contacts, **data)
+    s = g.solve(solver=hl.NSNGRK(polish=False, max_iterations=3), throw=False)
+    assert s.status is hl.Status.UNDECIDED
+    assert "nothing about the scene" in s.status.meaning
+    assert s.contact_state == ("unknown",) * 4
+    with pytest.raises(hl.NoSolutionFound, match="3 Kaczmarz steps") as e:
+        g.solve(solver=hl.NSNGRK(polish=False, max_iterations=3))
+    assert e.value.problem.n == 36

@@ -1,0 +1,119 @@
+"""A scene gets the effects it calls for, and no others: sizes, bits, and the catalogue's own account."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.effects import CoulombPlanar, CoulombPyramid, Effect
+from tests.grasp.scenes import cube_example, pinch, ring
+
+
+def sizes(g, faces=8):
+    return {u.name: (u.count, u.free) for u in g.problem(faces).groups}
+
+
+def test_unknowns_follow_the_table_of_the_model():
+    contacts, data = ring(np.random.default_rng(0), n=5)
+    assert sizes(hl.Grasp(contacts, **data), 8) == {
+        "r_N": (5, False), "λ": (40, False), "r_T": (10, True), "u": (6, True)
+    }  # fmt: skip
+
+
+def test_a_frictionless_contact_has_no_tangential_unknowns():
+    contacts, data = ring(np.random.default_rng(0), n=5)
+    contacts[1] = hl.Contact(contacts[1].position, contacts[1].normal, hl.Frictionless())
+    contacts[3] = hl.Contact(contacts[3].position, contacts[3].normal, hl.Coulomb(0))
+    assert sizes(hl.Grasp(contacts, **data), 6) == {
+        "r_N": (5, False),
+        "λ": (18, False),
+        "r_T": (6, True),
+        "u": (6, True),
+    }
+
+
+def test_a_planar_scene_has_three_object_unknowns_and_one_tangent_a_contact():
+    contacts = [hl.Contact((np.cos(t), np.sin(t)), (-np.cos(t), -np.sin(t)), hl.Coulomb(0.4)) for t in (0, 2, 4)]
+    g = hl.Grasp(contacts, (1, 0, 0), flexibility=1e-3)
+    assert sizes(g, 64) == {"r_N": (3, False), "λ": (6, False), "r_T": (3, True), "u": (3, True)}
+
+
+def test_a_prescribed_contact_has_no_unknowns():
+    g = pinch(effects=[hl.PrescribedForce(0, (0, 0, 1.0))])
+    assert sizes(g) == {"r_N": (1, False), "λ": (8, False), "r_T": (2, True), "u": (6, True)}
+
+
+def test_a_bound_costs_one_unknown():
+    assert sizes(pinch(effects=[hl.TotalForceBound(50)]))["z̄"] == (1, False)
+
+
+def test_an_absent_bound_changes_no_bit():
+    """The problem without it, and the same rows and columns of the problem with it."""
+    plain, bounded = pinch(), pinch(effects=[hl.TotalForceBound(50)])
+    a, b = plain.problem().scaled, bounded.problem().scaled
+    keep = [k for k, name in enumerate(bounded.problem().labels) if not name.startswith("z̄")]
+    np.testing.assert_array_equal(a.M, b.M[np.ix_(keep, keep)])
+    np.testing.assert_array_equal(a.q, b.q[keep])
+
+
+def test_zero_flexibility_stamps_nothing_and_no_friction_leaves_no_trace():
+    contacts = [hl.Contact(p, (0, 0, 1), hl.Coulomb(0)) for p in ((0, 0, 0), (1, 0, 0), (0, 1, 0))]
+    zero = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0)).problem().scaled
+    none = hl.Grasp([hl.Contact(c.position, c.normal, hl.Frictionless()) for c in contacts], (0, 0, -1, 0, 0, 0))
+    np.testing.assert_array_equal(zero.M, none.problem().scaled.M)
+    titles = [e.title for e in none.problem().effects]
+    assert titles == ["object balance", "unilateral contact"]
+
+
+def test_flexibility_at_zero_force_entries_is_not_read():
+    """E of the tangents of a frictionless contact cannot matter."""
+    contacts, data = ring(np.random.default_rng(0), n=4, mu=0)
+    E = data["flexibility"].copy()
+    tangents = [k for k in range(12) if k % 3 != 2]
+    E[tangents] = 0
+    E[:, tangents] = 0
+    a = hl.Grasp(contacts, **data).problem()
+    b = hl.Grasp(contacts, **(data | {"flexibility": E})).problem()
+    np.testing.assert_array_equal(a.scaled.M != 0, b.scaled.M != 0)
+
+
+def test_explain_accounts_for_every_unknown():
+    g = cube_example()
+    e = g.explain(8)
+    assert e.unknowns == sum(line.cost for line in e.effects) == 39
+    assert e.size == g.problem(8).n == 27
+    on = {line.title for line in e.effects if line.on}
+    off = {line.title for line in e.effects if not line.on}
+    assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
+    assert off == {"Coulomb friction, planar", "total normal-force bound", "prescribed contact force"}
+    assert "27" in str(e)
+
+
+@pytest.mark.parametrize("effect", [CoulombPyramid, CoulombPlanar, *(Effect.__subclasses__())])
+def test_every_effect_states_its_equation_on_top_of_its_file(effect):
+    import sys
+
+    doc = sys.modules[effect.__module__].__doc__
+    assert "Source:" in doc
+    assert effect.equation
+    assert effect.title
+
+
+def test_elimination_is_decided_by_condition_not_by_trying():
+    assert cube_example().problem().eliminated
+    two = pinch().problem()  # two hard fingers: nothing resists the spin, the free block is singular
+    assert not two.eliminated
+    assert two.rcond < 1e-7
+    assert two.mixed
+    smooth = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), hl.Frictionless())], flexibility=1e-3).problem()
+    assert not smooth.eliminated
+
+
+def test_the_problem_in_si_is_the_problem_in_natural_units():
+    p = cube_example().problem()
+    q = hl.LCP(p.M, p.q, p.free, units=p.scaled.units)
+    np.testing.assert_allclose(q.scaled.M, p.scaled.M, rtol=1e-14)
+    s = hl.solve_lcp(p)
+    assert p.labels[:3] == ("r_N[0]", "r_N[1]", "r_N[2]")
+    np.testing.assert_allclose(s.z[:3], [0.934263, 0.934263, 3.96422], rtol=2e-6)  # N

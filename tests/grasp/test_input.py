@@ -1,0 +1,117 @@
+"""Bad input gives one typed error that names the argument, what was expected and what came."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.grasp.scenes import pinch
+
+P, N = (0, 0, 0), (0, 0, 1)
+TWO = [hl.Contact((0, 0, 0), (0, 0, 1)), hl.Contact((0, 0, 1), (0, 0, -1))]
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (dict(position=(0, 0), normal=N), "normal"),
+        (dict(position=(0, 0, 0, 0), normal=N), "position"),
+        (dict(position=(0, NAN, 0), normal=N), "position"),
+        (dict(position="here", normal=N), "position"),
+        (dict(position=P, normal=(0, 0, 2)), "normal"),
+        (dict(position=P, normal=(0, 0, 0)), "normal"),
+        (dict(position=P, normal=(0, 0, NAN)), "normal"),
+        (dict(position=P, normal=N, tangent=(0, 0, 3)), "tangent"),
+        (dict(position=P, normal=N, tangent=(0, 0, 0)), "tangent"),
+        (dict(position=P, normal=N, tangent=(1, 0)), "tangent"),
+        (dict(position=P, normal=N, friction=0.5), "friction"),
+        (dict(position=P, normal=N, name=3), "name"),
+    ],
+)  # fmt: skip
+def test_contacts(arguments, name):
+    with pytest.raises(hl.InputError) as e:
+        hl.Contact(**arguments)
+    assert e.value.argument == name
+
+
+@pytest.mark.parametrize("mu", [-0.1, NAN, float("inf"), "0.5", None, True])
+def test_friction(mu):
+    with pytest.raises(hl.InputError, match=r"Coulomb\.mu"):
+        hl.Coulomb(mu)
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        (dict(contacts=[]), "contacts"),
+        (dict(contacts=3), "contacts"),
+        (dict(contacts=[1, 2]), "contacts[0]"),
+        (dict(contacts=[TWO[0], hl.Contact((0, 0), (0, 1))]), "contacts"),
+        (dict(wrench=(1, 2, 3)), "wrench"),
+        (dict(wrench=(1, 2, 3, 4, 5, NAN)), "wrench"),
+        (dict(flexibility=-1e-4), "flexibility"),
+        (dict(flexibility=NAN), "flexibility"),
+        (dict(flexibility=(1e-4, 1e-4, -1e-4)), "flexibility"),
+        (dict(flexibility=np.eye(5)), "flexibility"),
+        (dict(flexibility=-np.eye(6)), "flexibility"),
+        (dict(flexibility=np.triu(np.ones((6, 6)))), "flexibility"),
+        (dict(flexibility=np.array([np.eye(3), -np.eye(3)])), "flexibility[1]"),
+        (dict(preload=NAN), "preload"),
+        (dict(preload=(1, 2, 3)), "preload"),
+        (dict(offset=(0, 0, 0)), "offset"),
+        (dict(reference=(0, 0)), "reference"),
+        (dict(effects=[3]), "effects[0]"),
+        (dict(effects=[hl.TotalForceBound(1), hl.TotalForceBound(2)]), "effects[1]"),
+        (dict(effects=[hl.PrescribedForce(2, (0, 0, 1))]), "effects[0].contact"),
+        (dict(plane=(1, 0)), "plane"),
+        (dict(plane=(0, 0, 1)), "plane"),
+        (dict(plane=(2, 0, 0)), "plane"),
+        (dict(plane=(1, 0, 0), wrench=(1, 0, 0, 0, 0, 0)), "wrench"),
+        (dict(plane=(1, 0, 0), wrench=(1, 0, 0)), "wrench"),
+    ],
+)  # fmt: skip
+def test_grasps(change, name):
+    good = dict(contacts=TWO, wrench=(0, 0, -1, 0, 0, 0), flexibility=1e-4)
+    with pytest.raises(hl.InputError) as e:
+        hl.Grasp(**(good | change))
+    assert e.value.argument == name
+
+
+@pytest.mark.parametrize("faces", [2, 0, -8, 8.0, "eight", None, True])
+def test_faces(faces):
+    with pytest.raises(hl.InputError, match="faces"):
+        pinch().solve(faces)
+
+
+def test_the_exact_cone_is_refused_in_so_many_words():
+    with pytest.raises(hl.Unsupported, match="cone"):
+        pinch().solve("cone")
+
+
+@pytest.mark.parametrize("limit", [0, -1, NAN, "x"])
+def test_bounds(limit):
+    with pytest.raises(hl.InputError, match="TotalForceBound"):
+        hl.TotalForceBound(limit)
+
+
+@pytest.mark.parametrize("arguments", [(-1, (0, 0, 1)), (0, (0, 1)), (0.5, (0, 0, 1)), (0, (0, 0, NAN))])
+def test_prescribed_forces(arguments):
+    with pytest.raises(hl.InputError, match="PrescribedForce"):
+        hl.PrescribedForce(*arguments)
+
+
+def test_results_and_contacts_are_read_only():
+    s = pinch().solve()
+    for a in (s.forces, s.forces_world, s.gap, s.slip, s.object_displacement, TWO[0].position, TWO[0].rotation):
+        with pytest.raises(ValueError, match="read-only"):
+            a[0] = 1
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0, 0.6, 0.8), (0.48, 0.6, 0.64)])
+def test_frames_are_right_handed_with_the_normal_last(normal):
+    R = hl.Contact(P, normal).rotation
+    np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(np.cross(R[:, 2], R[:, 0]), R[:, 1], atol=1e-15)
+    np.testing.assert_allclose(R[:, 2], normal)

@@ -1,0 +1,154 @@
+"""Laws that every solution obeys, whatever the scene: energy, oracle, invariance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.grasp.scenes import ring
+from tests.oracle import every_solution
+
+SEEDS = range(12)
+
+
+def solved(seed, faces=8, **more):
+    contacts, data = ring(np.random.default_rng(seed), **more)
+    g = hl.Grasp(contacts, **data)
+    return g, g.solve(faces, throw=False)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_energy_balances(seed):
+    """Work of the load on u = elastic energy stored twice over + work against the preload + friction's loss ≥ 0."""
+    g, s = solved(seed)
+    if not s.held:
+        pytest.skip("this scene has no solution")
+    r, E = s.forces.ravel(), g.scene.flexibility
+    work = g.scene.wrench @ np.r_[_at_centre(g, s)[:3], s.object_displacement[3:]]
+    loss = -(s.tangential_force * s.slip).sum()
+    np.testing.assert_allclose(work, r @ E @ r + r @ g.scene.offset.ravel() + loss, atol=1e-10 * abs(r @ E @ r))
+    assert loss >= -1e-12 * (r @ E @ r)
+
+
+def _at_centre(g, s):
+    u = s.object_displacement
+    return u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_forces_balance_the_load_and_stay_in_the_circular_cone(seed):
+    g, s = solved(seed)
+    if not s.held:
+        pytest.skip("this scene has no solution")
+    F = s.forces_world
+    p = np.array([c.position for c in g.contacts])
+    np.testing.assert_allclose(F.sum(0), -g.scene.force, atol=1e-8 * abs(F).max())
+    np.testing.assert_allclose(np.cross(p, F).sum(0), -g.scene.moment, atol=1e-9 * abs(F).max())
+    slack = 0.6 * s.normal_force - np.linalg.norm(s.tangential_force, axis=1)
+    assert (slack > -1e-8 * abs(F).max()).all()  # inscribed pyramids lie inside
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_small_scenes_agree_with_the_enumeration_of_all_active_sets(seed):
+    contacts, data = ring(np.random.default_rng(seed), n=3)
+    g = hl.Grasp(contacts, **data)
+    p = g.problem(3)
+    assert p.eliminated
+    assert p.n == 12
+    oracle = every_solution(p.scaled.M, p.scaled.q)
+    s = g.solve(3, throw=False)
+    assert s.held == bool(oracle)
+    if s.held:
+        found = [p.candidate(z).forces for z in oracle]
+        assert min(abs(f - s.forces).max() for f in found) < 1e-7 * abs(s.forces).max()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_mixed_and_eliminated_problems_have_the_same_answer(seed, monkeypatch):
+    g, s = solved(seed)
+    if not s.held:
+        pytest.skip("this scene has no solution")
+    monkeypatch.setattr("handlcp.grasp.assemble.ELIMINATE_RCOND", 2.0)
+    assert not g.problem().eliminated
+    for solver in (None, hl.Lemke()):
+        mixed = g.solve(solver=solver, throw=False)
+        if mixed.held and s.uniqueness.loose_motions == 0:
+            np.testing.assert_allclose(mixed.forces, s.forces, atol=1e-6 * abs(s.forces).max())
+        else:
+            assert solver is None  # Lemke solves whatever the chain solves here
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(("length", "force"), [(1e3, 1.0), (1.0, 1e-3), (1e-3, 1e6)])
+def test_other_units_change_neither_status_nor_forces(seed, length, force):
+    contacts, data = ring(np.random.default_rng(seed))
+    a = hl.Grasp(contacts, **data).solve(throw=False)
+    other = [hl.Contact(c.position * length, c.normal, c.friction, tangent=c.tangent) for c in contacts]
+    w = data["wrench"] * force * np.r_[1, 1, 1, length, length, length]
+    g = hl.Grasp(other, w, flexibility=data["flexibility"] * length / force, preload=data["preload"] * length)
+    b = g.solve(throw=False)
+    assert (a.status, a.iterations, a.contact_state) == (b.status, b.iterations, b.contact_state)
+    if a.held:
+        np.testing.assert_allclose(a.forces, b.forces / force, rtol=1e-9, atol=1e-9 * abs(a.forces).max())
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_turned_and_moved_world_changes_no_force(seed):
+    rng = np.random.default_rng(seed)
+    contacts, data = ring(rng)
+    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    Q *= np.sign(np.linalg.det(Q))
+    shift = rng.normal(size=3)
+    other = [hl.Contact(Q @ c.position + shift, Q @ c.normal, c.friction, tangent=Q @ c.tangent) for c in contacts]
+    w = data["wrench"]
+    a = hl.Grasp(contacts, **data).solve(throw=False)
+    b = hl.Grasp(other, **(data | {"wrench": np.r_[Q @ w[:3], Q @ w[3:]]}), reference=shift).solve(throw=False)
+    assert a.status is b.status
+    if a.held:
+        np.testing.assert_allclose(a.forces, b.forces, atol=1e-9 * abs(a.forces).max())
+        u = a.object_displacement
+        np.testing.assert_allclose(b.object_displacement, np.r_[Q @ u[:3], Q @ u[3:]], atol=1e-9 * abs(u).max())
+
+
+@pytest.mark.parametrize("plane", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.6, 0, 0.8), tuple(np.ones(3) / np.sqrt(3))])
+def test_a_planar_scene_is_the_same_in_every_plane(plane):
+    n = np.asarray(plane, float)
+    a = np.cross(n, [0.3, 0.5, 0.7])
+    a /= np.linalg.norm(a)
+    b = np.cross(n, a)
+    angles = np.array([0.1, 2.0, 4.3])
+    flat = [hl.Contact((np.cos(t), np.sin(t)), (-np.cos(t), -np.sin(t)), hl.Coulomb(0.4)) for t in angles]
+    there = [
+        hl.Contact(a * np.cos(t) + b * np.sin(t), -a * np.cos(t) - b * np.sin(t), hl.Coulomb(0.4),
+                   tangent=-a * np.sin(t) * np.sign(1) + b * np.cos(t))
+        for t in angles
+    ]  # fmt: skip
+    s = hl.Grasp(flat, (1.0, -2.0, 0.1), flexibility=1e-3, preload=0.01).solve()
+    w = np.r_[a * 1.0 + b * -2.0, n * 0.1]
+    t = hl.Grasp(there, w, flexibility=1e-3, preload=0.01, plane=plane).solve()
+    np.testing.assert_allclose(t.normal_force, s.normal_force, rtol=1e-9)
+    np.testing.assert_allclose(abs(t.tangential_force), abs(s.tangential_force), atol=1e-9)
+    np.testing.assert_allclose(t.object_displacement[3:], n * s.object_displacement[5], atol=1e-12)
+    assert len(t.forces_world @ n) == 3
+    np.testing.assert_allclose(t.forces_world @ n, 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_more_faces_approach_the_cone_from_inside(seed):
+    """Inscribed with m faces lies inside inscribed with 2m faces: the forces converge as 1/m²."""
+    g, s = solved(seed, 64)
+    if not s.held:
+        pytest.skip("this scene has no solution")
+    errors = [abs(g.solve(m).forces - s.forces).max() for m in (8, 16, 32)]
+    assert errors[2] < 0.05 * abs(s.forces).max()
+    assert errors[2] <= errors[0] + 1e-9
+
+
+def test_circumscribed_pyramids_allow_more_than_inscribed_ones():
+    contacts, data = ring(np.random.default_rng(1))
+    g = hl.Grasp(contacts, **data)
+    inside, outside = g.solve(hl.Pyramid(8)), g.solve(hl.Pyramid(8, inscribed=False))
+    limit = np.linalg.norm(outside.tangential_force, axis=1) / outside.normal_force
+    assert (limit <= 0.6 / np.cos(np.pi / 8) + 1e-9).all()
+    assert inside.held
