@@ -1,0 +1,1 @@
+"""A designer's questions, answered with hands and grasps; `study.paper` reproduces the paper they started from."""

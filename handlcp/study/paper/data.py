@@ -1,0 +1,132 @@
+"""The paper's numbers as printed: magnitudes with their digits, and where they cannot be meant."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+
+__all__ = ["AXES", "NUMBERS", "Number", "PaperTable", "Reading", "raw", "short", "source", "table"]
+
+NUMBERS = tuple(range(1, 11))
+AXES = ("n", "o", "t")
+_COLUMN = {"n": 2, "o": 0, "t": 1}  # the paper's (n, o, t) are our (z, x, y)
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A printed magnitude: its text, such as "5.83270e0", its value, and one unit of its last digit."""
+
+    text: str
+    value: float
+    ulp: float
+
+    @staticmethod
+    def parse(text: str) -> Number:
+        """From the text of the data file."""
+        mantissa, _, exponent = text.partition("e")
+        decimals = len(mantissa.partition(".")[2])
+        return Number(text, float(text), 10.0 ** (int(exponent or 0) - decimals))
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A force that cannot be meant as printed: finger (from 1), axis "n" | "o" | "t", both texts, and why."""
+
+    finger: int
+    axis: str
+    printed: str
+    read: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class PaperTable:
+    """One table. Entries are magnitudes; fingers count from 1.
+
+    example, faces (None: planar), method : what the paper ran.
+    golden : the columns that must be reproduced, of "force", "fingertip", "object".
+    force : finger → (n, o, t) or (n,). slip : finger → (o, t). fingertip : finger → (n,). object : 6 or 3 numbers.
+    readings : misprints. overwritten : (finger, axis) whose force entry repeats the slip beside it.
+    """
+
+    number: int
+    example: int
+    faces: int | None
+    method: str
+    golden: tuple[str, ...]
+    force: dict[int, tuple[Number, ...]]
+    slip: dict[int, tuple[Number, ...]]
+    fingertip: dict[int, tuple[Number, ...]]
+    object: tuple[Number, ...]
+    readings: tuple[Reading, ...]
+    overwritten: tuple[tuple[int, str], ...]
+
+    @property
+    def title(self) -> str:
+        """For headings."""
+        faces = "planar" if self.faces is None else f"{self.faces} faces"
+        return f"Table {self.number}: Example {self.example}, {faces}, {self.method} method"
+
+    def forces(self, contacts: int, read: bool = True) -> Array:
+        """(n, 3) magnitudes in our contact axes (x, y, z) = (o, t, n); NaN where nothing is printed.
+
+        read : replace misprints by what they are read as.
+        """
+        out = np.full((contacts, 3), np.nan)
+        for finger, numbers in self.force.items():
+            for axis, number in zip(AXES, numbers, strict=False):
+                out[finger - 1, _COLUMN[axis]] = number.value
+        for r in self.readings if read else ():
+            out[r.finger - 1, _COLUMN[r.axis]] = float(r.read)
+        return out
+
+    def slips(self, contacts: int) -> Array:
+        """(n, 2) magnitudes along (x, y) = (o, t) [m]; NaN where nothing is printed."""
+        out = np.full((contacts, 2), np.nan)
+        for finger, numbers in self.slip.items():
+            out[finger - 1] = [x.value for x in numbers]
+        return out
+
+    def overwritten_entries(self) -> list[tuple[int, int]]:
+        """(contact from 0, our axis) of the overwritten entries."""
+        return [(finger - 1, _COLUMN[axis]) for finger, axis in self.overwritten]
+
+
+@cache
+def raw() -> dict[str, Any]:
+    """The data file as it is."""
+    text = resources.files(__package__).joinpath("data.json").read_text(encoding="utf-8")
+    data: dict[str, Any] = json.loads(text)
+    return data
+
+
+def short(x: float) -> str:
+    """A number in few characters, such as "1.5e-6" or "0.0494"."""
+    return f"{x:.3g}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def source() -> str:
+    """Where the numbers come from."""
+    return str(raw()["source"])
+
+
+@cache
+def table(number: int) -> PaperTable:
+    """Table 1 to 10."""
+    t = raw()["tables"][str(number)]
+
+    def columns(name: str) -> dict[int, tuple[Number, ...]]:
+        return {int(k): tuple(map(Number.parse, v)) for k, v in t.get(name, {}).items()}
+
+    return PaperTable(
+        number, t["example"], t["faces"], t["method"], tuple(t["golden"]), columns("force"), columns("slip"),
+        columns("fingertip"), tuple(map(Number.parse, t["object"])), tuple(Reading(**r) for r in t["readings"]),
+        tuple((finger, axis) for finger, axis in t["overwritten"]),
+    )

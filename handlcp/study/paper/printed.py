@@ -1,0 +1,157 @@
+"""The printed numbers put into the paper's own equations: what they miss, and by how much.
+
+    (1)            balance           G_N r_N + G_T r_T = F_ext
+    (8)            friction limit    r_T in the polygon of apothem μ cos(π/m) r_N
+    (2),(5),(13)   compatibility     Gᵀu + E r = slip; normal: 0 at contact, tangential: against the faces at the limit
+    (3),(4)        unilateral        0 ≤ r_N ⟂ ε_N ≥ 0, for the printed object displacement
+    (11),(12)      complementarity   slip against the faces that the force is on, for the printed object displacement
+
+Signs are lost in print: those are taken that balance best, and for displacements those that fit the printed slips best.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp import Grasp, PrescribedForce, Pyramid
+from handlcp.study.paper.data import PaperTable
+
+__all__ = ["LIMIT", "Motion", "SignedForces", "against_faces", "compatibility", "excess", "motion", "signed_forces"]
+
+# A force counts as on a face within this share of the largest force: generous to the printed numbers
+LIMIT = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class SignedForces:
+    """forces (n, 3) N in contact axes with the signs that balance best; what is left over: force [N], moment [N·m].
+
+    recovered : (contact, axis, value) of entries that were not printed and follow from balance.
+    """
+
+    forces: Array
+    force: float
+    moment: float
+    recovered: tuple[tuple[int, int, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The printed object displacement, with the signs and E_T that fit the printed slips best.
+
+    twist (6,) m, rad about the origin; tangential [m/N] the fitting E_T; slip_miss [m] the worst miss of the
+    tangential equation; slip (n, 2) m and gap (n,) m: ε_T and ε_N that follow, NaN where the force is prescribed.
+    """
+
+    twist: Array
+    tangential: float
+    slip_miss: float
+    slip: Array
+    gap: Array
+
+    @property
+    def worst(self) -> float:
+        """Largest |ε_N| [m], which should be zero at every printed force."""
+        return float(np.nanmax(abs(self.gap)))
+
+
+def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedForces:
+    """Best balance over all signs of the tangential forces; overwritten entries are solved for when `read`."""
+    scene = grasp.scene
+    printed = np.nan_to_num(table.forces(scene.n, read)).ravel()
+    for effect in grasp.effects:
+        if isinstance(effect, PrescribedForce):
+            printed[3 * effect.contact : 3 * effect.contact + 3] = effect.force
+    missing = [3 * i + k for i, k in table.overwritten_entries()] if read else []
+    printed[missing] = 0.0
+    signed = [i for i in range(len(printed)) if i % 3 != 2 and printed[i] != 0.0]
+    choices = np.tile(printed, (2 ** len(signed), 1))
+    choices[:, signed] *= np.array(list(product((1.0, -1.0), repeat=len(signed)))).reshape(-1, len(signed))
+    G, scale = scene.grasp_matrix, np.array([1.0] * 3 + [1.0 / scene.units.length] * 3)
+    if missing:
+        A = scale[:, None] * G[:, missing]
+        left = (choices @ G.T + scene.wrench) * scale
+        choices[:, missing] = -left @ np.linalg.pinv(A).T
+    left = choices @ G.T + scene.wrench
+    best = int(np.argmin(np.linalg.norm(left * scale, axis=1)))
+    f = choices[best]
+    return SignedForces(f.reshape(-1, 3), float(np.linalg.norm(left[best, :3])), float(np.linalg.norm(left[best, 3:])),
+                        tuple((i // 3, i % 3, float(f[i])) for i in missing))
+
+
+def excess(grasp: Grasp, faces: int, forces: Array) -> Array:
+    """(n,) N by which each governed tangential force leaves its inscribed polygon; < 0 inside, NaN without friction."""
+    pyramid = Pyramid(faces)
+    outward = (forces[:, :2] @ pyramid.normals).max(axis=1)
+    ruled = np.array(grasp.scene.governed) & (grasp.scene.mu > 0)
+    return np.where(ruled, outward - pyramid.limit(grasp.scene.mu) * forces[:, 2], np.nan)
+
+
+def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float]:
+    """(miss, largest elastic displacement) [m]: least worst residual of Gᵀu + E r + Nλ = 0 over all twists u and λ ≥ 0.
+
+    Rows are the normals and tangents of the governed fingers; λ may act on the faces at the limit (`LIMIT`), also where
+    the force is beyond it. A linear program.
+    """
+    from scipy.optimize import linprog
+
+    scene, pyramid = grasp.scene, Pyramid(faces)
+    n, near = scene.n, LIMIT * float(abs(forces).max())
+    elastic = scene.flexibility @ forces.ravel()
+    rows: list[int] = []
+    slides: list[Array] = []
+    for i in np.flatnonzero(scene.governed).tolist():
+        rows.append(3 * i + 2)
+        if scene.mu[i] > 0:
+            rows += [3 * i, 3 * i + 1]
+            slack = pyramid.limit(scene.mu)[i] * forces[i, 2] - forces[i, :2] @ pyramid.normals
+            for face in np.flatnonzero(slack <= near):
+                column = np.zeros(3 * n)
+                column[3 * i : 3 * i + 2] = pyramid.normals[:, face]
+                slides.append(column)
+    size = float(abs(elastic[rows]).max())
+    A = np.column_stack([scene.grasp_matrix.T, *slides])[rows]
+    b, k, one = -elastic[rows] / size, A.shape[1], -np.ones((len(rows), 1))
+    lp = linprog(np.append(np.zeros(k), 1.0), A_ub=np.block([[A, one], [-A, one]]), b_ub=np.concatenate([b, -b]),
+                 bounds=[(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1), method="highs")
+    return float(lp.fun) * size, size
+
+
+def motion(grasp: Grasp, table: PaperTable, forces: Array, tangentials: tuple[float, ...]) -> Motion:
+    """Which signs of the printed displacement, and which E_T, fit the printed slips; and the gaps that follow."""
+    scene = grasp.scene
+    printed = np.array([x.value for x in table.object])
+    slips = table.slips(scene.n)
+    given = np.isfinite(slips[:, 0])
+    E_N = scene.flexibility.diagonal().reshape(-1, 3)[:, 2]
+    best: Motion | None = None
+    for signs in product((1.0, -1.0), repeat=6):
+        twist = printed * signs
+        point = twist[:3] + np.cross(twist[3:], scene.positions)
+        moves = (scene.frames.transpose(0, 2, 1) @ point[:, :, None])[:, :, 0]
+        for E_T in tangentials:
+            slip = moves[:, :2] + E_T * forces[:, :2]
+            miss = float(abs(abs(slip) - slips)[given].max())
+            if best is None or miss < best.slip_miss:
+                ruled = np.array(scene.governed)
+                gap = np.where(ruled, moves[:, 2] + E_N * forces[:, 2], np.nan)
+                best = Motion(twist, E_T, miss, np.where(ruled[:, None], slip, np.nan), gap)
+    assert best is not None
+    return best
+
+
+def against_faces(grasp: Grasp, faces: int, forces: Array, slip: Array) -> float:
+    """Worst distance [m] of the slips (n, 2) from -Nλ, λ ≥ 0, over the faces that each force is on (`LIMIT`)."""
+    from scipy.optimize import nnls
+
+    pyramid, worst = Pyramid(faces), 0.0
+    scene, near = grasp.scene, LIMIT * float(abs(forces).max())
+    for i in np.flatnonzero(np.array(scene.governed) & (scene.mu > 0)):
+        slack = pyramid.limit(scene.mu)[i] * forces[i, 2] - forces[i, :2] @ pyramid.normals
+        N = pyramid.normals[:, slack <= near]
+        worst = max(worst, float(nnls(N, -slip[i])[1]) if N.size else float(np.linalg.norm(slip[i])))
+    return worst

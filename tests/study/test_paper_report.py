@@ -1,0 +1,77 @@
+"""The command: renders within 100 columns, writes strict JSON, and exits 0 only when the golden numbers match."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from handlcp.study.paper import paper_command, run
+from handlcp.study.paper import report as module
+from handlcp.study.paper.render import render
+from handlcp.study.paper.report import PaperReport
+from handlcp.study.paper.rows import Mark
+
+
+@pytest.fixture(scope="module")
+def report() -> PaperReport:
+    return run()
+
+
+def wide(width: int = 100) -> Console:
+    return Console(file=StringIO(), width=width, color_system=None)
+
+
+def text(console: Console) -> str:
+    assert isinstance(console.file, StringIO)
+    return console.file.getvalue()
+
+
+def test_every_table_is_rendered_with_every_printed_number(report: PaperReport) -> None:
+    console = wide()
+    render(report, console)
+    out = text(console)
+    assert max(map(len, out.splitlines())) <= 100
+    assert "…   " not in out, "no column is cut off"
+    for c in report.tables:
+        assert c.table.title in out
+        block = out.split(c.table.title)[1].split("verdict:")[0]
+        for row in c.rows:
+            assert row.printed.text in block
+    assert len(re.findall(r"^verdict: ", out, re.MULTILINE)) == 10
+    assert "all golden numbers reproduced" in out
+
+
+def test_json_is_strict_and_complete(report: PaperReport) -> None:
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    data = json.loads(report.to_json(), parse_constant=refuse)
+    assert data["ok"] is True
+    assert list(data["tables"]) == [str(k) for k in range(1, 11)]
+    assert all(t["verdict"] and t["rows"] for t in data["tables"].values())
+    assert data["example_4"]["proved"] is True
+    assert len(data["nsngrk_as_printed"][0]["as_printed"]) >= 5
+
+
+def test_exit_codes(report: PaperReport, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "run", lambda: report)
+    console = wide()
+    assert paper_command(json=True, console=console) == 0
+    assert json.loads(text(console))["ok"] is True
+    golden, *others = report.tables
+    row = golden.rows[1]
+    spoiled = replace(golden, rows=(golden.rows[0], replace(row, mark=Mark.NO), *golden.rows[2:]))
+    monkeypatch.setattr(module, "run", lambda: replace(report, tables=(spoiled, *others)))
+    console = wide()
+    assert paper_command(console=console) == 1
+    assert "GOLDEN NUMBERS MISSED" in text(console)
+    assert "NOT reproduced: forces 2 n" in text(console)
+
+
+def test_fast_enough(report: PaperReport) -> None:
+    assert report.seconds < 20
