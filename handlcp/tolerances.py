@@ -27,7 +27,7 @@ CERTIFY = 1e-8
 # A contact is called "on the limit", "touching" or "at rest" within this share of the scene's force or displacement.
 ACTIVE = 1e-7
 
-# Free unknowns are eliminated when LAPACK's reciprocal condition estimate of their block exceeds this: eliminating
+# Free unknowns are eliminated when the estimated reciprocal condition of their block exceeds this: eliminating
 # costs about eps / rcond in accuracy, which must stay well under CERTIFY.
 ELIMINATE_RCOND = 1e-7
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
+from handlcp.lcp.kernels.schur import schur
 from handlcp.lcp.problem import LCP, Mask
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
@@ -35,7 +35,7 @@ class GraspProblem(LCP):
     groups : the unknowns of all effects, complementary groups first.
     eliminated : whether the free unknowns (tangential forces and object motion) were eliminated; M and q are then
         the Schur complement, a standard LCP (paper, equation (17)), otherwise the mixed problem itself.
-    rcond : LAPACK's estimate of the reciprocal condition of the free block, which decided that.
+    rcond : estimate of the reciprocal condition of the free block, which decided that.
     effects : what was stamped.
     """
 
@@ -67,21 +67,15 @@ def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
     system = System(u for e in effects for u in e.unknowns(scene))
     for e in effects:
         e.stamp(scene, system)
-    c, N = system.free_from, len(system.q)
-    sizes_x, sizes_w = system.sizes()
-    factors, rcond = _factorise(system.M[c:, c:])
-    back = None
-    if factors is not None:
-        # x_F = x0 - X z with X = F⁻¹ M_FC, x0 = -F⁻¹ q_F; Schur complement M_CC - M_CF X
-        solved, _ = lapack.dgetrs(*factors, np.hstack([system.M[c:, :c], system.q[c:, None]]))
-        X, x0 = solved[:, :-1], -solved[:, -1]
-        M = system.M[:c, :c] - system.M[:c, c:] @ X
-        q = system.q[:c] + system.M[:c, c:] @ x0
-        back, free = (X, x0), np.zeros(c, bool)
-        sizes_x, sizes_w = sizes_x[:c], sizes_w[:c]
-    else:
-        M, q, free = system.M, system.q, np.arange(N) >= c
-    return _problem(M, q, free, Units(sizes_x, sizes_w), scene, system, effects, back, rcond)
+    c, n = system.free_from, len(system.q)
+    x_units, w_units = system.sizes(scene)
+    M, q, X, x0, rcond = schur(system.M, system.q, c)
+    if rcond > ELIMINATE_RCOND:
+        return _problem(
+            M, q, np.zeros(c, bool), Units(x_units[:c], w_units[:c]), scene, system, effects, (X, x0), rcond
+        )
+    mixed = np.arange(n) >= c
+    return _problem(system.M, system.q, mixed, Units(x_units, w_units), scene, system, effects, None, rcond)
 
 
 def _problem(
@@ -102,18 +96,6 @@ def _problem(
     return p
 
 
-def _factorise(F: Array) -> tuple[tuple[Array, Array] | None, float]:
-    """((LU, pivots), reciprocal condition) of the free block; no factors where it is too ill-conditioned."""
-    if not len(F):
-        return None, 1.0
-    norm = float(abs(F).sum(axis=0).max())
-    lu, pivots, info = lapack.dgetrf(F)
-    if info != 0 or norm == 0.0:
-        return None, 0.0
-    rcond, _ = lapack.dgecon(lu, norm)
-    return ((lu, pivots) if rcond > ELIMINATE_RCOND else None), float(rcond)
-
-
 def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) -> Candidate:
     f = np.zeros(3 * scene.n)
     at, force = system.at, scene.units.force
@@ -121,7 +103,9 @@ def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array)
         f[scene.normal_index] = x[at["r_N"]] * force
     if "r_T" in at:
         f[scene.tangent_index] = x[at["r_T"]] * force
-    extra = {g.name: x[at[g.name]] * g.size for g in system.groups if g.name not in ("r_N", "r_T", "λ", "u")}
+    extra = {
+        g.name: x[at[g.name]] * scene.size(g.measure) for g in system.groups if g.name not in ("r_N", "r_T", "λ", "u")
+    }
     for e in effects:
         if isinstance(e, PrescribedForce):
             f[3 * e.contact : 3 * e.contact + 3] = e.force

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.assemble import Candidate
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.kernels import check_contacts, relative_motion, scales, unbalanced
+from handlcp.grasp.kernels import examine
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
@@ -72,16 +71,12 @@ def judge(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, candidate
     for e in effects:
         if (opening := e.opening(scene, candidate.extra)) is not None:
             offset = offset + opening
-    v, scale = relative_motion(scene.arms, scene.frames, scene.flexibility, offset, f, u)
-    units = scene.units
-    lost_force, lost_moment = unbalanced(scene.arms, scene.frames, f, scene.wrench)
-    F, V = scales(scene.wrench, f, units.length, units.force, 1e-12 * units.motion, scene.flexibility, scale, _GROWTH)
-    planar = scene.plane is not None
+    units, planar = scene.units, scene.plane is not None
     limits = scene.mu if planar else pyramid.limit(scene.mu)
-    normal, cone, slip = check_contacts(
-        f, v, limits, np.array(scene.governed), 2 if planar else int(pyramid.faces), F, V
-    )
-    balance = math.hypot(lost_force, lost_moment / units.length) / F
-    motion = float(V.max())
+    v, values = examine(
+        scene.arms, scene.frames, scene.flexibility, offset, f, u, scene.wrench, limits, scene.governed_mask,
+        2 if planar else int(pyramid.faces), units.length, units.force, 1e-12 * units.motion, _GROWTH,
+    )  # fmt: skip
+    lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
     others = max((e.residual(scene, f, candidate.extra, F, motion) for e in effects), default=0.0)
     return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))

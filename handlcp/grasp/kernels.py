@@ -1,63 +1,13 @@
-"""Compiled mechanics of contacts: grasp matrix, blocks in natural units, relative motion, residuals of friction."""
+"""Compiled contact physics for the certifier, from positions, frames and flexibility: no matrix of the solver."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["check_contacts", "natural_blocks", "nearest_in_polygon", "relative_motion", "unbalanced", "wrench_map"]
-
-
-@kernel
-def wrench_map(arms: Array, frames: Array) -> Array:
-    """(6, 3n) G: columns [R; skew(a) R] for arms (n, 3) and frames (n, 3, 3)."""
-    n = len(arms)
-    G = np.empty((6, 3 * n))
-    for i in range(n):
-        ax, ay, az = arms[i, 0], arms[i, 1], arms[i, 2]
-        for k in range(3):
-            x, y, z = frames[i, 0, k], frames[i, 1, k], frames[i, 2, k]
-            c = 3 * i + k
-            G[0, c], G[1, c], G[2, c] = x, y, z
-            G[3, c], G[4, c], G[5, c] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
-    return G
-
-
-@kernel
-def natural_blocks(
-    grasp_matrix: Array,
-    wrench: Array,
-    freedom: Array,
-    flexibility: Array,
-    offset: Array,
-    index: Ints,
-    force: float,
-    length: float,
-    motion: float,
-) -> tuple[Array, Array, Array, Array, Array]:
-    """(G over `index`, G over all, E and d over `index`, w) in natural units; freedom (dof, 6) projects G and w."""
-    dof, columns, k = freedom.shape[0], grasp_matrix.shape[1], len(index)
-    every, w = np.zeros((dof, columns)), np.zeros(dof)
-    for i in range(dof):
-        for j in range(6):
-            f = freedom[i, j]
-            if f != 0.0:
-                if j >= 3:
-                    f /= length
-                w[i] += f * wrench[j] / force
-                for c in range(columns):
-                    every[i, c] += f * grasp_matrix[j, c]
-    G, E, d = np.empty((dof, k)), np.empty((k, k)), np.empty(k)
-    softness = force / motion
-    for a in range(k):
-        d[a] = offset[index[a] // 3, index[a] % 3] / motion
-        for i in range(dof):
-            G[i, a] = every[i, index[a]]
-        for b in range(k):
-            E[a, b] = flexibility[index[a], index[b]] * softness
-    return G, every, E, d, w
+__all__ = ["examine", "nearest_in_polygon"]
 
 
 @kernel
@@ -192,3 +142,29 @@ def scales(
         )
         V[i] = max(own[i], retreat, floor)
     return F, V
+
+
+@kernel
+def examine(
+    arms: Array,
+    frames: Array,
+    flexibility: Array,
+    offset: Array,
+    forces: Array,
+    twist: Array,
+    wrench: Array,
+    limits: Array,
+    governed: Array,
+    faces: int,
+    length: float,
+    unit: float,
+    floor: float,
+    growth: float,
+) -> tuple[Array, tuple[float, float, float, float, float, float, float, float]]:
+    """The certifier's numbers: v (n, 3), (lost force [N], lost moment [N·m], balance, normal, cone, slip, F, max V)."""
+    v, own = relative_motion(arms, frames, flexibility, offset, forces, twist)
+    lost_force, lost_moment = unbalanced(arms, frames, forces, wrench)
+    F, V = scales(wrench, forces, length, unit, floor, flexibility, own, growth)
+    normal, cone, slip = check_contacts(forces, v, limits, governed, faces, F, V)
+    balance = np.sqrt(lost_force**2 + (lost_moment / length) ** 2) / F
+    return v, (lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))

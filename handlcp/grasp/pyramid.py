@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -36,7 +37,7 @@ class Pyramid:
 
     def limit(self, mu: Array) -> Array:
         """(n,) distance of the faces from the axis, per newton of normal force [-]."""
-        return mu * np.cos(np.pi / self.faces) if self.inscribed else mu
+        return mu * math.cos(math.pi / self.faces) if self.inscribed else mu
 
     @property
     def name(self) -> str:

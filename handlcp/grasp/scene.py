@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.kernels import natural_blocks, wrench_map
+from handlcp.grasp.natural import resolve, wrench_map
 from handlcp.grasp.units import GraspUnits
 
 __all__ = ["Natural", "Scene", "cross_rows"]
@@ -39,24 +39,38 @@ class Scene:
         return len(self.mu)
 
     @cached_property
+    def _resolved(self) -> tuple[GraspUnits, Array, Array, Natural]:
+        index = _index(self.governed, self.rough, self.tangents)
+        freedom = _SPATIAL if self.freedom is None else self.freedom
+        force, length, motion, centre, arms, wrench, blocks = resolve(
+            self.positions, self.frames, self.flexibility, self.offset, self.force, self.moment, freedom, index
+        )
+        return GraspUnits(force, length, motion, centre), arms, wrench, Natural(*blocks, len(self.normal_index))
+
+    @property
     def units(self) -> GraspUnits:
         """Natural units."""
-        return GraspUnits.of(self.positions, self.flexibility, self.offset, self.force, self.moment)
+        return self._resolved[0]
 
-    @cached_property
+    @property
     def arms(self) -> Array:
         """(n, 3) contact points from the contacts' centre [m]."""
-        return self.positions - self.units.centre
+        return self._resolved[1]
 
-    @cached_property
+    @property
     def wrench(self) -> Array:
         """(6,) the world's wrench on the object about the contacts' centre [N, N·m]."""
-        return np.concatenate([self.force, self.moment - cross_rows(self.units.centre, self.force)])
+        return self._resolved[2]
 
-    @cached_property
+    @property
     def grasp_matrix(self) -> Array:
-        """(6, 3n) contact forces to the wrench about the contacts' centre, columns [R; skew(p - c) R] (model, G)."""
+        """(6, 3n) contact forces to the wrench about the contacts' centre: columns [R; skew(p - c) R] (model, G)."""
         return wrench_map(self.arms, self.frames)
+
+    @property
+    def natural(self) -> Natural:
+        """The blocks of G, E, d and w that the unknowns touch, in natural units (hatted in the model)."""
+        return self._resolved[3]
 
     # ---- the object's freedom: 6 unknowns, or 3 in a plane
     @cached_property
@@ -102,33 +116,28 @@ class Scene:
         """(n_T,) entries of the stacked (x, y, z) forces that are unknown tangential forces."""
         return _tangent_index(self.rough, self.tangents)
 
-    # ---- natural units (hatted in the model): forces / force, levers / length, motions / motion
     @cached_property
-    def natural(self) -> Natural:
-        """The blocks of G, E, d and w that the unknowns touch, in natural units."""
-        u = self.units
-        index = _index(self.governed, self.rough, self.tangents)
-        return Natural(
-            *natural_blocks(
-                self.grasp_matrix,
-                self.wrench,
-                _SPATIAL if self.freedom is None else self.freedom,
-                self.flexibility,
-                self.offset,
-                index,
-                u.force,
-                u.length,
-                u.motion,
-            ),
-            len(self.normal_index),
-        )
+    def governed_mask(self) -> Array:
+        """(n,) bool, `governed` as an array."""
+        return np.array(self.governed)
 
+    # ---- natural units
     @cached_property
     def twist_units(self) -> Array:
         """(dof,) SI size of one natural unit of each component of the object's motion [m or rad]."""
-        u = self.units
-        k = 3 if self.plane is None else 2
+        u, k = self.units, 3 if self.plane is None else 2
         return np.array([u.motion] * k + [u.motion / u.length] * (self.dof - k))
+
+    def size(self, measure: str) -> float | Array:
+        """SI size of one natural unit of a "force", "motion", "twist" or "wrench"."""
+        u, k = self.units, 3 if self.plane is None else 2
+        if measure == "force":
+            return u.force
+        if measure == "motion":
+            return u.motion
+        if measure == "twist":
+            return self.twist_units
+        return np.array([u.force] * k + [u.force * u.length] * (self.dof - k))
 
     def twist(self, natural: Array) -> Array:
         """(6,) SI twist about the contacts' centre from (dof,) natural components."""

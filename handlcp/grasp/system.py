@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.scene import Scene
+from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["System", "Unknown"]
+__all__ = ["Measure", "System", "Unknown"]
+
+Measure: TypeAlias = Literal["force", "motion", "twist", "wrench"]
+
+_SI: dict[Measure, str] = {"force": "N", "motion": "m", "twist": "m, rad", "wrench": "N, N·m"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,39 +27,54 @@ class Unknown:
     name : of the group ("r_N", "u", …); blocks are addressed by it.
     count : how many.
     free : rows are equations and the unknowns have no sign; otherwise 0 ≤ x ⟂ w ≥ 0.
-    unit, row_unit : SI units of x and of its row w, for people.
-    size, row_size : SI size of one natural unit of x and of w, a number or (count,).
+    measure, row_measure : what x and its row w measure, and therefore their natural units.
     """
 
     name: str
     count: int
     free: bool
-    unit: str
-    row_unit: str
-    size: float | Array
-    row_size: float | Array
+    measure: Measure
+    row_measure: Measure
+
+    @property
+    def unit(self) -> str:
+        """SI unit of x, for people."""
+        return _SI[self.measure]
+
+    @property
+    def row_unit(self) -> str:
+        """SI unit of w, for people."""
+        return _SI[self.row_measure]
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    groups: tuple[Unknown, ...]
+    at: dict[str, slice]
+    free_from: int
+    size: int
+
+
+@lru_cache(maxsize=1024)
+def _layout(unknowns: tuple[Unknown, ...]) -> _Layout:
+    groups = [u for u in unknowns if u.count and not u.free] + [u for u in unknowns if u.count and u.free]
+    ends = np.cumsum([g.count for g in groups]).tolist()
+    at = {g.name: slice(end - g.count, end) for g, end in zip(groups, ends, strict=True)}
+    return _Layout(tuple(groups), at, sum(g.count for g in groups if not g.free), ends[-1] if ends else 0)
 
 
 class System:
-    """M (N, N) and q (N,) in natural units, complementary groups first, free groups last."""
+    """M (N, N) and q (N,) in natural units, complementary groups first, free groups last.
+
+    groups : the unknowns in that order. at : the slice of each group. free_from : where the free groups begin.
+    """
 
     __slots__ = ("M", "at", "free_from", "groups", "q")
 
     def __init__(self, unknowns: Iterable[Unknown]) -> None:
-        groups = [u for u in unknowns if u.count]
-        self.groups = tuple([u for u in groups if not u.free] + [u for u in groups if u.free])
-        self.at: dict[str, slice] = {}
-        start = 0
-        self.free_from = 0
-        for g in self.groups:
-            self.at[g.name] = slice(start, start + g.count)
-            start += g.count
-            if not g.free:
-                self.free_from = start
-        self.M, self.q = np.zeros((start, start)), np.zeros(start)
-
-    def __contains__(self, name: str) -> bool:
-        return name in self.at
+        layout = _layout(tuple(unknowns))
+        self.groups, self.at, self.free_from = layout.groups, layout.at, layout.free_from
+        self.M, self.q = np.zeros((layout.size, layout.size)), np.zeros(layout.size)
 
     def add(self, row: str, column: str, block: Array | float) -> None:
         """M[row, column] += block, when the scene has both groups."""
@@ -63,9 +86,44 @@ class System:
         if row in self.at:
             self.q[self.at[row]] += values
 
-    def sizes(self) -> tuple[Array, Array]:
+    def add_between_forces(self, block: Array) -> None:
+        """Add block (k, k) between all unknown force components, normals first."""
+        add_at(self.M, self._forces(block), block)
+
+    def couple_motion(self, block: Array) -> None:
+        """Add block (dof, k) from the force components, normals first, to the rows of u, and its transpose back."""
+        couple(self.M, self.at["u"].start, self._forces(block), block)
+
+    def _forces(self, block: Array) -> tuple[int, int, int]:
+        """(start of r_N, how many, start of r_T)."""
+        normal, tangential = self.at.get("r_N"), self.at.get("r_T")
+        count = 0 if normal is None else normal.stop - normal.start
+        return 0 if normal is None else normal.start, count, 0 if tangential is None else tangential.start
+
+    def sizes(self, scene: Scene) -> tuple[Array, Array]:
         """(N,) SI sizes of one natural unit of every x and every w."""
         x, w = np.empty(len(self.q)), np.empty(len(self.q))
         for g in self.groups:
-            x[self.at[g.name]], w[self.at[g.name]] = g.size, g.row_size
+            x[self.at[g.name]], w[self.at[g.name]] = scene.size(g.measure), scene.size(g.row_measure)
         return x, w
+
+
+@kernel
+def add_at(M: Array, forces: tuple[int, int, int], block: Array) -> None:
+    """M += block between force components; `forces` as in `System._forces`."""
+    normal, count, tangential = forces
+    for a in range(block.shape[0]):
+        i = normal + a if a < count else tangential + a - count
+        for b in range(block.shape[1]):
+            M[i, normal + b if b < count else tangential + b - count] += block[a, b]
+
+
+@kernel
+def couple(M: Array, row: int, forces: tuple[int, int, int], block: Array) -> None:
+    """M += block in rows row, row + 1, … and block' in their columns."""
+    normal, count, tangential = forces
+    for b in range(block.shape[1]):
+        j = normal + b if b < count else tangential + b - count
+        for a in range(block.shape[0]):
+            M[row + a, j] += block[a, b]
+            M[j, row + a] += block[a, b]

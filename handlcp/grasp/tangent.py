@@ -50,13 +50,14 @@ def free_branches(
     limits = scene.mu if planar else pyramid.limit(scene.mu)
     rows = [c for e in effects if (c := e.coupling(scene, candidate.extra)) is not None]
     coupling = np.array(rows).reshape(len(rows), 3 * scene.n)
-    governed = np.where(np.array(scene.governed), states.kind, SEPARATED)
-    E = scene.flexibility * (scene.units.force / scene.units.motion)
+    governed = states.kind if all(scene.governed) else np.where(np.array(scene.governed), states.kind, SEPARATED)
+    softness = scene.units.force / scene.units.motion
     out = []
     for kind in _choices(governed, limits):
-        A = _tangent(scene.natural.every, E, kind, states.faces, limits, planar, coupling)
-        k = len(A)
-        if solve_ranked(A.copy(), np.zeros(k), np.zeros(k), np.zeros(k, np.int64), RANK) == k:
+        A, rank = _tangent(
+            scene.natural.every, scene.flexibility, softness, kind, states.faces, limits, planar, coupling
+        )
+        if rank == len(A):
             continue
         _, sv, Vt = np.linalg.svd(A)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
@@ -72,6 +73,8 @@ def free_branches(
 
 def _choices(kind: Ints, limits: Array) -> list[Ints]:
     resting = np.flatnonzero(kind == RESTING)
+    if not len(resting):
+        return [kind]
     closed = np.where(limits > 0, STICKING, GLIDING)
     patterns = itertools.product((False, True), repeat=len(resting))
     if len(resting) > _MOST_RESTING:
@@ -142,13 +145,15 @@ def inequalities(
 
 
 @kernel
-def _tangent(G: Array, E: Array, kind: Ints, faces: Array, limits: Array, planar: bool, coupling: Array) -> Array:
-    """The square system of the module's docstring; columns Δr (3n), Δu (dof), multipliers of active couplings."""
+def _tangent(
+    G: Array, E: Array, softness: float, kind: Ints, faces: Array, limits: Array, planar: bool, coupling: Array
+) -> tuple[Array, int]:
+    """The square system of the module's docstring and its rank; columns Δr (3n), Δu (dof), multipliers of couplings."""
     dof, n, extra = G.shape[0], len(kind), len(coupling)
     k = 3 * n + dof + extra
     A, V = np.zeros((k, k)), np.zeros((3 * n, k))
     A[:dof, : 3 * n] = G
-    V[:, : 3 * n] = E
+    V[:, : 3 * n] = E * softness
     V[:, 3 * n : 3 * n + dof] = G.T
     for c in range(extra):
         V[:, 3 * n + dof + c] = coupling[c]
@@ -181,4 +186,5 @@ def _tangent(G: Array, E: Array, kind: Ints, faces: Array, limits: Array, planar
             largest = max(largest, abs(A[r, c]))
         if largest > 0.0:
             A[r] /= largest
-    return A
+    rank = solve_ranked(A.copy(), np.zeros(k), np.zeros(k), np.zeros(k, np.int64), RANK)
+    return A, rank

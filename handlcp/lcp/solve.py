@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def proposals(
     """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next."""
     solver = Auto() if solver is None else solver
     if isinstance(solver, Auto):
-        stages = solver.stages(problem.n)
+        stages: Iterable[Solver] = solver.stages(problem.n)
     elif isinstance(solver, Solver):
         stages = (solver,)
     else:

@@ -29,10 +29,10 @@ class CoulombPlanar(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: one a contact; λ: two a contact."""
-        s, k = scene.units, len(scene.rough)
+        k = len(scene.rough)
         return (
-            Unknown("r_T", k, True, "N", "m", s.force, s.motion),
-            Unknown("λ", 2 * k, False, "m", "N", s.motion, s.force),
+            Unknown("r_T", k, True, "force", "motion"),
+            Unknown("λ", 2 * k, False, "motion", "force"),
         )
 
     def stamp(self, scene: Scene, system: System) -> None:

@@ -35,10 +35,10 @@ class CoulombPyramid(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: two a contact; λ: m a contact."""
-        s, k, m = scene.units, len(scene.rough), int(self.pyramid.faces)
+        k, m = len(scene.rough), int(self.pyramid.faces)
         return (
-            Unknown("r_T", 2 * k, True, "N", "m", s.force, s.motion),
-            Unknown("λ", m * k, False, "m", "N", s.motion, s.force),
+            Unknown("r_T", 2 * k, True, "force", "motion"),
+            Unknown("λ", m * k, False, "motion", "force"),
         )
 
     def stamp(self, scene: Scene, system: System) -> None:

@@ -28,9 +28,4 @@ class FingerFlexibility(Effect):
 
     def stamp(self, scene: Scene, system: System) -> None:
         """E between all force components."""
-        a = scene.natural
-        k = a.split
-        system.add("r_N", "r_N", a.E[:k, :k])
-        system.add("r_N", "r_T", a.E[:k, k:])
-        system.add("r_T", "r_N", a.E[k:, :k])
-        system.add("r_T", "r_T", a.E[k:, k:])
+        system.add_between_forces(scene.natural.E)

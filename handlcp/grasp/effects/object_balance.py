@@ -27,18 +27,10 @@ class ObjectBalance(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """u: (dof,) motion of the object about the contacts' centre."""
-        s = scene.units
-        row = [s.force] * (2 if scene.plane is not None else 3)
-        sizes = scene.twist_units.copy()
-        sizes[: len(row)], sizes[len(row) :] = s.force, s.force * s.length
-        return (Unknown("u", scene.dof, True, "m, rad", "N, N·m", scene.twist_units, sizes),)
+        return (Unknown("u", scene.dof, True, "twist", "wrench"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Balance rows and, transposed, the object's motion in the contact rows."""
         a = scene.natural
-        G_N, G_T = a.G[:, : a.split], a.G[:, a.split :]
-        system.add("u", "r_N", G_N)
-        system.add("u", "r_T", G_T)
-        system.add("r_N", "u", G_N.T)
-        system.add("r_T", "u", G_T.T)
+        system.couple_motion(a.G)
         system.load("u", a.w)

@@ -39,8 +39,7 @@ class TotalForceBound(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """z̄: the opening common to all fingers."""
-        s = scene.units
-        return (Unknown("z̄", 1, False, "m", "N", s.motion, s.force),)
+        return (Unknown("z̄", 1, False, "motion", "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The bound's slack, and the opening of every gap."""

@@ -28,8 +28,7 @@ class UnilateralContact(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_N: (n_N,) normal forces."""
-        s = scene.units
-        return (Unknown("r_N", len(scene.normal_index), False, "N", "m", s.force, s.motion),)
+        return (Unknown("r_N", len(scene.normal_index), False, "force", "motion"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial gaps."""

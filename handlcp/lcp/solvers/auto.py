@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from handlcp.errors import InputError
@@ -31,13 +32,12 @@ class Auto:
             if not isinstance(value, int) or isinstance(value, bool) or value < 0:
                 raise InputError(name, "an integer ≥ 0", repr(value))
 
-    def stages(self, n: int) -> tuple[Solver, ...]:
+    def stages(self, n: int) -> Iterator[Solver]:
         """The solvers for a problem of n unknowns, in the order in which they run until one is certified."""
-        return (
-            NSNGRK(seed=self.seed, max_iterations=3 * n),
-            Lemke(seed=self.seed),
-            *(NSNGRK(seed=self.seed + 1 + k, max_iterations=200 * n) for k in range(self.restarts)),
-        )
+        yield NSNGRK(seed=self.seed, max_iterations=3 * n)
+        yield Lemke(seed=self.seed)
+        for k in range(self.restarts):
+            yield NSNGRK(seed=self.seed + 1 + k, max_iterations=200 * n)
 
     def plan(self, problem: LCP) -> tuple[str, ...]:
         """What would run on this problem, in order, until one answer is certified."""
