@@ -39,7 +39,7 @@ def length(metres: float) -> str:
     """Such as "0.42 mm", "12 µm"."""
     if not np.isfinite(metres):
         return "–"
-    return f"{_digits(metres * 1e6)} µm" if NOTHING <= abs(metres) < 1e-4 else f"{_digits(metres * 1e3)} mm"
+    return f"{_digits(metres * 1e6, 2)} µm" if NOTHING <= abs(metres) < 1e-4 else f"{_digits(metres * 1e3, 2)} mm"
 
 
 def force(newtons: float) -> str:
@@ -57,7 +57,7 @@ def torque(newton_metres: float) -> str:
 
 def angle(radians: float) -> str:
     """Degrees."""
-    return f"{_digits(np.degrees(radians))}°" if np.isfinite(radians) else "–"
+    return f"{_digits(float(np.degrees(radians)), 2)}°" if np.isfinite(radians) else "–"
 
 
 def percent(share: float) -> str:
@@ -75,8 +75,8 @@ def direction(v: Array) -> str:
     return f"({', '.join(parts)})"
 
 
-def _digits(value: float) -> str:
-    """Three significant digits, or whole numbers above a thousand."""
+def _digits(value: float, digits: int = 3) -> str:
+    """Significant digits, but no rounding of whole numbers."""
     if abs(value) < 1e-9:
         return "0"
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    return f"{value:.0f}" if abs(value) >= 10**digits else f"{value:.{digits}g}"

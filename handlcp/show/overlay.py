@@ -1,0 +1,127 @@
+"""What is drawn over the solids: friction cones, arrows, contact points, axes and scales."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.show.camera import Camera
+
+__all__ = ["COLOUR", "ESCAPE", "INK", "LOAD", "SLIP", "Overlay", "nice", "rim"]
+
+# Okabe and Ito's palette, told apart by everybody
+COLOUR = {"sticking": "#0072B2", "sliding": "#D55E00", "separated": "#6E6E6E", "unknown": "#6E6E6E"}
+LOAD, SLIP, ESCAPE, INK, FAINT = "#1A1A1A", "#A0307A", "#D55E00", "#222222", "#777777"
+
+
+class Overlay:
+    """Draws over a camera's picture. `inch`: metres on the screen that are one inch on paper."""
+
+    def __init__(self, ax: Any, camera: Camera, inch: float) -> None:
+        self.ax, self.camera, self.inch = ax, camera, inch
+
+    def arrow(self, start: Array, vector: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
+        """A straight arrow in space, with its width on paper."""
+        self.flat_arrow(self.camera.project(start), self.camera.project(start + vector), colour, width, dashed)
+
+    def flat_arrow(self, a: Array, b: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
+        """The same between two screen points."""
+        from matplotlib.patches import Polygon
+
+        along = b - a
+        length = float(np.linalg.norm(along))
+        if length < 0.02 * self.inch:
+            return
+        x = along / length
+        y = np.array([-x[1], x[0]])
+        head = min(0.17 * self.inch * width, 0.6 * length)
+        wing = min(0.068 * self.inch * width, 0.45 * head)
+        half = min(0.026 * self.inch * width, 0.4 * wing)
+        neck = length - head
+        outline = [(0, half), (neck, half), (neck, wing), (length, 0), (neck, -wing), (neck, -half), (0, -half)]
+        points = np.array([a + u * x + v * y for u, v in outline])
+        style: dict[str, Any] = {"facecolor": colour, "edgecolor": "white", "linewidth": 0.9}
+        if dashed:
+            style = {"facecolor": "white", "edgecolor": colour, "linewidth": 1.4, "linestyle": (0, (2.2, 1.2))}
+        self.ax.add_patch(Polygon(points, closed=True, joinstyle="round", zorder=6, **style))
+
+    def cone(self, apex: Array, edge: Array, colour: str) -> None:
+        """A friction cone from its apex (3,) to its rim (k, 3); in a plane the wedge that it is there (k = 2)."""
+        from matplotlib.patches import Polygon
+
+        s, p = self.camera.project(edge), self.camera.project(apex)
+        body = _outline(np.vstack([s, p]))
+        self.ax.add_patch(Polygon(body, closed=True, facecolor=colour, alpha=0.22, edgecolor="none", zorder=3))
+        self.ax.add_patch(Polygon(body, closed=True, fill=False, edgecolor=colour, alpha=0.75, linewidth=0.8, zorder=3))
+        if len(edge) > 2:
+            self.ax.plot(*s.T, color=colour, alpha=0.75, linewidth=0.8, zorder=3)
+
+    def dot(self, point: Array, colour: str) -> None:
+        """A contact point."""
+        p = self.camera.project(point)
+        self.ax.plot(*p, "o", color=colour, markersize=5.5, markeredgecolor="white", markeredgewidth=0.9, zorder=7)
+
+    def triad(self, corner: Array) -> None:
+        """The world's axes, seen from here, from a screen point."""
+        size = 0.34 * self.inch
+        for axis, name in zip(np.eye(3), "xyz", strict=True):
+            tip = self.camera.project(axis) * size
+            length = float(np.linalg.norm(tip))
+            if length < 0.12 * size:
+                continue
+            style = {"arrowstyle": "-|>", "color": FAINT, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+            self.ax.annotate("", corner + tip, corner, arrowprops=style, zorder=8)
+            x, y = corner + tip * (1 + 0.3 * size / max(length, 0.3 * size))
+            self._faint(x, y, name, "center")
+
+    def scale_bar(self, corner: Array, length: float, text: str) -> None:
+        """A length, to the scale of the picture."""
+        x, y = corner
+        tick = 0.04 * self.inch
+        for xs, ys in (([x, x + length], [y, y]), *(([e, e], [y - tick, y + tick]) for e in (x, x + length))):
+            self.ax.plot(xs, ys, color=FAINT, linewidth=1.2, zorder=8)
+        self._faint(x + length / 2, y + 1.6 * tick, text, "bottom")
+
+    def force_scale(self, corner: Array, length: float, text: str) -> None:
+        """A force, to the scale of the arrows."""
+        self.flat_arrow(corner, corner + np.array([length, 0.0]), FAINT)
+        self._faint(corner[0] + length / 2, corner[1] + 0.064 * self.inch, text, "bottom")
+
+    def _faint(self, x: float, y: float, text: str, va: str) -> None:
+        self.ax.text(x, y, text, ha="center", va=va, color="#555555", fontsize=9.5, zorder=8)
+
+
+def rim(apex: Array, axes: Array, height: float, mu: float, planar: bool) -> Array:
+    """(k, 3) rim of a friction cone, `height` along the normal z of axes (3, 3); two ends of a wedge in a plane."""
+    x, y, n = axes.T
+    if planar:
+        return np.array([apex + height * (n + s * mu * x) for s in (1.0, -1.0)])
+    a = np.linspace(0, 2 * np.pi, 73)
+    return np.asarray(apex + height * (n + mu * (np.cos(a)[:, None] * x + np.sin(a)[:, None] * y)))
+
+
+def nice(value: float) -> float:
+    """The largest of 1, 2, 5 × 10^k that does not exceed a positive value."""
+    base = 10.0 ** np.floor(np.log10(value))
+    return float(base * max(m for m in (1.0, 2.0, 5.0) if m * base <= value * (1 + 1e-9)))
+
+
+def _outline(points: Array) -> Array:
+    """Convex hull of screen points (Andrew's monotone chain)."""
+    p = points[np.lexsort((points[:, 1], points[:, 0]))]
+
+    def half(q: Array) -> list[Array]:
+        out: list[Array] = []
+        for c in q:
+            while len(out) > 1 and _turn(out[-2], out[-1], c) <= 0:
+                out.pop()
+            out.append(c)
+        return out[:-1]
+
+    return np.array(half(p) + half(p[::-1]))
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

@@ -1,0 +1,118 @@
+"""Beside the picture: title and verdict, what colours and arrows mean, how near the joints are to their limits."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+import numpy as np
+
+from handlcp.grasp import Grasp, GraspSolution
+from handlcp.show import units
+from handlcp.show.overlay import INK
+from handlcp.show.verdict import verdict
+
+__all__ = ["Entry", "headline", "legend", "torque_bars"]
+
+Entry = tuple[str, str, str]  # kind ("patch", "cone", "dot", "line", "dashed"), colour, text
+
+ROW = 0.058  # height of a joint, as a share of the figure
+
+
+VERDICT = {"HELD": "#00734D", "UNDECIDED": "#8A6100"}  # the rest is red
+
+
+def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> float:
+    """Title and verdict at the top; returns where the picture may begin, as a share of the height."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    v, y = verdict(grasp, solution), 0.972
+    if title:
+        figure.text(0.018, y, title, fontsize=14, weight="bold", color=INK, va="top")
+        y -= 0.052
+    text, width = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 126
+    lines = textwrap.wrap(text, width)
+    while len(lines) > 1 and len(lines[-1]) < 0.35 * width:  # no lonely word on the last line
+        width -= 2
+        lines = textwrap.wrap(text, width)
+    if len(lines) > 4:
+        lines = [*lines[:3], f"{lines[3]} …"]
+    style = {"fontsize": 10.5, "va": "top"}
+    word = figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
+    indent = word.get_window_extent(FigureCanvasAgg(figure).get_renderer()).width / figure.bbox.width
+    figure.text(0.018 + indent, y, lines[0].removeprefix(f"{v.word}:"), color=INK, **style)
+    for line in lines[1:]:
+        y -= 0.032
+        figure.text(0.018, y, line, color=INK, **style)
+    return y - 0.05
+
+
+def legend(figure: Any, left: float, top: float, entries: list[Entry]) -> float:
+    """Symbols with their meaning, top down from (left, top) in shares of the figure; returns where they end."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = []
+    for kind, colour, text in entries:
+        if kind == "patch":
+            handles.append(Patch(facecolor=colour, alpha=0.55, edgecolor=colour, label=text))
+        elif kind == "cone":
+            handles.append(Patch(facecolor=colour, alpha=0.25, edgecolor=colour, label=text))
+        elif kind == "dot":
+            handles.append(Line2D([], [], marker="o", linestyle="", color=colour, markersize=7, label=text))
+        else:
+            handles.append(
+                Line2D(
+                    [],
+                    [],
+                    color=colour,
+                    linewidth=3.2,
+                    linestyle="-" if kind == "line" else (0, (1.6, 0.8)),
+                    label=text,
+                )
+            )
+    shown = figure.legend(
+        handles=handles,
+        loc="upper left",
+        bbox_to_anchor=(left, top),
+        frameon=False,
+        fontsize=9.5,
+        handlelength=1.7,
+        labelspacing=0.62,
+        borderaxespad=0.0,
+        borderpad=0.0,
+    )
+    for text in shown.get_texts():
+        text.set_color(INK)
+    extent = shown.get_window_extent(FigureCanvasAgg(figure).get_renderer())
+    return float(extent.y0 / figure.bbox.height)
+
+
+def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any) -> None:
+    """The joints nearest to their limits, as shares of them, below `top`; across : left and width."""
+    known = [r for r in check if r.known and np.isfinite(r.limit)]
+    most = max(2, int((top - 0.055) / ROW))
+    rows = sorted(known, key=lambda r: (-round(r.utilisation, 6), r.joint != check.binding))[:most]
+    ax = figure.add_axes((across[0], top - ROW * max(len(rows), 1), across[1], ROW * max(len(rows), 1)))
+    ax.axis("off")
+    title = "Joint torque, share of limit"
+    figure.text(across[0], top + 0.012, title, fontsize=10, weight="bold", color=INK, va="bottom")
+    if not rows:
+        ax.text(0, 1, "no joint has a known limit", fontsize=9.5, color=INK, va="top")
+        return
+    widest = max(1.0, max(r.utilisation for r in rows))
+    for k, r in enumerate(rows):
+        over, binding = r.utilisation > 1.0, r.joint == check.binding
+        colour = "#D55E00" if over else "#0072B2" if binding else "#8FB8D4"
+        ax.barh(k + 0.72, 1.0, height=0.26, color="#ECEEF0", zorder=1)
+        ax.barh(k + 0.72, r.utilisation, height=0.26, color=colour, zorder=2)
+        style = {"va": "bottom", "fontsize": 9, "color": INK, "weight": "bold" if over or binding else "normal"}
+        ax.text(0, k + 0.54, r.joint, ha="left", **style)
+        ax.text(widest, k + 0.54, f"{units.percent(r.utilisation)} of {units.torque(r.limit)}", ha="right", **style)
+    if (left_out := len(known) - len(rows)) > 0:
+        least = units.percent(rows[-1].utilisation)
+        text = f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less"
+        ax.text(0, len(rows) + 0.28, text, fontsize=9, color="#555555", va="center")
+    ax.set_xlim(0, widest)
+    ax.set_ylim(len(rows), 0)
