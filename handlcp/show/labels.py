@@ -26,14 +26,15 @@ class Label:
     colour: str
 
 
-def width(figure: Any, names: Sequence[str]) -> float:
-    """Inches that the widest name takes."""
+def width(figure: Any, names: Sequence[str], details: Sequence[str]) -> float:
+    """Inches that the widest line takes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     renderer = FigureCanvasAgg(figure).get_renderer()
     widest = 0.0
-    for name in names:
-        text = figure.text(0, 0, name, fontsize=NAME, weight="bold")
+    lines = [(n, NAME, "bold") for n in names] + [(d, DETAIL, "normal") for d in details]
+    for line, size, weight in lines:
+        text = figure.text(0, 0, line, fontsize=size, weight=weight)
         widest = max(widest, text.get_window_extent(renderer).width / figure.dpi)
         text.remove()
     return widest

@@ -40,7 +40,7 @@ def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> 
     style = {"fontsize": 10.5, "va": "top"}
     word = figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
     indent = word.get_window_extent(FigureCanvasAgg(figure).get_renderer()).width / figure.bbox.width
-    figure.text(0.018 + indent, y, lines[0].removeprefix(f"{v.word}:"), color=INK, **style)
+    figure.text(0.023 + indent, y, lines[0].removeprefix(f"{v.word}: "), color=INK, **style)
     for line in lines[1:]:
         y -= 0.032
         figure.text(0.018, y, line, color=INK, **style)
