@@ -189,7 +189,9 @@ class Grasp:
                 nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
                 candidate = Candidate(nothing, np.full(6, np.nan), {})
                 verdict = Verdict(nothing, verdict.residuals)
-        forces, motion = candidate.forces, verdict.motion
+        forces = candidate.forces
+        # A finger under force control follows the object: no law makes it keep a gap or a slip
+        motion = np.where(scene.governed_mask[:, None], verdict.motion, 0.0)
         return GraspSolution(
             status,
             self.names,

@@ -23,7 +23,8 @@ class GraspSolution:
     gap : (n,) m between object and fingertip, ≥ 0.
     slip : (n, 2) m, tangential motion of the object relative to the fingertip, contact axes.
     object_displacement : (6,) m and rad, small motion (linear, angular) of the object about the grasp's reference.
-    contact_state : (n,) "separated" | "sticking" | "sliding".
+    contact_state : (n,) "separated" | "sticking" | "sliding". A contact whose force is prescribed follows the object:
+        no gap, no slip, "sticking".
     residuals : how far each law is missed, relative and SI.
     uniqueness : which object motions and forces the solution leaves free; None where there is no solution.
     certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes.

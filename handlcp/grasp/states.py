@@ -40,6 +40,8 @@ def classify(scene: Scene, pyramid: Pyramid, forces: Array, motion: Array, resid
     limits = scene.mu if planar else pyramid.limit(scene.mu)
     slow = ACTIVE * max(residuals.motion_scale, scene.units.motion)
     kind, faces = _classify(forces, motion, limits, normals, planar, ACTIVE * residuals.force_scale, slow)
+    if not all(scene.governed):
+        kind[~scene.governed_mask] = STICKING  # a finger under force control follows the object
     return States(kind, faces)
 
 

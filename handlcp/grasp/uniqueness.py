@@ -72,15 +72,20 @@ def minimum_norm(
     for branch in branches:
         B = branch.basis
         rows, now = inequalities(scene, pyramid, branch.kind, states.faces, forces, moved)
-        # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h; rounding in `now` must not shut out the present member
+        # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h. Rounding must neither shut out the present member (now ≥ 0)
+        # nor make a condition of a row that these directions do not touch.
         A = rows @ B
-        h = A @ (B.T @ x0) - np.maximum(now, 0.0)
-        E, e = np.vstack([A.T, h]), np.zeros(B.shape[1] + 1)
-        e[-1] = 1.0
-        r = e - E @ nnls(E, e)[0]
-        if not r[-1] > 0.0:
-            continue
-        x = x0 + B @ (-r[:-1] / r[-1] - B.T @ x0)
+        touched = abs(A).max(axis=1) > 1e-10 * abs(rows).max(axis=1)
+        A = A[touched]
+        h = A @ (B.T @ x0) - np.maximum(now[touched], 0.0)
+        y = np.zeros(B.shape[1])
+        if len(A):  # scipy's nnls crashes without columns
+            E, e = np.vstack([A.T, h]), np.append(y, 1.0)
+            r = e - E @ nnls(E, e)[0]
+            if not r[-1] > 0.0:
+                continue
+            y = -r[:-1] / r[-1]
+        x = x0 + B @ (y - B.T @ x0)
         if float(x @ x) < least:
             best, least = x, float(x @ x)
     return Candidate((best[: 3 * n] * units.force).reshape(n, 3), scene.twist(best[3 * n :]), candidate.extra)

@@ -116,6 +116,15 @@ def test_the_smallest_motion_is_given():
             assert np.linalg.norm(shifted * size) >= np.linalg.norm(now * size) * (1 - 1e-9)
 
 
+def test_the_smallest_motion_of_a_mirrored_scene_is_mirrored():
+    """Example 3 is its own mirror image in the plane x = y: so is its smallest motion, with any pyramid that is, too."""
+    for faces in (8, 16):
+        s = cube_example().solve(faces)
+        u = s.object_displacement
+        np.testing.assert_allclose(u[[0, 3, 5]], [u[1], -u[4], 0], atol=1e-9 * abs(u).max())
+        np.testing.assert_allclose(s.slip[0], s.slip[1] * [1, -1], atol=1e-9 * abs(s.slip).max())
+
+
 def test_two_hard_fingers_leave_the_spin_about_their_line():
     s = pinch().solve()
     assert s.uniqueness.loose_motions == 1

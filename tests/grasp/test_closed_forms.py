@@ -90,6 +90,7 @@ def test_a_prescribed_force_joins_the_load_and_moves_fingers_that_share_a_joint(
     np.testing.assert_allclose(s.normal_force[1], 2.0, rtol=1e-12)
     # the object follows the retreat of finger 1: own force and the shared joint's
     np.testing.assert_allclose(s.object_displacement[0], 2.0 * C + 0.25 * C * 2.0, rtol=1e-12)
+    assert (s.gap[0], *s.slip[0], s.contact_state[0]) == (0, 0, 0, "sticking")  # it follows the object
 
 
 def test_rigid_fingers_hold_what_statics_determines():
