@@ -11,10 +11,11 @@ import numpy.typing as npt
 from handlcp.errors import InputError
 from handlcp.tolerances import SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
 
-__all__ = ["Array", "Ints", "array", "number", "psd", "read_only", "spd", "symmetric", "unit"]
+__all__ = ["Array", "Bools", "Ints", "array", "number", "psd", "read_only", "spd", "symmetric", "unit"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 
 def read_only(a: Array) -> Array:

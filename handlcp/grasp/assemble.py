@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
 from handlcp.lcp.kernels.schur import schur
-from handlcp.lcp.problem import LCP, Mask
+from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
 
@@ -81,7 +81,7 @@ def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
 def _problem(
     M: Array,
     q: Array,
-    free: Mask,
+    free: Bools,
     units: Units,
     scene: Scene,
     system: System,

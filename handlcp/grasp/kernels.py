@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["examine", "nearest_in_polygon"]
@@ -154,7 +154,7 @@ def examine(
     twist: Array,
     wrench: Array,
     limits: Array,
-    governed: Array,
+    governed: Bools,
     faces: int,
     length: float,
     unit: float,

@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.natural import resolve, wrench_map
 from handlcp.grasp.units import GraspUnits
 
@@ -117,7 +117,7 @@ class Scene:
         return _tangent_index(self.rough, self.tangents)
 
     @cached_property
-    def governed_mask(self) -> Array:
+    def governed_mask(self) -> Bools:
         """(n,) bool, `governed` as an array."""
         return np.array(self.governed)
 

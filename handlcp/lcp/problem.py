@@ -6,15 +6,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, Bools, array, read_only
 from handlcp.errors import InputError
 from handlcp.lcp.scaling import Units, equilibrate
 
 __all__ = ["LCP", "Scaled"]
-
-Mask = npt.NDArray[np.bool_]
 
 
 class Scaled:
@@ -22,7 +19,7 @@ class Scaled:
 
     __slots__ = ("M", "free", "q", "units")
 
-    def __init__(self, M: Array, q: Array, free: Mask, units: Units) -> None:
+    def __init__(self, M: Array, q: Array, free: Bools, units: Units) -> None:
         self.M, self.q, self.free, self.units = M, q, free, units
 
 
@@ -44,13 +41,13 @@ class LCP:
         self.q: Array = array("q", q, (-1,))
         n = len(self.q)
         self.__dict__["M"] = array("M", M, (n, n))
-        self.free: Mask = _mask(free, n)
+        self.free: Bools = _mask(free, n)
         if units is not None:
             _check_units(units, n)
         self._units = units
 
     @classmethod
-    def from_scaled(cls, M: Array, q: Array, free: Mask, units: Units) -> LCP:
+    def from_scaled(cls, M: Array, q: Array, free: Bools, units: Units) -> LCP:
         """A problem already in natural units, as the grasp assembles it; arrays are neither copied nor checked."""
         self = cls.__new__(cls)
         self.free, self._units = free, units
@@ -91,7 +88,7 @@ class LCP:
         return f"{type(self).__name__}(n={self.n}, {kind})"
 
 
-def _mask(free: Any, n: int) -> Mask:
+def _mask(free: Any, n: int) -> Bools:
     if free is None:
         mask = np.zeros(n, bool)
     else:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr
 
-from handlcp.check import Array
-from handlcp.lcp.problem import Mask, Scaled
+from handlcp.check import Array, Bools
+from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import RANK
 
 __all__ = ["Reduced", "reduce"]
@@ -58,7 +58,7 @@ def reduce(problem: Scaled) -> Reduced:
     return Reduced(np.ascontiguousarray(rows[:, :-1]), rows[:, -1].copy(), full[:, :-1], full[:, -1], consistent)
 
 
-def _swap(M: Array, free: Mask) -> Mask:
+def _swap(M: Array, free: Bools) -> Bools:
     """Complementary pairs whose joining makes the free block regular, as far as they can."""
     swapped = np.zeros(len(free), bool)
     while True:

@@ -8,7 +8,7 @@ import handlcp as hl
 
 
 def ring(rng, n=4, mu=0.6, preload=0.02, shared=True):
-    """n two-joint fingers around a waist of 30 mm in a random attitude, soft pads, a load of some newtons."""
+    """Two-joint fingers, n of them, around a waist of 30 mm in a random attitude, soft pads, a load of some newtons."""
     t = 2 * np.pi * (np.arange(n) + rng.uniform(-0.2, 0.2, n)) / n
     Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     p = np.column_stack([np.cos(t), np.sin(t), rng.uniform(-0.3, 0.3, n)]) * 0.03 @ Q.T

@@ -117,7 +117,7 @@ def test_the_smallest_motion_is_given():
 
 
 def test_the_smallest_motion_of_a_mirrored_scene_is_mirrored():
-    """Example 3 is its own mirror image in the plane x = y: so is its smallest motion, with any pyramid that is, too."""
+    """Example 3 is its own mirror image in the plane x = y: and so is its smallest motion."""
     for faces in (8, 16):
         s = cube_example().solve(faces)
         u = s.object_displacement

@@ -14,9 +14,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.problem import Mask
 
 __all__ = ["kaczmarz", "multiply_add"]
 
@@ -56,7 +55,7 @@ def kaczmarz(
     MT: Array,
     MMT: Array,
     q: Array,
-    free: Mask,
+    free: Bools,
     z: Array,
     w: Array,
     state: Seeds,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.lcp.kernels.kaczmarz import multiply_add
-from handlcp.lcp.problem import Mask
 
 __all__ = ["active_set", "damped_newton", "residual", "size"]
 
@@ -16,7 +15,7 @@ _TIE = 1e-11
 
 
 @kernel
-def residual(z: Array, w: Array, free: Mask) -> float:
+def residual(z: Array, w: Array, free: Bools) -> float:
     """Max |min(z_i, w_i)| over complementary and |w_i| over free rows; NaN counts as infinite."""
     worst = 0.0
     for i in range(len(z)):
@@ -39,7 +38,7 @@ def size(z: Array) -> float:
 def active_set(
     M: Array,
     q: Array,
-    free: Mask,
+    free: Bools,
     z: Array,
     w: Array,
     steps: int,
@@ -98,7 +97,7 @@ def active_set(
 def damped_newton(
     M: Array,
     q: Array,
-    free: Mask,
+    free: Bools,
     z: Array,
     w: Array,
     steps: int,

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, number
+from handlcp.check import Array, Bools, number
 from handlcp.errors import InputError
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.kaczmarz import kaczmarz, multiply_add
 from handlcp.lcp.kernels.newton import active_set, damped_newton, size
-from handlcp.lcp.problem import Mask, Scaled
+from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
 from handlcp.tolerances import RANK, SOLVE
 
@@ -76,7 +76,7 @@ def _run(
     MT: Array,
     MMT: Array,
     q: Array,
-    free: Mask,
+    free: Bools,
     z: Array,
     seed: int,
     most: int,
