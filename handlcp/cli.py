@@ -15,6 +15,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from handlcp.errors import HandLCPError, InputError
+from handlcp.version import VERSION
 
 __all__ = ["app", "main"]
 
@@ -46,9 +47,7 @@ Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, n
 
 def _show_version(asked: bool) -> None:
     if asked:
-        import handlcp
-
-        typer.echo(f"handlcp {handlcp.__version__}")
+        typer.echo(f"handlcp {VERSION}")
         raise typer.Exit
 
 

@@ -13,14 +13,13 @@ import numpy as np
 from handlcp.grasp import Explanation, Grasp, GraspSolution
 from handlcp.show.tables import friction_used
 from handlcp.show.verdict import verdict
+from handlcp.version import VERSION
 
 __all__ = ["clean", "record"]
 
 
 def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, title: str = "") -> dict[str, Any]:
     """Everything `handlcp solve` prints, and the residuals behind it."""
-    import handlcp
-
     v, u, scene = verdict(grasp, solution), solution.object_displacement, grasp.scene
     certificate = None
     if solution.certificate is not None:
@@ -52,7 +51,7 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                 "iterations": solution.iterations,
                 "trace": solution.trace,
                 "versions": {
-                    "handlcp": handlcp.__version__,
+                    "handlcp": VERSION,
                     "python": platform.python_version(),
                     **{name: _version(name) for name in ("numpy", "scipy", "numba", "pin")},
                 },

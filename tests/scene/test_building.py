@@ -1,0 +1,220 @@
+"""From a scene file to the very grasp that the same calls in Python give."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from handlcp import Contact, Coulomb, Frictionless, Grasp, PrescribedForce, TotalForceBound
+from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, HandGrasp, Mesh, Sphere, example_hand
+from handlcp.hand.library import urdf
+from handlcp.scene import load, read
+
+CUBE = """
+[hand]
+name = "three_finger"
+joint_stiffness_Nm_per_rad = 6.0
+pad_flexibility_m_per_N = 2e-4
+torque_limits_Nm = 0.3
+[object]
+shape = "box"
+size_m = 0.05
+position_m = [0.0, 0.0, 0.08]
+mass_kg = 0.2
+[grasp]
+friction = 0.8
+preload_m = 0.005
+finger_weight = true
+[load]
+force_N = [0.1, 0.0, -0.2]
+torque_Nm = [0.0, 0.001, 0.0]
+"""
+
+
+def same(a, b):
+    for name in ("positions", "frames", "mu", "flexibility", "offset", "force", "moment"):
+        np.testing.assert_array_equal(getattr(a.scene, name), getattr(b.scene, name), err_msg=name)
+    np.testing.assert_array_equal(a.reference, b.reference)
+
+
+def test_a_hand_scene_is_the_grasp_that_the_calls_give():
+    box = Box(0.05, (0, 0, 0.08), 0.2)
+    hand = example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=2e-4, torque_limits=0.3)
+    state = hand.at(hand.close_on(box))
+    expected = state.grasp(
+        box, Coulomb(0.8), (0.1, 0, -0.2, 0, 0.001, 0), preload=0.005, finger_weight=True, max_gap=1e-3
+    )
+    grasp = read(CUBE).build()
+    assert isinstance(grasp, HandGrasp)
+    same(grasp, expected)
+    np.testing.assert_array_equal(grasp.jacobian, expected.jacobian)
+    np.testing.assert_array_equal(grasp.gravity_torque, expected.gravity_torque)
+    np.testing.assert_array_equal(grasp.state.hand.torque_limits, 0.3)
+
+
+def test_a_urdf_is_found_beside_the_scene_file_and_tables_by_name_arrive(tmp_path):
+    (tmp_path / "hand.urdf").write_bytes(urdf("two_finger").read_bytes())
+    file = tmp_path / "scene.toml"
+    file.write_text("""
+        [hand]
+        urdf = "hand.urdf"
+        [hand.joint_stiffness_Nm_per_rad]
+        finger_1_proximal = 2.0
+        finger_1_distal = 1.0
+        finger_2_proximal = 2.0
+        finger_2_distal = inf
+        [hand.torque_limits_Nm]
+        finger_2_distal = inf
+        [posture]
+        close = false
+        [posture.q_rad]
+        finger_1_distal = 0.2
+        [object]
+        shape = "box"
+        size_m = [0.05, 0.05, 0.03]
+        position_m = [0.0, 0.0, 0.09]
+        [grasp]
+        max_gap_m = 0.05
+        [grasp.friction]
+        finger_1_tip = 0.3
+        finger_2_tip = "frictionless"
+        [grasp.preload_m]
+        finger_2_tip = 0.002
+    """)
+    grasp = load(file).build()
+    hand = grasp.state.hand
+    assert hand.joint_stiffness.diagonal().tolist() == [2.0, 1.0, 2.0, np.inf]
+    assert hand.torque_limits.tolist() == [0.8, 0.4, 0.8, np.inf]
+    assert grasp.state.q.tolist() == [0.0, 0.2, 0.0, 0.0], "joints left out are at the neutral posture"
+    assert [c.friction for c in grasp.contacts] == [Coulomb(0.3), Frictionless()]
+    other = load(file).model_copy(update={"grasp": load(file).grasp.model_copy(update={"preload_m": 0.0})})
+    difference = grasp.scene.offset - other.build().scene.offset
+    np.testing.assert_allclose(difference, [[0, 0, 0], [0, 0, -0.002]], atol=1e-15)
+
+
+def test_a_scene_without_a_hand_is_the_grasp_that_the_calls_give():
+    grasp = read("""
+        [[contact]]
+        position_m = [0.03, 0.0, 0.0]
+        normal = [-1.0, 0.0, 0.0]
+        tangent = [0.0, 0.0, 1.0]
+        name = "thumb"
+        [[contact]]
+        position_m = [-0.03, 0.0, 0.01]
+        normal = [1, 0, 0]
+        friction = "frictionless"
+        [grasp]
+        friction = 0.4
+        flexibility_m_per_N = [1e-3, 1e-3, 2e-3]
+        preload_m = [0.001, 0.002]
+        reference_m = [0.0, 0.0, 0.005]
+        [load]
+        force_N = [0.0, 0.0, -1.0]
+        [effects]
+        total_force_bound_N = 5
+        [[effects.prescribed_force]]
+        contact = "thumb"
+        force_N = [0.0, 0.0, 2.0]
+    """).build()
+    expected = Grasp(
+        [
+            Contact((0.03, 0, 0), (-1, 0, 0), Coulomb(0.4), (0, 0, 1), "thumb"),
+            Contact((-0.03, 0, 0.01), (1, 0, 0), Frictionless()),
+        ],
+        (0, 0, -1, 0, 0, 0),
+        flexibility=(1e-3, 1e-3, 2e-3),
+        preload=(0.001, 0.002),
+        reference=(0, 0, 0.005),
+    )
+    same(grasp, expected)
+    assert grasp.names == ("thumb", "finger 2")
+    assert grasp.effects[0] == TotalForceBound(5.0)
+    assert isinstance(grasp.effects[1], PrescribedForce)
+    assert grasp.effects[1].contact == 0
+
+
+def test_an_object_without_a_hand_weighs_at_its_centre():
+    grasp = read("""
+        [[contact]]
+        position_m = [0.0, 0.0, 0.0]
+        normal = [0.0, 0.0, 1.0]
+        [object]
+        shape = "box"
+        size_m = 0.02
+        position_m = [0.0, 0.01, 0.02]
+        mass_kg = 2.0
+    """).build()
+    np.testing.assert_allclose(grasp.scene.force, (0, 0, -19.62))
+    np.testing.assert_allclose(grasp.scene.moment, np.cross((0, 0.01, 0.02), (0, 0, -19.62)))
+    np.testing.assert_array_equal(grasp.reference, (0, 0.01, 0.02))
+
+
+def test_a_planar_scene_takes_two_numbers():
+    scene = read("""
+        [[contact]]
+        position_m = [0.03, 0.0]
+        normal = [-1, 0]
+        [[contact]]
+        position_m = [-0.03, 0.0]
+        normal = [1, 0]
+        [grasp]
+        flexibility_m_per_N = 1e-3
+        preload_m = 0.002
+        [load]
+        force_N = [0.0, -1.0, 0.0]
+    """)
+    grasp = scene.build()
+    assert grasp.scene.plane is not None
+    assert scene.solve().held
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ('shape = "box"\nsize_m = [0.1, 0.2, 0.3]', Box((0.1, 0.2, 0.3))),
+        ('shape = "sphere"\nradius_m = 0.1', Sphere(0.1)),
+        ('shape = "cylinder"\nradius_m = 0.1\nlength_m = 1', Cylinder(0.1, 1.0)),
+        ('shape = "ellipsoid"\nradii_m = [1, 2, 3]', Ellipsoid((1, 2, 3))),
+    ],
+)
+def test_every_shape_arrives_where_it_was_put(table, expected):
+    head = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[object]\n"
+    shape = read(f"{head}{table}\nposition_m = [1, 2, 3]\nrpy_rad = [0.1, 0.2, 0.3]\nmass_kg = 0.5").shape()
+    assert type(shape) is type(expected)
+    assert shape.mass == 0.5
+    np.testing.assert_allclose(shape.placement.rotation, pin.rpy.rpyToMatrix(0.1, 0.2, 0.3))
+    np.testing.assert_allclose(shape.placement.translation, (1, 2, 3))
+    assert repr(shape._args) == repr(expected._args)
+
+
+def test_a_mesh_is_found_beside_the_scene_file(tmp_path):
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (1, 4, 3)]
+    lines = ["v {} {} {}".format(*c) for c in corners] + ["f {} {} {}".format(*f) for f in faces]
+    (tmp_path / "tetra.obj").write_text("\n".join(lines) + "\n")
+    head = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[object]\n"
+    mesh = read(f'{head}shape = "mesh"\nfile = "tetra.obj"\nscale = 0.01', tmp_path).shape()
+    assert isinstance(mesh, Mesh)
+    np.testing.assert_allclose(mesh.center_of_mass, [0.0025] * 3)
+
+
+def test_the_file_decides_how_to_solve():
+    scene = read(CUBE + "[solve]\nfaces = 12\nseed = 7")
+    solution = scene.solve()
+    again = scene.build().solve(12)
+    np.testing.assert_allclose(solution.forces, again.forces, rtol=1e-9, atol=1e-9)
+
+
+def test_importing_handlcp_does_not_import_pydantic_typer_or_matplotlib():
+    code = "import handlcp, sys; print(sorted({'pydantic', 'typer', 'rich', 'matplotlib', 'trimesh'} & set(sys.modules)))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_a_hand_from_a_urdf_needs_no_library(tmp_path):
+    text = CUBE.replace('name = "three_finger"', f'urdf = "{urdf("three_finger")}"')
+    assert isinstance(read(text, tmp_path).build().state.hand, Hand)
