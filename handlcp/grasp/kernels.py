@@ -64,7 +64,7 @@ def nearest_in_polygon(x: float, y: float, apothem: float, faces: int) -> tuple[
 
 @kernel
 def check_contacts(
-    forces: Array, v: Array, limits: Array, governed: Array, faces: int, F: float, V: Array
+    forces: Array, v: Array, limits: Array, governed: Bools, faces: int, F: float, V: Array
 ) -> tuple[float, float, float]:
     """Worst (normal, cone, slip) residual over the governed contacts, each relative to F [N] and V (n,) [m].
 
