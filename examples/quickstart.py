@@ -16,7 +16,9 @@ def main() -> HandGraspSolution:
     hand = example_hand("five_finger", joint_stiffness=6.0)  # N·m/rad
     ball = Sphere(radius=0.035, placement=(0, 0, 0.07), mass=MASS)
     q = hand.close_on(ball)  # each finger flexes until it touches
-    grasp = hand.at(q).grasp(ball, friction=Coulomb(0.6), gravity=(0, 0, G), preload=0.003)  # the hand hangs: +z is down
+    grasp = hand.at(q).grasp(
+        ball, friction=Coulomb(0.6), gravity=(0, 0, G), preload=0.003
+    )  # the hand hangs: +z is down
     solution = grasp.solve()
 
     print(grasp.explain(), end="\n\n")

@@ -24,27 +24,38 @@ VERDICT = {"HELD": "#00734D", "UNDECIDED": "#8A6100"}  # the rest is red
 
 def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> float:
     """Title and verdict at the top; returns where the picture may begin, as a share of the height."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     v, y = verdict(grasp, solution), 0.972
     if title:
         figure.text(0.018, y, title, fontsize=14, weight="bold", color=INK, va="top")
         y -= 0.052
-    text, width = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 126
+    style = {"fontsize": 10.5, "va": "top"}
+    text, width = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 140
     lines = textwrap.wrap(text, width)
+    while any(_share(figure, line, style) > 0.94 for line in lines):
+        width -= 3
+        lines = textwrap.wrap(text, width)
     while len(lines) > 1 and len(lines[-1]) < 0.35 * width:  # no lonely word on the last line
         width -= 2
         lines = textwrap.wrap(text, width)
     if len(lines) > 4:
         lines = [*lines[:3], f"{lines[3]} …"]
-    style = {"fontsize": 10.5, "va": "top"}
-    word = figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
-    indent = word.get_window_extent(FigureCanvasAgg(figure).get_renderer()).width / figure.bbox.width
+    figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
+    indent = _share(figure, f"{v.word}:", style | {"weight": "bold"})
     figure.text(0.023 + indent, y, lines[0].removeprefix(f"{v.word}: "), color=INK, **style)
     for line in lines[1:]:
         y -= 0.032
         figure.text(0.018, y, line, color=INK, **style)
     return y - 0.05
+
+
+def _share(figure: Any, text: str, style: dict[str, Any]) -> float:
+    """Width of a line of text as a share of the figure's."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    drawn = figure.text(0, 0, text, **style)
+    width = drawn.get_window_extent(FigureCanvasAgg(figure).get_renderer()).width
+    drawn.remove()
+    return float(width / figure.bbox.width)
 
 
 def legend(figure: Any, left: float, top: float, entries: list[Entry]) -> float:

@@ -210,7 +210,9 @@ def test_the_file_decides_how_to_solve():
 
 
 def test_importing_handlcp_does_not_import_pydantic_typer_or_matplotlib():
-    code = "import handlcp, sys; print(sorted({'pydantic', 'typer', 'rich', 'matplotlib', 'trimesh'} & set(sys.modules)))"
+    code = (
+        "import handlcp, sys; print(sorted({'pydantic', 'typer', 'rich', 'matplotlib', 'trimesh'} & set(sys.modules)))"
+    )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "[]"
 

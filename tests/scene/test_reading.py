@@ -29,7 +29,7 @@ def refusal(text):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(SceneFileError, match="nothing_here.toml.*does not exist"):
+    with pytest.raises(SceneFileError, match=r"nothing_here\.toml.*does not exist"):
         load(tmp_path / "nothing_here.toml")
     with pytest.raises(SceneFileError, match="is no file"):
         load(tmp_path)

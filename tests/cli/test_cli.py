@@ -1,0 +1,207 @@
+"""`handlcp` from the outside: exit status, what is printed where, JSON that machines can read."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from handlcp.cli import app
+from handlcp.hand.library import urdf
+from handlcp.version import VERSION
+
+ROOT = pathlib.Path(__file__).parents[2]
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+SMOOTH = """
+title = "No friction"
+[[contact]]
+position_m = [0.03, 0.0, 0.0]
+normal = [-1.0, 0.0, 0.0]
+friction = "frictionless"
+[[contact]]
+position_m = [-0.03, 0.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+friction = 0
+[grasp]
+flexibility_m_per_N = 1e-3
+[load]
+force_N = [0.0, 0.0, -1.0]
+"""
+
+
+def run(*arguments, width="100"):
+    return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": width, "NO_COLOR": "1"})
+
+
+def scene(tmp_path, text):
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    return file
+
+
+def strict(text):
+    """JSON without NaN or Infinity."""
+    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+
+
+def test_a_held_scene_prints_effects_contacts_torques_and_verdict_and_exits_0():
+    done = run("solve", CUBE)
+    assert done.exit_code == 0, done.output
+    for part in ("Effects", "Coulomb friction, pyramid", "Contacts", "finger_2_tip", "sticking", "Joint torques"):
+        assert part in done.stdout
+    assert "HELD: the binding joint is finger_2_proximal at 38 % of 0.8 N·m" in done.stdout.replace("\n", " ")
+
+
+def test_a_scene_that_does_not_hold_exits_1_and_says_which_way_the_object_goes(tmp_path):
+    done = run("solve", scene(tmp_path, SMOOTH))
+    assert done.exit_code == 1
+    assert "NOT HELD" in done.stdout
+    assert "slides out along" in done.stdout
+
+
+def test_motors_that_are_too_weak_exit_1(tmp_path):
+    text = pathlib.Path(CUBE).read_text().replace("[object]", "torque_limits_Nm = 0.2\n[object]")
+    done = run("solve", scene(tmp_path, text))
+    assert done.exit_code == 1
+    assert "OVER LIMIT" in done.stdout
+    assert "over limit" in done.stdout
+
+
+def test_a_bad_scene_exits_2_with_one_message_on_stderr(tmp_path):
+    done = run("solve", scene(tmp_path, SMOOTH + "[grasp2]\nx = 1"))
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("Error: scene.toml: grasp2: ")
+    assert "did you mean 'grasp'?" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("solve", "nothing_here.toml"),
+        ("solve", CUBE, "--faces", "2"),
+        ("solve", CUBE, "--faces", "many"),
+        ("solve", CUBE, "--seed", "-1"),
+        ("solve", CUBE, "--seed", "x"),
+        ("solve", CUBE, "--plot", "picture.doc"),
+        ("solve", CUBE, "--unknown"),
+        ("solve",),
+        ("audit", "nothing_here.urdf"),
+        ("audit", CUBE),
+        ("no_such_command",),
+    ],
+)
+def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "rror" in done.stderr
+
+
+def test_json_is_one_object_with_everything_and_no_nan():
+    done = run("solve", CUBE, "--json")
+    found = strict(done.stdout)
+    assert done.exit_code == 0
+    assert found["status"] == "SOLVED"
+    assert found["verdict"]["word"] == "HELD"
+    assert {e["title"] for e in found["effects"] if e["on"]} >= {"object balance", "unilateral contact"}
+    assert [c["name"] for c in found["contacts"]] == ["finger_1_tip", "finger_2_tip", "finger_3_tip"]
+    lift = sum(c["force_world_N"][2] for c in found["contacts"])
+    assert lift == pytest.approx(0.2 * 9.81, rel=1e-9)
+    assert found["load"]["force_N"][2] == pytest.approx(-lift)
+    assert [t["joint"] for t in found["torques"] if t["binding"]] == ["finger_2_proximal"]
+    assert found["residuals"]["worst"] < 1e-8
+    assert found["uniqueness"]["forces_determined"] is True
+    assert found["certificate"] is None
+    assert found["versions"]["handlcp"] == VERSION
+
+
+def test_json_of_a_scene_that_does_not_hold_has_null_for_forces_and_a_certificate(tmp_path):
+    done = run("solve", scene(tmp_path, SMOOTH), "--json")
+    found = strict(done.stdout)
+    assert done.exit_code == 1
+    assert found["status"] == "NOT_HOLDABLE"
+    assert found["contacts"][0]["force_N"] == [None, None, None]
+    assert found["torques"] is None
+    assert found["certificate"]["linear_m"][2] < 0, "down"
+
+
+def test_faces_and_seed_override_the_file():
+    def normals(*extra):
+        contacts = strict(run("solve", CUBE, "--json", *extra).stdout)["contacts"]
+        return [c["force_N"][2] for c in contacts]
+
+    assert normals("--seed", "5") == pytest.approx(normals(), rel=1e-9)
+    assert "16-face" in run("solve", CUBE, "--faces", "16").stdout
+
+
+def test_a_picture_is_written_on_request(tmp_path):
+    out = tmp_path / "cube.png"
+    done = run("solve", CUBE, "--plot", out, "--json")
+    assert done.exit_code == 0
+    strict(done.stdout)
+    assert out.stat().st_size > 20_000
+
+
+def test_everything_fits_80_columns():
+    for arguments in (("solve", CUBE), ("keys",), ("hands",), ("audit", urdf("two_finger"))):
+        lines = run(*arguments, width="80").stdout.splitlines()
+        assert max(map(len, lines)) <= 80, arguments
+
+
+def test_audit_lists_doubts(tmp_path):
+    file = tmp_path / "weak.urdf"
+    file.write_text(urdf("two_finger").read_text().replace('effort="0.4"', 'effort="0"'))
+    done = run("audit", file)
+    assert done.exit_code == 0
+    assert "effort limit is zero" in done.stdout.replace("\n", " ") or "finger_1_distal" in done.stdout
+    doubts = strict(run("audit", file, "--json").stdout)["doubts"]
+    assert any("finger_1_distal" in d["joint"] and "zero" in d["what"] for d in doubts)
+
+
+def test_hands_lists_every_hand_with_joints_and_tips():
+    found = strict(run("hands", "--json").stdout)
+    names = {h["name"]: h for h in found["hands"]}
+    assert {"two_finger", "three_finger", "five_finger", "planar_ring"} <= set(names)
+    assert len(names["three_finger"]["joints"]) == 6
+    assert names["three_finger"]["fingertips"] == ["finger_1_tip", "finger_2_tip", "finger_3_tip"]
+    assert "three_finger" in run("hands").stdout
+
+
+def test_keys_lists_what_a_scene_file_may_hold():
+    found = strict(run("keys", "--json").stdout)["keys"]
+    assert {"radius_m", "preload_m", "faces"} <= {k["key"] for k in found}
+    assert "joint_stiffness_Nm_per_rad" in run("keys").stdout
+
+
+def test_paper_passes_on_the_studys_verdict(monkeypatch):
+    import handlcp.study.paper as study
+
+    asked = []
+    monkeypatch.setattr(study, "paper_command", lambda json, console: asked.append(json) or 1)
+    assert run("paper", "--json").exit_code == 1
+    assert asked == [True]
+
+
+def test_version():
+    done = run("--version")
+    assert (done.exit_code, done.stdout) == (0, f"handlcp {VERSION}\n")
+
+
+def test_as_a_program_of_its_own():
+    done = subprocess.run(
+        [sys.executable, "-m", "handlcp.cli", "solve", CUBE, "--json"], capture_output=True, text=True, cwd=ROOT
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert strict(done.stdout)["verdict"]["exit_code"] == 0
+    bad = subprocess.run(
+        [sys.executable, "-m", "handlcp.cli", "solve", "no.toml"], capture_output=True, text=True, cwd=ROOT
+    )
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert "Traceback" not in bad.stderr

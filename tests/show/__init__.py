@@ -1,0 +1,1 @@
+"""Verdicts, numbers, tables and pictures."""

@@ -1,0 +1,157 @@
+"""Pictures: written, not blank, with everything inside; and the geometry behind them."""
+
+from __future__ import annotations
+
+import builtins
+import pathlib
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.image import imread
+from matplotlib.text import Text
+
+from handlcp import Contact, Coulomb, Frictionless, Grasp
+from handlcp.errors import InputError, Unsupported
+from handlcp.scene import load
+from handlcp.show import shapes
+from handlcp.show.camera import facing
+from handlcp.show.overlay import nice, rim
+from handlcp.show.picture import draw, save
+from handlcp.show.raster import fill
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+
+
+def volume(t):
+    return float(np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6)
+
+
+def contacts_only(friction=None, squeeze=3e-3, load=-1.0):
+    law = Coulomb(0.5) if friction is None else friction
+    angles = np.radians([0, 120, 240])
+    contacts = [Contact(0.03 * np.array([np.cos(a), np.sin(a), 0]), (-np.cos(a), -np.sin(a), 0), law) for a in angles]
+    return Grasp(contacts, (0, 0, load, 0, 0, 0), flexibility=1e-3, preload=squeeze)
+
+
+@pytest.mark.parametrize("name", ["cube_three_fingers", "planar_ring", "allegro_pinch"])
+def test_a_picture_is_written_and_shows_something(name, tmp_path):
+    scene = load(EXAMPLES / f"{name}.toml")
+    grasp = scene.build()
+    file = save(grasp, grasp.solve(), tmp_path / "out.png", title=scene.title)
+    image = imread(file)[..., :3]
+    assert image.shape[1] == 1600
+    left = image[200:, : image.shape[1] * 7 // 10]
+    assert left.std() > 0.08, "not blank"
+    assert len(np.unique((left * 15).astype(int).reshape(-1, 3), axis=0)) > 60, "shaded"
+    blue = abs(left - np.array([0x00, 0x72, 0xB2]) / 255).max(-1) < 0.02
+    assert blue.sum() > 500, "forces of sticking fingers"
+    border = np.concatenate([image[:8].reshape(-1, 3), image[-8:].reshape(-1, 3), image[:, -8:].reshape(-1, 3)])
+    assert border.min() > 0.98, "nothing runs off the page"
+
+
+def test_no_text_leaves_the_page_or_covers_another():
+    for name in ("psyonic_grasp", "ball_five_fingers"):
+        grasp = load(EXAMPLES / f"{name}.toml").build()
+        figure = draw(grasp, grasp.solve(), title="A title")
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        renderer = canvas.get_renderer()
+        shown = [*figure.texts, *figure.legends[0].get_texts(), *(t for ax in figure.axes for t in ax.texts)]
+        boxes = [Text.get_window_extent(t, renderer) for t in shown if t.get_text()]
+        assert len(boxes) > 15
+        page = figure.bbox
+        for box in boxes:
+            assert box.x0 >= page.x0 - 1
+            assert box.x1 <= page.x1 + 1
+            assert box.y0 >= page.y0 - 1
+            assert box.y1 <= page.y1 + 1
+        for i, a in enumerate(boxes):
+            for b in boxes[i + 1 :]:
+                across = min(a.x1, b.x1) - max(a.x0, b.x0)
+                along = min(a.y1, b.y1) - max(a.y0, b.y0)
+                assert min(across, along) < 3.0, f"{name}: text over text"
+
+
+def test_a_grasp_without_a_hand_or_an_object_is_drawn_too(tmp_path):
+    grasp = contacts_only()
+    assert imread(save(grasp, grasp.solve(), tmp_path / "a.png"))[..., :3].std() > 0.05
+
+
+def test_a_grasp_that_does_not_hold_shows_the_way_out(tmp_path):
+    grasp = contacts_only(Frictionless())
+    s = grasp.solve(throw=False)
+    assert not s.held
+    image = imread(save(grasp, s, tmp_path / "a.png"))[..., :3]
+    orange = abs(image - np.array([0xD5, 0x5E, 0x00]) / 255).max(-1) < 0.04
+    assert orange.sum() > 50
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".pdf"])
+def test_other_formats_by_their_suffix(suffix, tmp_path):
+    grasp = contacts_only()
+    assert save(grasp, grasp.solve(), tmp_path / f"a{suffix}").stat().st_size > 10_000
+
+
+def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
+    grasp = contacts_only()
+    s = grasp.solve()
+    with pytest.raises(InputError, match=r"\.png, \.svg, \.pdf"):
+        save(grasp, s, tmp_path / "a.doc")
+    with pytest.raises(InputError, match="can be written"):
+        save(grasp, s, tmp_path / "no" / "a.png")
+
+
+def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
+    real = builtins.__import__
+
+    def without(name, *args, **kwargs):
+        if name.startswith("matplotlib"):
+            raise ImportError(name)
+        return real(name, *args, **kwargs)
+
+    grasp = contacts_only()
+    s = grasp.solve()
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(Unsupported, match=r"pip install 'handlcp\[plot\]'"):
+        draw(grasp, s)
+
+
+def test_shapes_are_closed_wind_outwards_and_have_their_volume():
+    assert volume(shapes.box((1, 2, 3))) == pytest.approx(6)
+    assert volume(shapes.ellipsoid((1, 2, 3))) == pytest.approx(8 * np.pi, rel=0.02)
+    assert volume(shapes.cylinder(1, 2)) == pytest.approx(2 * np.pi, rel=0.01)
+    rod = shapes.capsule((0, 0, 0), (0, 3, 4), 1)
+    assert volume(rod) == pytest.approx(5 * np.pi + 4 / 3 * np.pi, rel=0.06)
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    assert volume(shapes.hull(corners, 0.1)) == pytest.approx(1)
+    assert shapes.hull(np.array([[0, 0, 0], [1, 0, 0]]), 0.1) is None
+
+
+def test_the_nearer_triangle_wins_a_pixel():
+    colour, depth = np.zeros((4, 4, 3)), np.full((4, 4), -np.inf)
+    whole = np.array([[-9.0, -9, 0], [20, -9, 0], [-9, 20, 0]])
+    up = np.array([0.0, 0.0, 1.0])
+    fill(colour, depth, np.array([whole + 2 * up, whole + up]), np.array([[1.0, 0, 0], [0, 1.0, 0]]))
+    assert (colour == (1, 0, 0)).all()
+    np.testing.assert_allclose(depth, 2)
+
+
+def test_the_camera_is_a_rotation_that_keeps_up_up():
+    c = facing(np.array([1.0, 2, 0.5]), np.array([0.0, 0, 1]))
+    np.testing.assert_allclose(c.axes @ c.axes.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(c.axes) == pytest.approx(1)
+    up = c.project(np.array([0.0, 0, 1]))
+    assert abs(up[0]) < 1e-12 < up[1]
+
+
+def test_a_cones_rim_is_the_friction_limit():
+    edge = rim(np.zeros(3), np.eye(3), 2.0, 0.5, False)
+    np.testing.assert_allclose(edge[:, 2], 2.0)
+    np.testing.assert_allclose(np.hypot(edge[:, 0], edge[:, 1]), 1.0)
+    np.testing.assert_allclose(rim(np.zeros(3), np.eye(3), 2.0, 0.5, True), [[1, 0, 2], [-1, 0, 2]])
+
+
+@pytest.mark.parametrize(("value", "expected"), [(1.0, 1.0), (1.9, 1.0), (4.9, 2.0), (7.0, 5.0), (0.03, 0.02)])
+def test_scales_are_round(value, expected):
+    assert nice(value) == pytest.approx(expected)

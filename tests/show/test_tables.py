@@ -1,0 +1,99 @@
+"""Tables and numbers for people."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from handlcp import Contact, Coulomb, Frictionless, Grasp
+from handlcp.hand import Box, example_hand
+from handlcp.show import tables, units
+
+
+def printed(table, width=80):
+    out = io.StringIO()
+    Console(file=out, width=width).print(table)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("metres", "text"),
+    [
+        (4.2e-4, "0.42 mm"),
+        (1.23e-5, "12 µm"),
+        (2.5e-7, "0.25 µm"),
+        (1e-13, "0 mm"),
+        (0.0, "0 mm"),
+        (0.1, "100 mm"),
+        (np.nan, "–"),
+    ],
+)
+def test_lengths_in_millimetres_or_micrometres(metres, text):
+    assert units.length(metres) == text
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (units.force(1.5283), "1.53 N"),
+        (units.force(12345.6), "12346 N"),
+        (units.torque(0.30066), "0.301 N·m"),
+        (units.torque(0.0042), "4.2 mN·m"),
+        (units.torque(0.0), "0 N·m"),
+        (units.percent(0.376), "38 %"),
+        (units.percent(0.0612), "6.1 %"),
+        (units.percent(0.0), "0 %"),
+        (units.percent(np.nan), "–"),
+        (units.angle(np.radians(0.58)), "0.58°"),
+        (units.direction(np.array([0, 0, -2.0])), "(0, 0, -1)"),
+        (units.direction(np.array([3.0, -4.0, 0])), "(0.6, -0.8, 0)"),
+    ],
+)
+def test_numbers_fit_their_size(call, text):
+    assert call == text
+
+
+def test_a_column_of_lengths_has_one_unit():
+    column = units.length_unit([2e-5, 0.0, 5e-6])
+    assert (column.name, column(2e-5), column(0.0)) == ("µm", "20.00", "0")
+    column = units.length_unit([2e-3, 5e-6])
+    assert (column.name, column(2e-3), column(5e-6)) == ("mm", "2.00", "0.005")
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_tables_fit_a_narrow_terminal_with_numbers_in_columns(width):
+    hand, box = example_hand("three_finger", joint_stiffness=6.0), Box(0.05, (0, 0, 0.08), 0.2)
+    grasp = hand.at(hand.close_on(box)).grasp(box, Coulomb(0.8), preload=5e-3)
+    s = grasp.solve()
+    for table in (
+        tables.effect_table(grasp.explain()),
+        tables.contact_table(grasp, s),
+        tables.torque_table(s.torque_check),
+    ):
+        text = printed(table, width)
+        assert max(map(len, text.splitlines())) <= width
+        assert "…" not in text
+    rows = [line for line in printed(tables.contact_table(grasp, s), width).splitlines() if "_tip" in line]
+    assert len(rows) == 3
+    assert len({row.index(".") for row in rows}) == 1, "decimal points stand in a column"
+    assert "binding" in printed(tables.torque_table(s.torque_check), width)
+
+
+def test_an_overloaded_joint_stands_out():
+    hand, box = example_hand("three_finger", joint_stiffness=6.0, torque_limits=0.2), Box(0.05, (0, 0, 0.08), 0.2)
+    s = hand.at(hand.close_on(box)).grasp(box, Coulomb(0.8), preload=5e-3).solve()
+    assert "over limit" in printed(tables.torque_table(s.torque_check))
+
+
+def test_names_with_brackets_are_printed_as_they_are():
+    contacts = [
+        Contact((0.03, 0, 0), (-1, 0, 0), name="[red]thumb[/red]"),
+        Contact((-0.03, 0, 0), (1, 0, 0), Frictionless()),
+    ]
+    grasp = Grasp(contacts, None, flexibility=1e-3, preload=1e-3)
+    text = printed(tables.contact_table(grasp, grasp.solve()))
+    assert "[red]thumb[/red]" in text
+    assert "–" in text, "no friction limit for a frictionless contact"

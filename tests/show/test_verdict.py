@@ -1,0 +1,119 @@
+"""The verdict says what was certified, and nothing more."""
+
+from __future__ import annotations
+
+import pathlib
+from dataclasses import replace
+
+import numpy as np
+
+from handlcp import Contact, Coulomb, Frictionless, Grasp
+from handlcp.hand import Box, example_hand
+from handlcp.lcp import NSNGRK, Status
+from handlcp.scene import load
+from handlcp.show.verdict import verdict
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+BOX = Box(0.05, (0, 0, 0.08), 0.2)
+
+
+def pinch(mu=0.6, squeeze=5e-3, force=-1.0, friction=None):
+    law = Coulomb(mu) if friction is None else friction
+    contacts = [
+        Contact((0.03, 0, 0), (-1, 0, 0), law, name="thumb"),
+        Contact((-0.03, 0.01, 0), (1, 0, 0), law),
+        Contact((-0.03, -0.01, 0), (1, 0, 0), law),
+    ]
+    return Grasp(contacts, (0, 0, force, 0, 0, 0), flexibility=1e-3, preload=squeeze)
+
+
+def cube(**words):
+    hand = example_hand("three_finger", joint_stiffness=6.0, **words)
+    return hand.at(hand.close_on(BOX)).grasp(BOX, Coulomb(0.8), preload=5e-3)
+
+
+def test_held_names_the_binding_joint_and_its_share():
+    grasp = cube()
+    v = verdict(grasp, grasp.solve())
+    assert (v.word, v.exit_code, v.colour) == ("HELD", 0, "green")
+    assert "the binding joint is finger_" in v.text
+    assert "38 % of 0.8 N·m" in v.text
+    assert "all fingers stick" in v.text
+
+
+def test_a_joint_over_its_limit_is_not_held():
+    grasp = cube(torque_limits=0.2)
+    s = grasp.solve()
+    assert s.held, "the contacts could"
+    v = verdict(grasp, s)
+    assert (v.word, v.exit_code, v.colour) == ("OVER LIMIT", 1, "red")
+    assert "finger_2_proximal needs 0.301 N·m of 0.2 N·m" in v.text
+
+
+def test_limits_that_are_not_known_are_not_judged_and_that_is_said(tmp_path):
+    from handlcp.hand import Hand
+    from handlcp.hand.library import urdf
+
+    file = tmp_path / "hand.urdf"
+    file.write_text(urdf("three_finger").read_text().replace('effort="0.4"', 'effort="0"'))
+    hand = Hand.from_urdf(file, joint_stiffness=6.0, pad_flexibility=1e-4)
+    grasp = hand.at(hand.close_on(BOX)).grasp(BOX, Coulomb(0.8), preload=5e-3)
+    v = verdict(grasp, grasp.solve())
+    assert v.word == "HELD"
+    assert any("torque limits not known" in n and "finger_1_distal" in n for n in v.notes)
+
+
+def test_not_holdable_says_where_the_object_goes():
+    grasp = pinch(friction=Frictionless())
+    v = verdict(grasp, grasp.solve(throw=False))
+    assert (v.word, v.exit_code) == ("NOT HELD", 1)
+    assert "slides out along" in v.text
+
+
+def test_undecided_claims_nothing_about_the_scene():
+    grasp = pinch()
+    lazy = NSNGRK(max_iterations=1, polish=False, tol=1e-10)
+    s = grasp.solve(solver=lazy, throw=False)
+    assert s.status is Status.UNDECIDED
+    v = verdict(grasp, s)
+    assert (v.word, v.exit_code, v.colour) == ("UNDECIDED", 1, "yellow")
+    assert "says nothing about the grasp" in v.text
+    for claim in ("not held", "slides", "escapes", "cannot"):
+        assert claim not in str(v).lower().replace("claims", "")
+
+
+def test_no_equilibrium_says_that_forces_exist_and_to_squeeze():
+    grasp = pinch()
+    s = replace(grasp.solve(), status=Status.NO_EQUILIBRIUM)
+    v = verdict(grasp, s)
+    assert v.word == "NOT HELD"
+    assert "exist" in v.text
+    assert "squeeze harder" in v.text
+
+
+def test_slips_and_motion_are_told_with_a_fitting_unit():
+    grasp = load(EXAMPLES / "psyonic_grasp.toml").build()
+    text = verdict(grasp, grasp.solve()).text
+    assert "Left_index_anchor slides 0.23 mm" in text
+    assert "Left_middle_anchor slides 56 µm" in text
+    assert "the object moves 0.64 mm against the load and turns 1.8°" in text
+
+
+def test_motions_beyond_the_linear_model_are_flagged():
+    grasp = pinch(mu=0.6, squeeze=20e-3, force=-5.0)
+    s = grasp.solve()
+    big = replace(s, object_displacement=np.array([0, 0, -0.02, 0.3, 0, 0]))
+    assert any("small motions" in n for n in verdict(grasp, big).notes)
+
+
+def test_a_finger_that_lets_go_is_named():
+    grasp = pinch()
+    s = replace(grasp.solve(), contact_state=("sticking", "separated", "sticking"))
+    assert "finger 2 lets go" in verdict(grasp, s).text
+
+
+def test_without_a_load_there_is_nothing_to_move_along():
+    grasp = pinch(force=0.0)
+    text = verdict(grasp, grasp.solve()).text
+    assert "the object" in text
+    assert "load" not in text
