@@ -51,8 +51,8 @@ def facing(normal: Array, up: Array) -> Camera:
     return Camera(np.array([right, np.cross(towards, right), towards]))
 
 
-def choose(points: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
-    """The side where points (n, 3) lie apart on the screen and the hand hides little of the object."""
+def choose(points: Array, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
+    """The side where points (n, 3) lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
     first = np.eye(3)[int(np.argmin(np.round(abs(up), 9)))]
     first = first - up * (up @ first)
     first /= np.linalg.norm(first)
@@ -66,8 +66,10 @@ def choose(points: Array, solids: Sequence[Body], glass: Body | None, up: Array,
             s = c.project(points)
             apart = np.linalg.norm(s[:, None] - s[None], axis=2)[np.triu_indices(len(s), 1)] / size
             score = float(min(apart.min(initial=1.0), 0.7)) + 0.3 * float(apart.mean()) if len(apart) else 0.0
+            length = np.linalg.norm(c.project(arrows), axis=1)
+            score += 0.9 * min(float(length.min(initial=1.0)), 0.8) + 0.3 * float(length.mean()) if len(arrows) else 0.0
             if glass is not None:
-                score += 1.2 * _visible(c, hand, glass.triangles)
+                score += 0.9 * _visible(c, hand, glass.triangles)
             score -= 0.15 if elevation < 0 else 0.0
             if score > best + 1e-9:
                 best, camera = score, c

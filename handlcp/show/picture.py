@@ -190,7 +190,7 @@ def _camera(grasp: Grasp, solids: list[Body], glass: Body | None, marks: Array) 
         up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
         return facing(normal, _upwards(-scene.force / pull) if pull > 0 else up)
     up = _upwards(-scene.force / pull) if pull > 0 else np.array([0.0, 0.0, 1.0])
-    return choose(marks, solids, glass, up, scene.units.length)
+    return choose(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
 
 
 def _upwards(up: Array) -> Array:
