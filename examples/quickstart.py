@@ -5,19 +5,18 @@ Run it: `python examples/quickstart.py`
 
 from __future__ import annotations
 
-from handlcp import Coulomb
-from handlcp.hand import HandGraspSolution, Sphere, example_hand
+import handlcp as hl
 
 MASS, G = 0.3, 9.81  # kg, m/s²
 
 
-def main() -> HandGraspSolution:
+def main() -> hl.HandGraspSolution:
     """Pose, build, solve, read off."""
-    hand = example_hand("five_finger", joint_stiffness=6.0)  # N·m/rad
-    ball = Sphere(radius=0.035, placement=(0, 0, 0.07), mass=MASS)
+    hand = hl.example_hand("five_finger", joint_stiffness=6.0)  # N·m/rad
+    ball = hl.Sphere(radius=0.035, placement=(0, 0, 0.07), mass=MASS)
     q = hand.close_on(ball)  # each finger flexes until it touches
     grasp = hand.at(q).grasp(
-        ball, friction=Coulomb(0.6), gravity=(0, 0, G), preload=0.003
+        ball, friction=hl.Coulomb(0.6), gravity=(0, 0, G), preload=0.003
     )  # the hand hangs: +z is down
     solution = grasp.solve()
 

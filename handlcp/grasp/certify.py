@@ -28,7 +28,7 @@ class Residuals:
     balance : |Σ forces + wrench|, moments over the grasp's size. balance_force [N], balance_moment [N·m]: the same, SI.
     normal : worst |min(r_N, gap)|. cone : worst excess over the friction limit. slip : worst miss of "sticks, or slides
     against a force on the limit". effects : worst of the further effects' own laws.
-    force_scale [N], motion_scale [m] : what 1 means; normal_motion [m] : the worst normal residual as a distance.
+    force_scale [N], motion_scale [m] : what 1 means (each contact's motion is measured by its own, at most this).
     """
 
     balance: float
@@ -46,6 +46,17 @@ class Residuals:
         """The largest relative residual; infinite where anything is not a number."""
         values = (self.balance, self.normal, self.cone, self.slip, self.effects)
         return max(values) if all(v == v for v in values) else np.inf
+
+    @property
+    def si(self) -> dict[str, float]:
+        """The same in SI, unit by name; what is relative to a contact's own motion is bounded by the largest."""
+        return {
+            "balance_force_N": self.balance_force,
+            "balance_moment_Nm": self.balance_moment,
+            "normal_m": self.normal * self.motion_scale,
+            "cone_N": self.cone * self.force_scale,
+            "slip_m": self.slip * self.motion_scale,
+        }
 
     @property
     def passes(self) -> bool:

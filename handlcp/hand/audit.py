@@ -69,7 +69,7 @@ class Audit(Sequence[Doubt]):
         """A table for rich."""
         from rich.table import Table
 
-        table = Table(title=f"{self.source}: {len(self)} doubts", title_justify="left", show_lines=True)
+        table = Table(title=str(self).splitlines()[0], title_justify="left", show_lines=True)
         for heading in ("joint", "doubt", "what to pass instead"):
             table.add_column(heading, overflow="fold")
         for d in self.doubts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pinocchio as pin
@@ -247,6 +248,11 @@ class Hand:
         none.
         """
         return self._geometry.shapes(tip)
+
+    @property
+    def urdf_tree(self) -> tuple[Any, tuple[Path, ...]]:
+        """The URDF as read, an xml.etree Element not to be changed (None for a pinocchio.Model), and mesh folders."""
+        return self._geometry.root, tuple(self._geometry.folders)
 
     def __setattr__(self, name: str, value: object) -> None:
         """Nothing may change."""

@@ -40,7 +40,7 @@ class TipGeometry:
     geometry.
     """
 
-    __slots__ = ("_folders", "_found", "_model", "_names", "_radii", "_root")
+    __slots__ = ("_found", "_model", "_names", "_radii", "folders", "root")
 
     def __init__(
         self,
@@ -50,7 +50,7 @@ class TipGeometry:
         radii: Mapping[str, float],
         folders: Sequence[Path],
     ) -> None:
-        self._model, self._root, self._names, self._radii, self._folders = model, root, names, radii, folders
+        self._model, self.root, self._names, self._radii, self.folders = model, root, names, radii, folders
         self._found: dict[int, tuple[TipShape, ...]] = {}
 
     def shapes(self, tip: int) -> tuple[TipShape, ...]:
@@ -59,11 +59,11 @@ class TipGeometry:
             name = self._names[tip]
             if name in self._radii:
                 self._found[tip] = sphere_tip(self._radii[name])
-            elif self._root is None:
+            elif self.root is None:
                 expected = f"a radius for {name!r}: a pinocchio.Model carries no collision geometry"
                 raise URDFError("tip_radius", expected, "None")
             else:
-                self._found[tip] = urdf_tip(self._model, self._root, name, self._folders)
+                self._found[tip] = urdf_tip(self._model, self.root, name, self.folders)
         return self._found[tip]
 
 

@@ -63,7 +63,7 @@ def _links(state: HandState) -> list[Body]:
     from handlcp.hand.urdf import captured_stderr, resolve_meshes
 
     hand = state.hand
-    root, folders = hand._geometry._root, hand._geometry._folders  # the URDF as read; a Hand has no public name for it
+    root, folders = hand.urdf_tree
     if root is None:
         return []
     for kind in (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION):

@@ -28,7 +28,9 @@ def test_every_printed_number_is_there(number: int) -> None:
 def test_misprints_keep_both_forms() -> None:
     documented = {(k, r.printed, r.read) for k in NUMBERS for r in table(k).readings}
     assert documented == {
-        (6, "5.1788e-1", "5.17888e-1"), (8, "1.143987e-1", "1.14387e-1"), (10, "1.21074e0", "1.21074e-1"),
+        (6, "5.1788e-1", "5.17888e-1"),
+        (8, "1.143987e-1", "1.14387e-1"),
+        (10, "1.21074e0", "1.21074e-1"),
     }
     t = table(8)
     assert t.forces(3, read=False)[0, 0] == 0.1143987
@@ -44,8 +46,11 @@ def test_table_9_repeats_slips_in_the_place_of_forces() -> None:
 
 def test_golden_tables_are_the_ones_agreed_on() -> None:
     assert {k: table(k).golden for k in NUMBERS if table(k).golden} == {
-        1: ("force", "fingertip", "object"), 2: ("force", "fingertip", "object"),
-        3: ("force",), 6: ("force",), 8: ("force",),
+        1: ("force", "fingertip", "object"),
+        2: ("force", "fingertip", "object"),
+        3: ("force",),
+        6: ("force",),
+        8: ("force",),
     }
 
 
@@ -69,15 +74,18 @@ def test_the_known_finger_of_example_2_pushes_with_the_printed_components() -> N
     np.testing.assert_allclose(solution.forces_world[0], [7.07, 7.07, 0], atol=1e-12)
 
 
-@pytest.mark.parametrize(("text", "ours", "mark"), [
-    ("9.34263e-1", -0.9342634, Mark.DIGITS),
-    ("9.34263e-1", 0.9342640, Mark.LAST),
-    ("9.34263e-1", 0.9342646, Mark.NO),
-    ("0.00000e0", 1e-15, Mark.DIGITS),
-    ("8.88178e-16", 0.0, Mark.DIGITS),
-    ("2.45271e-6", -1e-12, Mark.RESIDUE),
-    ("0.00000e0", 1e-6, Mark.NO),
-    ("2.45271e-6", 1e-6, Mark.NO),
-])
+@pytest.mark.parametrize(
+    ("text", "ours", "mark"),
+    [
+        ("9.34263e-1", -0.9342634, Mark.DIGITS),
+        ("9.34263e-1", 0.9342640, Mark.LAST),
+        ("9.34263e-1", 0.9342646, Mark.NO),
+        ("0.00000e0", 1e-15, Mark.DIGITS),
+        ("8.88178e-16", 0.0, Mark.DIGITS),
+        ("2.45271e-6", -1e-12, Mark.RESIDUE),
+        ("0.00000e0", 1e-6, Mark.NO),
+        ("2.45271e-6", 1e-6, Mark.NO),
+    ],
+)
 def test_digits_are_compared_as_printed(text: str, ours: float, mark: Mark) -> None:
     assert mark_of(Number.parse(text), ours, scale=4.0) is mark

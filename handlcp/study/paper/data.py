@@ -126,7 +126,15 @@ def table(number: int) -> PaperTable:
         return {int(k): tuple(map(Number.parse, v)) for k, v in t.get(name, {}).items()}
 
     return PaperTable(
-        number, t["example"], t["faces"], t["method"], tuple(t["golden"]), columns("force"), columns("slip"),
-        columns("fingertip"), tuple(map(Number.parse, t["object"])), tuple(Reading(**r) for r in t["readings"]),
+        number,
+        t["example"],
+        t["faces"],
+        t["method"],
+        tuple(t["golden"]),
+        columns("force"),
+        columns("slip"),
+        columns("fingertip"),
+        tuple(map(Number.parse, t["object"])),
+        tuple(Reading(**r) for r in t["readings"]),
         tuple((finger, axis) for finger, axis in t["overwritten"]),
     )

@@ -99,8 +99,17 @@ def evidence(table: PaperTable) -> Evidence:
     for value in tangentials:
         miss, size = compatibility(example(table.example, tangential=value).grasp, faces, signed.forces)
         share = miss / size
-        out.append(Miss("elastic compatibility (2), (5), (13)", miss, "m", share, share <= _FITS, True,
-                        f"E_T = {short(value)} m/N"))
+        out.append(
+            Miss(
+                "elastic compatibility (2), (5), (13)",
+                miss,
+                "m",
+                share,
+                share <= _FITS,
+                True,
+                f"E_T = {short(value)} m/N",
+            )
+        )
     fit = motion(grasp, table, signed.forces, tangentials)
     return Evidence(signed, (*out, *_displacements(table, signed.forces, fit)), fit.tangential, E_T)
 
@@ -113,8 +122,15 @@ def _displacements(table: PaperTable, forces: Array, fit: Motion) -> list[Miss]:
     overlap, gap = float(np.nanmin(fit.gap)), float(np.nanmax(fit.gap))
     said = "finger and object overlap" if -overlap > gap else "a gap that carries force"
     return [
-        Miss("printed slip (5), (13)", tangent, "m", tangent / size, tangent / size <= 0.02, False,
-             f"fits E_T = {short(fit.tangential)} m/N"),
+        Miss(
+            "printed slip (5), (13)",
+            tangent,
+            "m",
+            tangent / size,
+            tangent / size <= 0.02,
+            False,
+            f"fits E_T = {short(fit.tangential)} m/N",
+        ),
         Miss("unilateral contact (3), (4)", fit.worst, "m", fit.worst / size, fit.worst / size <= _FITS, False, said),
         Miss("slip against its faces (11), (12)", slide, "m", slide / size, slide / size <= 0.02, False, ""),
     ]

@@ -61,7 +61,8 @@ def no_equilibrium() -> NoEquilibrium:
     E_T, E_N = float(bare.scene.flexibility[0, 0]), float(bare.scene.flexibility[2, 2])
     searches = tuple(
         (faces, value, search_grasp(example(4, tangential=value).grasp, faces))
-        for value in (E_T, E_N) for faces in FACES
+        for value in (E_T, E_N)
+        for faces in FACES
     )
     control = search_grasp(preloaded, PRELOAD_FACES)
     z = np.full(3, np.nan) if control.z is None else control.z[:3]

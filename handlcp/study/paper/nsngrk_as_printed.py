@@ -90,18 +90,29 @@ def run_case(number: int, faces: int, seeds: Sequence[int] = SEEDS) -> Case:
     grasp = example(number).grasp
     problem = grasp.problem(faces)
     solution = grasp.solve(faces)
-    return Case(number, faces, tuple(_run(problem, seed, False) for seed in seeds),
-                tuple(_run(problem, seed, True) for seed in seeds), solution.normal_force, solution.iterations)
+    return Case(
+        number,
+        faces,
+        tuple(_run(problem, seed, False) for seed in seeds),
+        tuple(_run(problem, seed, True) for seed in seeds),
+        solution.normal_force,
+        solution.iterations,
+    )
 
 
 def _run(problem: GraspProblem, seed: int, natural: bool) -> Run:
     scaled = problem.scaled if natural else problem.unscaled().scaled
-    solver = NSNGRK(tol=_NATURAL_RES if natural else RES, max_iterations=_NATURAL_STEPS if natural else STEPS,
-                    seed=seed, polish=False)
+    solver = NSNGRK(
+        tol=_NATURAL_RES if natural else RES,
+        max_iterations=_NATURAL_STEPS if natural else STEPS,
+        seed=seed,
+        polish=False,
+    )
     proposal = solver.propose(scaled)
     z = proposal.z if natural else proposal.z / problem.scaled.units.z
-    return Run(seed, proposal.iterations, _norm(scaled.M, scaled.q, scaled.free, proposal.z),
-               problem.candidate(z).forces[:, 2])
+    return Run(
+        seed, proposal.iterations, _norm(scaled.M, scaled.q, scaled.free, proposal.z), problem.candidate(z).forces[:, 2]
+    )
 
 
 def _norm(M: Array, q: Array, free: npt.NDArray[np.bool_], z: Array) -> float:

@@ -79,8 +79,12 @@ def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedF
     left = choices @ G.T + scene.wrench
     best = int(np.argmin(np.linalg.norm(left * scale, axis=1)))
     f = choices[best]
-    return SignedForces(f.reshape(-1, 3), float(np.linalg.norm(left[best, :3])), float(np.linalg.norm(left[best, 3:])),
-                        tuple((i // 3, i % 3, float(f[i])) for i in missing))
+    return SignedForces(
+        f.reshape(-1, 3),
+        float(np.linalg.norm(left[best, :3])),
+        float(np.linalg.norm(left[best, 3:])),
+        tuple((i // 3, i % 3, float(f[i])) for i in missing),
+    )
 
 
 def excess(grasp: Grasp, faces: int, forces: Array) -> Array:
@@ -116,8 +120,13 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
     size = float(abs(elastic[rows]).max())
     A = np.column_stack([scene.grasp_matrix.T, *slides])[rows]
     b, k, one = -elastic[rows] / size, A.shape[1], -np.ones((len(rows), 1))
-    lp = linprog(np.append(np.zeros(k), 1.0), A_ub=np.block([[A, one], [-A, one]]), b_ub=np.concatenate([b, -b]),
-                 bounds=[(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1), method="highs")
+    lp = linprog(
+        np.append(np.zeros(k), 1.0),
+        A_ub=np.block([[A, one], [-A, one]]),
+        b_ub=np.concatenate([b, -b]),
+        bounds=[(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1),
+        method="highs",
+    )
     return float(lp.fun) * size, size
 
 

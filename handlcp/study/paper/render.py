@@ -19,8 +19,14 @@ from handlcp.study.paper.tables import Comparison
 
 __all__ = ["render"]
 
-_STYLE = {Mark.DIGITS: "green", Mark.LAST: "green", Mark.RESIDUE: "green", Mark.NO: "red", Mark.LOOSE: "yellow",
-          Mark.OTHER: ""}
+_STYLE = {
+    Mark.DIGITS: "green",
+    Mark.LAST: "green",
+    Mark.RESIDUE: "green",
+    Mark.NO: "red",
+    Mark.LOOSE: "yellow",
+    Mark.OTHER: "",
+}
 _LEVEL = {"reproduced": "bold green", "failed": "bold white on red", "not a solution": "bold red", "solution": "yellow"}
 _HEAD = {"force": "force [N]", "fingertip": "fingertip [m]", "slip": "slip [m]", "object": "object [m, rad]"}
 
@@ -49,8 +55,11 @@ def render(report: PaperReport, console: Console) -> None:
 
 def _legend() -> Text:
     t = Text("ours beside every printed number, magnitudes (the paper's text lost its minus signs): ")
-    for mark, text in ((Mark.DIGITS, "every digit"), (Mark.LAST, "in the last digit"),
-                       (Mark.RESIDUE, "up to the paper's RES")):
+    for mark, text in (
+        (Mark.DIGITS, "every digit"),
+        (Mark.LAST, "in the last digit"),
+        (Mark.RESIDUE, "up to the paper's RES"),
+    ):
         t.append(f"{mark.value} ", _STYLE[mark]).append(f"{text}  ")
     t.append("+4.2%", _STYLE[Mark.NO]).append(" differs by so much  ")
     t.append("~", _STYLE[Mark.LOOSE]).append(" left free by the equations, the smallest motion shown")
@@ -116,10 +125,16 @@ def _misses(c: Comparison, console: Console) -> None:
         table.add_column(justify="right" if right else "left")
     for m in c.evidence.misses:
         style = "green" if m.holds else "red"
-        table.add_row(Text("✓" if m.holds else "✗", style), m.equation, Text(m.size, style), Text(m.percent, style),
-                      Text(m.comment, style="dim"))
-    console.print(Text("the printed numbers in the paper's equations (miss, share of the largest elastic motion):",
-                       style="dim"))
+        table.add_row(
+            Text("✓" if m.holds else "✗", style),
+            m.equation,
+            Text(m.size, style),
+            Text(m.percent, style),
+            Text(m.comment, style="dim"),
+        )
+    console.print(
+        Text("the printed numbers in the paper's equations (miss, share of the largest elastic motion):", style="dim")
+    )
     console.print(table)
 
 
@@ -130,26 +145,35 @@ def _no_equilibrium(e: NoEquilibrium, console: Console) -> None:
     for E in dict.fromkeys(E for _, E, _ in e.searches):
         found = [(f, r) for f, E_, r in e.searches if E_ == E]
         none = all(r.none_exists for _, r in found)
-        lines.append(f"all active sets at E_T = {short(E)} m/N, {', '.join(str(f) for f, _ in found)} faces "
-                     f"(up to 2^{max(r.pairs for _, r in found)}): {'no solution' if none else 'NOT excluded'}")
+        lines.append(
+            f"all active sets at E_T = {short(E)} m/N, {', '.join(str(f) for f, _ in found)} faces "
+            f"(up to 2^{max(r.pairs for _, r in found)}): {'no solution' if none else 'NOT excluded'}"
+        )
     bounds = f"forces up to {FORCE_BOUND:g} N, slips and gaps up to {1e3 * MOTION_BOUND:g} mm"
     lines.append(f"  … with {bounds} (mixed-integer search)")
     normal = ", ".join(f"{x:.5g}" for x in e.preloaded.normal_force)
-    lines.append(f"5 µm preload on fingers 1 and 2, {PRELOAD_FACES} faces: {e.preloaded.status.name}, "
-                 f"r_N = ({normal}) N, {', '.join(dict.fromkeys(e.preloaded.contact_state))}")
+    lines.append(
+        f"5 µm preload on fingers 1 and 2, {PRELOAD_FACES} faces: {e.preloaded.status.name}, "
+        f"r_N = ({normal}) N, {', '.join(dict.fromkeys(e.preloaded.contact_state))}"
+    )
     lines.append(f"  … the same search finds it, too: r_N = ({', '.join(f'{x:.5g}' for x in e.control_normal)}) N")
-    lines.append("so the cube can be held (these forces balance it within friction), but compliance alone cannot "
-                 "create the squeeze")
+    lines.append(
+        "so the cube can be held (these forces balance it within friction), but compliance alone cannot "
+        "create the squeeze"
+    )
     for line in lines:
         console.print(Padding(Text(line), (0, 0, 0, 2)))
 
 
 def _nsngrk(cases: tuple[Case, ...], console: Console) -> None:
     console.rule("[bold]NSNGRK as printed[/]: why seeds disagree", align="left", style="dim")
-    console.print(Text(
-        f"As printed: newtons and metres as they come, stop at RES < {short(RES)} or {STEPS} steps. In Examples 2 to 5 "
-        "every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In natural units the "
-        "same algorithm finds one answer."))
+    console.print(
+        Text(
+            f"As printed: newtons and metres as they come, stop at RES < {short(RES)} or {STEPS} steps. For 2-5 "
+            "every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In natural units the "
+            "same algorithm finds one answer."
+        )
+    )
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("example", no_wrap=True)
     table.add_column("", no_wrap=True)
@@ -161,22 +185,41 @@ def _nsngrk(cases: tuple[Case, ...], console: Console) -> None:
         natural = [r.normal[c.finger] for r in c.natural]
         faces = "planar" if c.example == 1 else f"{c.faces} faces"
         table.add_row(
-            f"{c.example}, {faces}", f"r_N{c.finger + 1}", Text(f"{low:.5f} … {high:.5f}", "red" if bad else "green"),
+            f"{c.example}, {faces}",
+            f"r_N{c.finger + 1}",
+            Text(f"{low:.5f} … {high:.5f}", "red" if bad else "green"),
             Text(f"{100 * c.spread:.2g}%" if apart else f"{c.spread:.0e}", "red" if apart else "green"),
             Text(f"{100 * c.off:.2g}%" if bad else f"{c.off:.0e}", "red" if bad else "green"),
-            f"{max(r.steps for r in c.printed)}", Text(f"{natural[0]:.5f}", "green"),
-            Text(f"{c.natural_spread:.0e}", "green"), f"{max(r.steps for r in c.natural)}", f"{c.steps}")
+            f"{max(r.steps for r in c.printed)}",
+            Text(f"{natural[0]:.5f}", "green"),
+            Text(f"{c.natural_spread:.0e}", "green"),
+            f"{max(r.steps for r in c.natural)}",
+            f"{c.steps}",
+        )
     console.print(table)
     for c in cases:
         if (c.example, c.faces) == (3, 8):
             seeds = ", ".join(f"{r.normal[c.finger]:.4f}" for r in c.printed)
-            console.print(Text(f"Example 3, 8 faces, r_N{c.finger + 1} seed by seed: {seeds} N, each with RES < "
-                               f"{short(RES)}; Table 6 and ours: {c.ours[c.finger]:.6f} N, Table 7: 0.945155 N."))
+            console.print(
+                Text(
+                    f"Example 3, 8 faces, r_N{c.finger + 1} seed by seed: {seeds} N, each with RES < "
+                    f"{short(RES)}; Table 6 and ours: {c.ours[c.finger]:.6f} N, Table 7: 0.945155 N."
+                )
+            )
         if (c.example, c.faces) == (2, 16):
-            console.print(Text(f"Example 2, 16 faces: the seeds agree and are wrong together, {c.range[0]:.4f} N "
-                               f"instead of {c.ours[c.finger]:.4f} N; Table 5 prints 5.4684 and 5.4573 N."))
-    console.print(Text("spread: largest minus smallest over the seeds; off by: worst force error over the largest "
-                       "force; ours: the default solver's steps, ended by exact Newton steps.", style="dim"))
+            console.print(
+                Text(
+                    f"Example 2, 16 faces: the seeds agree and are wrong together, {c.range[0]:.4f} N "
+                    f"instead of {c.ours[c.finger]:.4f} N; Table 5 prints 5.4684 and 5.4573 N."
+                )
+            )
+    console.print(
+        Text(
+            "spread: largest minus smallest over the seeds; off by: worst force error over the largest "
+            "force; ours: the default solver's steps, ended by exact Newton steps.",
+            style="dim",
+        )
+    )
 
 
 def _summary(report: PaperReport, console: Console) -> None:
@@ -192,5 +235,8 @@ def _summary(report: PaperReport, console: Console) -> None:
     console.print(table)
     golden = "all golden numbers reproduced" if report.ok else "GOLDEN NUMBERS MISSED"
     console.print()
-    console.print(Text(golden, "bold green" if report.ok else "bold white on red").append(
-        f" (Tables 1 and 2; forces of Tables 3, 6 and 8) in {report.seconds:.1f} s", "default"))
+    console.print(
+        Text(golden, "bold green" if report.ok else "bold white on red").append(
+            f" (Tables 1 and 2; forces of Tables 3, 6 and 8) in {report.seconds:.1f} s", "default"
+        )
+    )

@@ -46,9 +46,12 @@ class PaperReport:
     def to_json(self) -> str:
         """Everything, SI units, printed numbers as text; NaN becomes null."""
         data = {
-            "source": source(), "ok": self.ok, "seconds": self.seconds,
+            "source": source(),
+            "ok": self.ok,
+            "seconds": self.seconds,
             "tables": {str(c.table.number): _table(c) for c in self.tables},
-            "example_4": _example_4(self.example_4), "nsngrk_as_printed": [_case(c) for c in self.nsngrk],
+            "example_4": _example_4(self.example_4),
+            "nsngrk_as_printed": [_case(c) for c in self.nsngrk],
         }
         return json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False)
 
@@ -78,11 +81,24 @@ def paper_command(json: bool = False, console: Console | None = None) -> int:
 
 def _table(c: Comparison) -> dict[str, Any]:
     return {
-        "title": c.table.title, "golden": c.golden, "ok": c.ok, "level": c.level, "verdict": c.verdict,
-        "remarks": c.remarks, "ours": _solution(c.solution) | {"what": c.ours},
+        "title": c.table.title,
+        "golden": c.golden,
+        "ok": c.ok,
+        "level": c.level,
+        "verdict": c.verdict,
+        "remarks": c.remarks,
+        "ours": _solution(c.solution) | {"what": c.ours},
         "rows": [
-            {"column": r.column, "place": r.place, "printed": r.printed.text, "ours": r.ours,
-             "difference": r.difference, "relative": r.relative, "mark": r.mark.name.lower()} for r in c.rows
+            {
+                "column": r.column,
+                "place": r.place,
+                "printed": r.printed.text,
+                "ours": r.ours,
+                "difference": r.difference,
+                "relative": r.relative,
+                "mark": r.mark.name.lower(),
+            }
+            for r in c.rows
         ],
         "printed_forces_signed": None if c.evidence is None else c.evidence.signed.forces,
         "misses": [] if c.evidence is None else [_miss(m) for m in c.evidence.misses],
@@ -90,24 +106,39 @@ def _table(c: Comparison) -> dict[str, Any]:
 
 
 def _miss(m: Miss) -> dict[str, Any]:
-    return {"equation": m.equation, "amount": m.amount, "unit": m.unit,
-            "share_of_largest_elastic_displacement": m.share, "holds": m.holds,
-            "decided_by": "forces" if m.forces else "displacements", "comment": m.comment}
+    return {
+        "equation": m.equation,
+        "amount": m.amount,
+        "unit": m.unit,
+        "share_of_largest_elastic_displacement": m.share,
+        "holds": m.holds,
+        "decided_by": "forces" if m.forces else "displacements",
+        "comment": m.comment,
+    }
 
 
 def _solution(s: GraspSolution) -> dict[str, Any]:
-    return {"status": s.status.name, "forces": s.forces, "slip": s.slip, "gap": s.gap, "states": s.contact_state,
-            "object_displacement": s.object_displacement, "worst_residual": s.residuals.worst,
-            "loose_motions": None if s.uniqueness is None else s.uniqueness.loose_motions}
+    return {
+        "status": s.status.name,
+        "forces": s.forces,
+        "slip": s.slip,
+        "gap": s.gap,
+        "states": s.contact_state,
+        "object_displacement": s.object_displacement,
+        "worst_residual": s.residuals.worst,
+        "loose_motions": None if s.uniqueness is None else s.uniqueness.loose_motions,
+    }
 
 
 def _example_4(e: NoEquilibrium) -> dict[str, Any]:
     return {
-        "without_preload": e.unloaded.status.name, "proved": e.proved, "force_bound": FORCE_BOUND,
-        "motion_bound": MOTION_BOUND, "with_preload": _solution(e.preloaded), "control_normal_force": e.control_normal,
-        "searches": [
-            {"faces": f, "E_T": E, "pairs": r.pairs, "none_exists": r.none_exists} for f, E, r in e.searches
-        ],
+        "without_preload": e.unloaded.status.name,
+        "proved": e.proved,
+        "force_bound": FORCE_BOUND,
+        "motion_bound": MOTION_BOUND,
+        "with_preload": _solution(e.preloaded),
+        "control_normal_force": e.control_normal,
+        "searches": [{"faces": f, "E_T": E, "pairs": r.pairs, "none_exists": r.none_exists} for f, E, r in e.searches],
     }
 
 
@@ -115,9 +146,19 @@ def _case(c: Case) -> dict[str, Any]:
     def runs(rs: tuple[Run, ...]) -> list[dict[str, Any]]:
         return [{"seed": r.seed, "steps": r.steps, "res": r.res, "normal_force": r.normal} for r in rs]
 
-    return {"example": c.example, "faces": c.faces, "res": RES, "max_steps": STEPS, "as_printed": runs(c.printed),
-            "natural_units": runs(c.natural), "ours": c.ours, "ours_steps": c.steps, "finger": c.finger + 1,
-            "spread_as_printed": c.spread, "spread_natural_units": c.natural_spread}
+    return {
+        "example": c.example,
+        "faces": c.faces,
+        "res": RES,
+        "max_steps": STEPS,
+        "as_printed": runs(c.printed),
+        "natural_units": runs(c.natural),
+        "ours": c.ours,
+        "ours_steps": c.steps,
+        "finger": c.finger + 1,
+        "spread_as_printed": c.spread,
+        "spread_natural_units": c.natural_spread,
+    }
 
 
 def _plain(x: Any) -> Any:

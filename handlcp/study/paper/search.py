@@ -51,7 +51,12 @@ def search(problem: LCP, z_max: Array, w_max: Array, time_limit: float = 30.0) -
     ]
     low = np.concatenate([np.where(own, 0.0, -np.inf), np.zeros(n)])
     high = np.concatenate([np.where(own, np.diag(Z), np.inf), own.astype(float)])
-    r = milp(np.zeros(2 * n), constraints=constraints, bounds=Bounds(low, high),
-             integrality=np.concatenate([np.zeros(n), own.astype(float)]), options={"time_limit": time_limit})
+    r = milp(
+        np.zeros(2 * n),
+        constraints=constraints,
+        bounds=Bounds(low, high),
+        integrality=np.concatenate([np.zeros(n), own.astype(float)]),
+        options={"time_limit": time_limit},
+    )
     z = None if r.x is None else r.x[:n] * s.units.z
     return SearchResult(z, r.status == 2, int(own.sum()), str(r.message))

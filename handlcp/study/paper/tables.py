@@ -51,7 +51,7 @@ class Comparison:
 
     @property
     def level(self) -> str:
-        """"reproduced" | "failed" (a golden table) or "not a solution" | "solution" (another)."""
+        """For a golden table "reproduced" or "failed", for another "solution" or "not a solution"."""
         if self.golden:
             return "reproduced" if self.ok else "failed"
         return "not a solution" if self.evidence is not None and self.evidence.failed(forces=True) else "solution"
@@ -85,8 +85,10 @@ class Comparison:
             return tuple(out)
         if any(r.mark is Mark.LAST for r in self.golden_rows):
             worst = min(m.amount for m in e.misses if m.equation.startswith("balance"))
-            out.append(f"the printed forces miss balance by {short(worst)} N themselves: their last digit is what the "
-                       "stop rule RES < 1e-5 leaves")
+            out.append(
+                f"the printed forces miss balance by {short(worst)} N themselves: their last digit is what the "
+                "stop rule RES < 1e-5 leaves"
+            )
         if self.golden and (failed := e.failed(forces=False)):
             out.append("the printed displacements do not belong to these forces: they miss " + _list(failed))
         if unique is not None and unique.loose_motions and any(r.mark is Mark.LOOSE for r in self.rows):
@@ -94,20 +96,26 @@ class Comparison:
             text = f"the object's motion is free in {n} direction{'s' if n > 1 else ''}; ours is the smallest one"
             fixed = [
                 ("slip " if r.column == "slip" else "") + r.place
-                for r in self.rows if r.column in ("slip", "object") and r.mark is Mark.NO
+                for r in self.rows
+                if r.column in ("slip", "object") and r.mark is Mark.NO
             ]
             if self.golden and fixed:
-                text += (f", and all share our {', '.join(fixed)}: whatever the lost signs, the printed motion is none "
-                         "of them")
+                text += (
+                    f", and all share our {', '.join(fixed)}: whatever the lost signs, the printed motion is none "
+                    "of them"
+                )
             out.append(text)
         if e.fits != e.stated:
-            out.append(f"the printed slips fit E_T = {short(e.fits)} m/N, not the {short(e.stated)} of Example 2"
-                       + ("; the forces are the same for both" if self.golden else ""))
+            out.append(
+                f"the printed slips fit E_T = {short(e.fits)} m/N, not the {short(e.stated)} of Example 2"
+                + ("; the forces are the same for both" if self.golden else "")
+            )
             if self.table.example == 5:  # the only example whose forces depend on E_T
                 normal = example(5, tangential=e.fits).grasp.solve(self.table.faces or 8).normal_force
                 numbers = ", ".join(f"{x:.6g}" for x in normal)
-                out.append(f"with E_T = {short(e.fits)} m/N the certified r_N are {numbers} N, "
-                           "not the printed ones either")
+                out.append(
+                    f"with E_T = {short(e.fits)} m/N the certified r_N are {numbers} N, not the printed ones either"
+                )
         return tuple(out)
 
     def _missing(self) -> str:
