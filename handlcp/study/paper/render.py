@@ -169,9 +169,9 @@ def _nsngrk(cases: tuple[Case, ...], console: Console) -> None:
     console.rule("[bold]NSNGRK as printed[/]: why seeds disagree", align="left", style="dim")
     console.print(
         Text(
-            f"As printed: newtons and metres as they come, stop at RES < {short(RES)} or {STEPS} steps. For 2-5 "
-            "every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In natural units the "
-            "same algorithm finds one answer."
+            f"As printed: newtons and metres as they come, stop at RES < {short(RES)} or {STEPS} steps. In "
+            "Examples 2 to 5 every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In "
+            "natural units the same algorithm finds one answer."
         )
     )
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
