@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from handlcp.check import Array, Bools, read_only
-from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.catalogue import called_for
+from handlcp.grasp.effects import CoulombPyramid, Effect, PrescribedForce, TotalForceBound
+from handlcp.grasp.pyramid import Cone, Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.schur import schur
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
 
-__all__ = ["Candidate", "GraspProblem", "assemble"]
+__all__ = ["Candidate", "GraspContact", "GraspProblem", "assemble", "assemble_contact"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +58,38 @@ class GraspProblem(LCP):
         shown = [g for g in self.groups if not (self.eliminated and g.free)]
         return tuple(f"{g.name}[{k}]" for g in shown for k in range(g.count))
 
+    def every(self, z: Array) -> Array:
+        """(N,) all unknowns, the eliminated ones included, from z (n,), natural units."""
+        if self._back is None:
+            return z
+        X, x0 = self._back
+        return np.concatenate([z, x0 - X @ z])
+
     def candidate(self, z: Array) -> Candidate:
         """Forces and motion from z (n,) in natural units."""
-        x = z
-        if self._back is not None:
-            X, x0 = self._back
-            x = np.concatenate([z, x0 - X @ z])
-        return _decode(self._scene, self._system, self.effects, x)
+        return _decode(self._scene, self._system, self.effects, self.every(z))
+
+    @cached_property
+    def contact(self) -> GraspContact:
+        """The same scene and the same section with friction as a set: smaller, and what the default chain works on."""
+        section: Section = Interval() if self._scene.plane is not None else Cone()
+        friction = [e for e in self.effects if isinstance(e, CoulombPyramid)]
+        asked = tuple(e for e in self.effects if isinstance(e, (TotalForceBound, PrescribedForce)))
+        return assemble_contact(self._scene, friction[0].pyramid if friction else section, asked)
+
+    def lift(self, x: Array) -> Array:
+        """(n,) z of this problem from x of `contact`, natural units: the multipliers follow from the slip.
+
+        -ε_T = Σ λ_j n_j has a solution with at most two λ_j > 0, those of the faces whose normals enclose -ε_T.
+        """
+        contact, at, here = self.contact, self._system.at, self.contact._system.at
+        full = np.zeros(len(self._system.q))
+        for name, there in here.items():
+            full[at[name]] = x[there]
+        if "λ" in at:
+            slip = (contact.M[here["r_T"]] @ x + contact.q[here["r_T"]]).reshape(-1, self._scene.tangents)
+            full[at["λ"]] = _multipliers(-slip, contact.faces).ravel()
+        return full[: self.n]
 
 
 def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
@@ -96,6 +126,66 @@ def _problem(
     return p
 
 
+class GraspContact(ContactProblem):
+    """The assembled problem with friction as a set: a `ContactProblem` that knows what its unknowns mean.
+
+    groups : the unknowns of all effects. effects : what was stamped.
+    """
+
+    groups: tuple[Unknown, ...]
+    effects: tuple[Effect, ...]
+    _system: System
+    _scene: Scene
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """A name for every unknown, such as "r_T[2]"."""
+        return tuple(f"{g.name}[{k}]" for g in self.groups for k in range(g.count))
+
+    def candidate(self, x: Array) -> Candidate:
+        """Forces and motion from x (n,) in natural units."""
+        return _decode(self._scene, self._system, self.effects, x)
+
+
+def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact:
+    """Stamp the effects with friction as a set; nothing is eliminated, nothing grows with the faces."""
+    effects = called_for(scene, section, asked, multipliers=False)
+    system = System(u for e in effects for u in e.unknowns(scene))
+    for e in effects:
+        e.stamp(scene, system)
+    n, at, axes = len(system.q), system.at, scene.tangents
+    k = len(scene.rough)
+    blocks = np.full((k, 3), -1, dtype=np.int64)
+    if k:
+        blocks[:, 0] = at["r_N"].start + scene.rough_rows
+        blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
+        if axes == 2:
+            blocks[:, 2] = blocks[:, 1] + 1
+    limits = section.limit(scene.mu)[list(scene.rough)]
+    p = GraspContact(
+        system.M, system.q, np.arange(n) >= at["u"].start, blocks, limits, section.faces, Units(*system.sizes(scene)),
+        lambda m: _pyramid(scene, asked, system, m),
+    )  # fmt: skip
+    p.groups, p.effects, p._system, p._scene = system.groups, effects, system, scene
+    return p
+
+
+def _pyramid(
+    scene: Scene, asked: tuple[Effect, ...], contact: System, faces: int
+) -> tuple[LCP, Callable[[Array], Array]]:
+    """The same scene as a plain LCP with `faces` faces (planar: exact), and how its z becomes an x of `contact`."""
+    section = Pyramid(faces) if scene.plane is None else Interval()
+    p = assemble(scene, called_for(scene, section, asked, multipliers=True))
+
+    def back(z: Array) -> Array:
+        full, x = p.every(z), np.empty(len(contact.q))
+        for name, here in contact.at.items():
+            x[here] = full[p._system.at[name]]
+        return x
+
+    return p, back
+
+
 def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) -> Candidate:
     f = np.zeros(3 * scene.n)
     at, force = system.at, scene.units.force
@@ -110,3 +200,19 @@ def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array)
         if isinstance(e, PrescribedForce):
             f[3 * e.contact : 3 * e.contact + 3] = e.force
     return Candidate(f.reshape(-1, 3), scene.twist(x[at["u"]]), extra)
+
+
+def _multipliers(pull: Array, faces: int) -> Array:
+    """(k, m) λ ≥ 0 with Σ λ_j n_j = pull (k, 2), or (k, 1) in a plane, on the two faces whose normals enclose it."""
+    if faces == 2:
+        return np.hstack([np.maximum(pull, 0.0), np.maximum(-pull, 0.0)])
+    step = 2 * np.pi / faces
+    angle = np.arctan2(pull[:, 1], pull[:, 0]) % (2 * np.pi)
+    first = np.floor(angle / step).astype(np.int64) % faces
+    rest = angle - first * step
+    size = np.hypot(pull[:, 0], pull[:, 1]) / np.sin(step)
+    out = np.zeros((len(pull), faces))
+    k = np.arange(len(pull))
+    out[k, first] = size * np.maximum(np.sin(step - rest), 0.0)
+    out[k, (first + 1) % faces] += size * np.maximum(np.sin(rest), 0.0)
+    return out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from handlcp.grasp.effects import (
+    CoulombCone,
     CoulombPlanar,
     CoulombPyramid,
     Effect,
@@ -12,32 +13,47 @@ from handlcp.grasp.effects import (
     TotalForceBound,
     UnilateralContact,
 )
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.pyramid import Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 
 __all__ = ["absent", "called_for"]
 
 
-def called_for(scene: Scene, pyramid: Pyramid, asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    """The effects of this scene, in stamping order."""
+def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multipliers: bool) -> tuple[Effect, ...]:
+    """The effects of this scene, in stamping order.
+
+    multipliers : friction as a linear problem, with one multiplier a face; otherwise as a set that the solver projects
+        on (always so for the exact cone).
+    """
     effects: list[Effect] = [ObjectBalance(), UnilateralContact()]
     if scene.rough:
-        effects.append(CoulombPyramid(pyramid) if scene.plane is None else CoulombPlanar())
+        if multipliers and isinstance(section, Interval):
+            effects.append(CoulombPlanar())
+        elif multipliers and isinstance(section, Pyramid):
+            effects.append(CoulombPyramid(section))
+        else:
+            effects.append(CoulombCone(section))
     if scene.flexibility.any():
         effects.append(FingerFlexibility())
     return (*effects, *asked)
 
 
-def absent(scene: Scene, asked: set[type]) -> tuple[tuple[type[Effect], str], ...]:
+def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect], str], ...]:
     """(effect, why it is off) for the effects this scene does without."""
-    off: list[tuple[type[Effect], str]] = []
-    if not scene.rough:
-        off.append((CoulombPyramid if scene.plane is None else CoulombPlanar, "no contact has μ > 0"))
-    elif scene.plane is None:
-        off.append((CoulombPlanar, "the scene is not planar"))
-    else:
-        off.append((CoulombPyramid, "the scene is planar: one tangent, exact"))
-    if not scene.flexibility.any():
-        off.append((FingerFlexibility, "E is zero: rigid fingers"))
-    off += [(kind, "not asked for") for kind in (TotalForceBound, PrescribedForce) if kind not in asked]
-    return tuple(off)
+    on = {type(e) for e in present}
+    friction = "no contact has μ > 0"
+    if CoulombPlanar in on:
+        friction = "the scene is planar: one tangent, exact"
+    elif CoulombPyramid in on:
+        friction = "a pyramid was asked for"
+    elif CoulombCone in on:
+        friction = "the exact cone was asked for"
+    reasons: dict[type[Effect], str] = {
+        CoulombPyramid: friction,
+        CoulombCone: friction,
+        CoulombPlanar: friction if scene.plane is not None or not scene.rough else "the scene is not planar",
+        FingerFlexibility: "E is zero: rigid fingers",
+        TotalForceBound: "not asked for",
+        PrescribedForce: "not asked for",
+    }
+    return tuple((kind, why) for kind, why in reasons.items() if kind not in on)

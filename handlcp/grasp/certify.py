@@ -10,7 +10,7 @@ from handlcp.check import Array
 from handlcp.grasp.assemble import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.kernels import examine
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
 
@@ -72,7 +72,7 @@ class Verdict:
     residuals: Residuals
 
 
-def judge(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, candidate: Candidate) -> Verdict:
+def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
     """Recompute balance, contact, friction and elastic compatibility of a candidate."""
     f, u = candidate.forces, candidate.twist
     if not (np.isfinite(f).all() and np.isfinite(u).all()):
@@ -82,11 +82,11 @@ def judge(scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, candidate
     for e in effects:
         if (opening := e.opening(scene, candidate.extra)) is not None:
             offset = offset + opening
-    units, planar = scene.units, scene.plane is not None
-    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    units = scene.units
+    limits = section.limit(scene.mu)
     v, values = examine(
         scene.arms, scene.frames, scene.flexibility, offset, f, u, scene.wrench, limits, scene.governed_mask,
-        2 if planar else int(pyramid.faces), units.length, units.force, 1e-12 * units.motion, _GROWTH,
+        section.faces, units.length, units.force, 1e-12 * units.motion, _GROWTH,
     )  # fmt: skip
     lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
     others = max((e.residual(scene, f, candidate.extra, F, motion) for e in effects), default=0.0)

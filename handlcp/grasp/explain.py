@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from handlcp.grasp.assemble import GraspProblem
+from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.catalogue import absent
-from handlcp.grasp.effects import Effect
 from handlcp.grasp.scene import Scene
 
 __all__ = ["EffectLine", "Explanation", "explain"]
@@ -33,13 +32,14 @@ class Explanation:
     """All effects, on and off, and the size of the problem that comes of them.
 
     unknowns : of all effects together. eliminated : how many of them never reach the solver.
-    rcond : reciprocal condition estimate of the free block, which decided about elimination.
+    rcond : reciprocal condition estimate of the free block, which decided about elimination; None for the exact cone,
+        where nothing is eliminated.
     """
 
     effects: tuple[EffectLine, ...]
     unknowns: int
     eliminated: int
-    rcond: float
+    rcond: float | None
 
     @property
     def size(self) -> int:
@@ -61,14 +61,13 @@ class Explanation:
         return "\n".join(lines)
 
 
-def explain(scene: Scene, problem: GraspProblem, asked: tuple[Effect, ...]) -> Explanation:
+def explain(scene: Scene, problem: GraspProblem | GraspContact) -> Explanation:
     """From the assembled problem itself, so that what is printed is what is solved."""
     lines = [
         EffectLine(e.title, e.equation, True, e.why(scene), tuple((u.name, u.count, u.free) for u in e.unknowns(scene)))
         for e in problem.effects
     ]
-    lines += [
-        EffectLine(kind.title, kind.equation, False, why, ()) for kind, why in absent(scene, {type(e) for e in asked})
-    ]
+    lines += [EffectLine(kind.title, kind.equation, False, why, ()) for kind, why in absent(scene, problem.effects)]
     total = sum(g.count for g in problem.groups)
-    return Explanation(tuple(lines), total, total - problem.n, problem.rcond)
+    rcond = problem.rcond if isinstance(problem, GraspProblem) else None
+    return Explanation(tuple(lines), total, total - problem.n, rcond)

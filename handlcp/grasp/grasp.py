@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import NoSolutionFound
 from handlcp.grasp import arguments
-from handlcp.grasp.assemble import Candidate, GraspProblem, assemble
+from handlcp.grasp.assemble import Candidate, GraspContact, GraspProblem, assemble, assemble_contact
 from handlcp.grasp.catalogue import called_for
 from handlcp.grasp.certify import Verdict, judge
+from handlcp.grasp.conclude import conclude
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.explain import Explanation, explain
-from handlcp.grasp.holdable import escaping_twist
-from handlcp.grasp.pyramid import Pyramid, as_pyramid
+from handlcp.grasp.pyramid import Cone, Pyramid, Section, as_section
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.solution import GraspSolution
-from handlcp.grasp.states import classify
-from handlcp.grasp.tangent import free_branches
-from handlcp.grasp.uniqueness import Uniqueness, describe, minimum_norm
-from handlcp.lcp import Auto, Solver, Status, proposals
+from handlcp.lcp import Auto, Solver, proposals
 
 __all__ = ["Grasp"]
 
@@ -119,17 +116,27 @@ class Grasp:
         """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …"""
         return tuple(c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts))
 
-    def problem(self, faces: int | str | Pyramid = 8) -> GraspProblem:
+    @overload
+    def problem(self, faces: int | Pyramid = 8) -> GraspProblem: ...
+    @overload
+    def problem(self, faces: str) -> GraspProblem | GraspContact: ...
+    def problem(self, faces: int | str | Pyramid = 8) -> GraspProblem | GraspContact:
         """The assembled complementarity problem: look at it, or hand it to `solve_lcp`.
 
-        faces : of the friction pyramids, ≥ 3 (inscribed), or a `Pyramid`; a planar scene is exact and ignores them.
-        Raises InputError for fewer faces, Unsupported for the exact cone.
+        faces : of the friction pyramids, ≥ 3 (inscribed), or a `Pyramid`: a (mixed) LCP with a multiplier a face; a
+        planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
+        Raises InputError for anything else.
         """
-        return assemble(self.scene, called_for(self.scene, as_pyramid(faces), self.effects))
+        return self._problem(self._section(faces))
+
+    def _problem(self, section: Section) -> GraspProblem | GraspContact:
+        if isinstance(section, Cone):
+            return assemble_contact(self.scene, section, self.effects)
+        return assemble(self.scene, called_for(self.scene, section, self.effects, multipliers=True))
 
     def explain(self, faces: int | str | Pyramid = 8) -> Explanation:
         """Which effects are on and off, why, and what each costs in unknowns."""
-        return explain(self.scene, self.problem(faces), self.effects)
+        return explain(self.scene, self._problem(self._section(faces)))
 
     def solve(
         self, faces: int | str | Pyramid = 8, solver: Solver | Auto | None = None, throw: bool = True
@@ -139,13 +146,18 @@ class Grasp:
         faces : see `problem`. solver : `Auto()` when None. Raises NoSolutionFound (with problem and solution) unless
         SOLVED, or returns what came when `throw` is False; InputError for bad arguments.
         """
-        pyramid = as_pyramid(faces)
-        problem = assemble(self.scene, called_for(self.scene, pyramid, self.effects))
+        section = self._section(faces)
+        problem: GraspProblem | GraspContact
+        if solver is None or isinstance(solver, Auto):
+            # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
+            problem = assemble_contact(self.scene, section, self.effects)
+        else:
+            problem = self._problem(section)
         trace: list[str] = []
         best: tuple[Candidate, Verdict, int] | None = None
         for name, proposal in proposals(problem, solver):
             candidate = problem.candidate(proposal.z)
-            verdict = judge(self.scene, problem.effects, pyramid, candidate)
+            verdict = judge(self.scene, problem.effects, section, candidate)
             worst = verdict.residuals.worst
             trace.append(f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {worst:.1e}")
             if best is None or worst < best[1].residuals.worst:
@@ -153,88 +165,18 @@ class Grasp:
             if verdict.residuals.passes:
                 break
         assert best is not None  # every solver proposes something
-        solution = self._solution(problem, pyramid, *best, tuple(trace))
+        solution = self._solution(problem.effects, section, *best, tuple(trace))
         if throw and not solution.held:
             raise NoSolutionFound("\n  ".join((str(solution), *trace)), problem, solution)
         return solution
 
-    def _solution(
-        self,
-        problem: GraspProblem,
-        pyramid: Pyramid,
-        candidate: Candidate,
-        verdict: Verdict,
-        iterations: int,
-        trace: tuple[str, ...],
-    ) -> GraspSolution:
-        scene = self.scene
-        shift = _shift(self.reference - scene.units.centre)
-        uniqueness: Uniqueness | None = None
-        certificate: Array | None = None
-        if verdict.residuals.passes:
-            status = Status.SOLVED
-            states = classify(scene, pyramid, candidate.forces, verdict.motion, verdict.residuals)
-            free = free_branches(scene, problem.effects, pyramid, states, candidate)
-            if free:
-                smallest = minimum_norm(scene, pyramid, states, candidate, verdict.motion, free)
-                if (checked := judge(scene, problem.effects, pyramid, smallest)).residuals.passes:
-                    candidate, verdict = smallest, checked
-                    states = classify(scene, pyramid, candidate.forces, verdict.motion, verdict.residuals)
-            uniqueness = describe(scene, free, shift)
-            names = states.names
-        else:
-            status, names = Status.UNDECIDED, ("unknown",) * scene.n
-            if (twist := escaping_twist(scene, pyramid, _load(problem, scene))) is not None:
-                status, certificate = Status.NOT_HOLDABLE, read_only(shift @ twist)
-                nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
-                candidate = Candidate(nothing, np.full(6, np.nan), {})
-                verdict = Verdict(nothing, verdict.residuals)
-        forces = candidate.forces
-        # A finger under force control follows the object: no law makes it keep a gap or a slip
-        motion = np.where(scene.governed_mask[:, None], verdict.motion, 0.0)
-        return GraspSolution(
-            status,
-            self.names,
-            read_only(forces),
-            read_only((scene.frames @ forces[:, :, None])[:, :, 0]),
-            read_only(motion[:, 2]),
-            read_only(motion[:, :2]),
-            read_only(shift @ candidate.twist),
-            names,
-            verdict.residuals,
-            uniqueness,
-            certificate,
-            iterations,
-            trace,
-            candidate.extra,
-        )
+    def _section(self, faces: int | str | Pyramid) -> Section:
+        return as_section(faces, planar=self.scene.plane is not None)
+
+    def _solution(self, *parts: Any) -> GraspSolution:
+        return conclude(self.scene, self.reference, self.names, *parts)
 
     def __repr__(self) -> str:
         s = self.scene
         planar = ", planar" if s.plane is not None else ""
         return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{planar})"
-
-
-def _load(problem: GraspProblem, scene: Scene) -> Array:
-    """(dof,) natural wrench that the governed contacts must balance: the load and prescribed forces."""
-    load = scene.natural.w.copy()
-    for e in problem.effects:
-        if isinstance(e, PrescribedForce):
-            load += scene.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (e.force / scene.units.force)
-    return load
-
-
-def _shift(arm: Array) -> Array:
-    """(6, 6) that moves a small twist to a point `arm` away: u' = u + ω × arm."""
-    x, y, z = arm.tolist()
-    return np.array(
-        [
-            [1, 0, 0, 0, z, -y],
-            [0, 1, 0, -z, 0, x],
-            [0, 0, 1, y, -x, 0],
-            [0, 0, 0, 1, 0, 0],
-            [0, 0, 0, 0, 1, 0],
-            [0, 0, 0, 0, 0, 1],
-        ],
-        dtype=float,
-    )

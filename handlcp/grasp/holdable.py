@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
 
 __all__ = ["escaping_twist", "is_escape"]
 
 
-def escaping_twist(scene: Scene, pyramid: Pyramid, load: Array) -> Array | None:
+def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
     """(6,) certified motion about the contacts' centre in which the object escapes, for one metre of travel.
 
     load : (dof,) wrench in natural units, prescribed forces included. None: some force in the pyramids balances it.
@@ -27,20 +27,20 @@ def escaping_twist(scene: Scene, pyramid: Pyramid, load: Array) -> Array | None:
     """
     from scipy.optimize import nnls  # half a second of import that only a failed solve should pay
 
-    W = _generators(scene, pyramid)
+    W = _generators(scene, section)
     t = load + W @ nnls(W, -load)[0] if W.size else load
     size = float(np.sqrt(t @ t))
-    if size == 0.0 or not is_escape(scene, pyramid, load, t):
+    if size == 0.0 or not is_escape(scene, section, load, t):
         return None
     return read_only(scene.twist(t / size) / scene.units.motion)
 
 
-def is_escape(scene: Scene, pyramid: Pyramid, load: Array, twist: Array) -> bool:
+def is_escape(scene: Scene, section: Section, load: Array, twist: Array) -> bool:
     """Whether twist (dof,), natural units, proves that nothing balances `load`: signs recomputed, no solver involved.
 
     The gain must exceed what the resisting work could hide: forces of a thousand times the load.
     """
-    W = _generators(scene, pyramid)
+    W = _generators(scene, section)
     if not np.isfinite(twist).all():
         return False
     resisting = float(np.minimum(W.T @ twist, 0.0).sum()) if W.size else 0.0
@@ -48,16 +48,9 @@ def is_escape(scene: Scene, pyramid: Pyramid, load: Array, twist: Array) -> bool
     return float(load @ twist) > CERTIFY * size and float(load @ twist) > -1e3 * resisting
 
 
-def _generators(scene: Scene, pyramid: Pyramid) -> Array:
+def _generators(scene: Scene, section: Section) -> Array:
     """(dof, g) wrenches of the edges of all friction pyramids (of the normals where there is no friction)."""
-    planar = scene.plane is not None
-    if planar:
-        edges = np.array([[1.0, -1.0], [0.0, 0.0]])
-    else:
-        m = int(pyramid.faces)
-        a = 2 * np.pi * (np.arange(m) + 0.5) / m
-        edges = np.vstack([np.cos(a), np.sin(a)]) / np.cos(np.pi / m)
-    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    edges, limits = section.edges, section.limit(scene.mu)
     G = scene.natural.every.reshape(scene.dof, scene.n, 3)
     out = []
     for i in range(scene.n):

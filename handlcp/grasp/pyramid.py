@@ -1,17 +1,18 @@
-"""Pyramids for friction cones: how many faces, inside or around."""
+"""What a contact may transmit in its tangent plane, per newton of normal force: a disc, a polygon, or an interval."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.errors import InputError, Unsupported
+from handlcp.errors import InputError
 
-__all__ = ["Pyramid", "as_pyramid"]
+__all__ = ["Cone", "Interval", "Pyramid", "Section", "as_section"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +29,18 @@ class Pyramid:
     def __post_init__(self) -> None:
         """Check the number of faces."""
         if isinstance(self.faces, bool) or not isinstance(self.faces, (int, np.integer)) or self.faces < 3:
-            raise InputError("faces", "an integer ≥ 3", repr(self.faces))
+            raise InputError("faces", 'an integer ≥ 3, "cone" or a Pyramid', repr(self.faces))
+        object.__setattr__(self, "faces", int(self.faces))
 
     @property
     def normals(self) -> Array:
         """(2, m) outward unit normals of the faces in the contact's x, y axes."""
-        return _normals(int(self.faces))
+        return _ring(self.faces, 0.0)
+
+    @property
+    def edges(self) -> Array:
+        """(2, m) tangential force along the edges, as multiples of `limit`."""
+        return _ring(self.faces, 0.5) / math.cos(math.pi / self.faces)
 
     def limit(self, mu: Array) -> Array:
         """(n,) distance of the faces from the axis, per newton of normal force [-]."""
@@ -45,20 +52,81 @@ class Pyramid:
         return f"{self.faces}-face {'inscribed' if self.inscribed else 'circumscribed'} pyramid"
 
 
+@dataclass(frozen=True, slots=True)
+class Cone:
+    """Coulomb's circular cone itself. `faces` = 0 stands for it in compiled code.
+
+    normals, edges : of a circumscribed polygon of 64 faces, for statements that are linear programs; what lies outside
+        that polygon lies outside the cone.
+    """
+
+    faces: int = 0
+
+    @property
+    def normals(self) -> Array:
+        """(2, 64) outward unit normals."""
+        return _ring(64, 0.0)
+
+    @property
+    def edges(self) -> Array:
+        """(2, 64) tangential force along the edges, as multiples of `limit`; outside the cone by 0.12 %."""
+        return _ring(64, 0.5) / math.cos(math.pi / 64)
+
+    def limit(self, mu: Array) -> Array:
+        """(n,) radius per newton of normal force [-]."""
+        return mu
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        return "exact cone"
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """The friction cone of a planar contact: two directions, exact. `faces` = 2 stands for it in compiled code."""
+
+    faces: int = 2
+
+    @property
+    def normals(self) -> Array:
+        """(2, 2) the two ends."""
+        return _ENDS
+
+    @property
+    def edges(self) -> Array:
+        """(2, 2) the two ends."""
+        return _ENDS
+
+    def limit(self, mu: Array) -> Array:
+        """(n,) half length per newton of normal force [-]."""
+        return mu
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        return "planar, exact"
+
+
+Section: TypeAlias = Pyramid | Cone | Interval
+
+_ENDS = read_only(np.array([[1.0, -1.0], [0.0, 0.0]]))
+
+
 @lru_cache(maxsize=256)
-def _normals(m: int) -> Array:
-    a = 2 * np.pi * np.arange(m) / m
-    normals = np.vstack([np.cos(a), np.sin(a)])
-    normals[abs(normals) < 1e-15] = 0.0  # cos(π/2) and its like: an exact zero couples nothing
-    return read_only(normals)
+def _ring(m: int, shift: float) -> Array:
+    a = 2 * np.pi * (np.arange(m) + shift) / m
+    ring = np.vstack([np.cos(a), np.sin(a)])
+    ring[abs(ring) < 1e-15] = 0.0  # cos(π/2) and its like: an exact zero couples nothing
+    return read_only(ring)
 
 
-def as_pyramid(faces: int | str | Pyramid) -> Pyramid:
-    """What users pass as `faces`. Raises InputError, and Unsupported for the exact cone."""
-    if isinstance(faces, Pyramid):
-        return faces
-    if isinstance(faces, str):
-        if faces == "cone":
-            raise Unsupported('faces="cone": this version solves pyramids only; 16 faces are within 2 % of the cone')
-        raise InputError("faces", "an integer ≥ 3 or a Pyramid", repr(faces))
-    return Pyramid(faces)
+def as_section(faces: int | str | Pyramid, planar: bool = False) -> Section:
+    """What users pass as `faces`; a planar scene has its own, whatever they pass. Raises InputError."""
+    if not isinstance(faces, Pyramid):
+        if isinstance(faces, str) and faces != "cone":
+            raise InputError("faces", 'an integer ≥ 3, "cone" or a Pyramid', repr(faces))
+        section: Section = Cone() if isinstance(faces, str) else Pyramid(faces)
+    else:
+        section = faces
+    return Interval() if planar else section

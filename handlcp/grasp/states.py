@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.certify import Residuals
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import ACTIVE
@@ -22,10 +22,13 @@ NAMES = ("separated", "sticking", "sliding", "sliding", "sliding", "separated")
 
 @dataclass(frozen=True, slots=True)
 class States:
-    """kind (n,) int: one of the constants above; faces (n, 2, 2): outward normals, in rows, that it slides against."""
+    """kind (n,) int: one of the constants above. faces (n, 2, 2): outward normals, in rows, that it slides against.
+    turn (n,): slip over friction [m/N] of a contact that slides on the exact cone, where both turn together; else 0.
+    """
 
     kind: Ints
     faces: Array
+    turn: Array
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -33,24 +36,25 @@ class States:
         return tuple(NAMES[k] for k in self.kind.tolist())
 
 
-def classify(scene: Scene, pyramid: Pyramid, forces: Array, motion: Array, residuals: Residuals) -> States:
+def classify(scene: Scene, section: Section, forces: Array, motion: Array, residuals: Residuals) -> States:
     """States of all contacts, from forces (n, 3) N and motion (n, 3) m in contact axes."""
     planar = scene.plane is not None
-    normals = np.array([[1.0, -1.0], [0.0, 0.0]]) if planar else pyramid.normals
-    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    limits = section.limit(scene.mu)
     slow = ACTIVE * max(residuals.motion_scale, scene.units.motion)
-    kind, faces = _classify(forces, motion, limits, normals, planar, ACTIVE * residuals.force_scale, slow)
+    kind, faces, turn = _classify(
+        forces, motion, limits, section.normals, section.faces == 0, planar, ACTIVE * residuals.force_scale, slow
+    )
     if not all(scene.governed):
         kind[~scene.governed_mask] = STICKING  # a finger under force control follows the object
-    return States(kind, faces)
+    return States(kind, faces, turn)
 
 
 @kernel
 def _classify(
-    forces: Array, motion: Array, limits: Array, normals: Array, planar: bool, weak: float, slow: float
-) -> tuple[Ints, Array]:
+    forces: Array, motion: Array, limits: Array, normals: Array, cone: bool, planar: bool, weak: float, slow: float
+) -> tuple[Ints, Array, Array]:
     n, m = len(forces), normals.shape[1]
-    kind, faces = np.zeros(n, np.int64), np.zeros((n, 2, 2))
+    kind, faces, turn = np.zeros(n, np.int64), np.zeros((n, 2, 2)), np.zeros(n)
     for i in range(n):
         r = forces[i]
         slip = abs(motion[i, 0]) if planar else np.hypot(motion[i, 0], motion[i, 1])
@@ -60,6 +64,10 @@ def _classify(
             kind[i] = GLIDING
         elif not slip > slow:
             kind[i] = STICKING
+        elif cone:  # one face, the tangent plane at the force
+            size = np.hypot(r[0], r[1])
+            kind[i], faces[i, 0, 0], faces[i, 0, 1] = SLIDING, r[0] / size, r[1] / size
+            turn[i] = slip / size
         else:
             found = 0
             for j in range(m):
@@ -67,4 +75,4 @@ def _classify(
                     faces[i, found, 0], faces[i, found, 1] = normals[0, j], normals[1, j]
                     found += 1
             kind[i] = VERTEX if found == 2 else SLIDING
-    return kind, faces
+    return kind, faces, turn

@@ -6,6 +6,8 @@ Around a solution with given contact states the model is linear in the changes �
     sticking    Δv = 0                          sliding     nᵀΔr_T = μ_m Δr_N, Δv_N = 0, Δv_T along the face normal n
     gliding     Δr_T = 0, Δv_N = 0              at a vertex nᵀΔr_T = μ_m Δr_N for both faces, Δv_N = 0
 
+(on the exact cone a sliding contact's slip and friction turn together: tᵀΔv_T = -|v_T|/|r_T| tᵀΔr_T)
+
 with Δv = GᵀΔu + EΔr. It is square; what its null space spans stays free (model, "Not unique"). A contact that rests,
 touching without force, may either take up force or open: each choice is a branch of its own, with one-sided changes.
 """
@@ -20,7 +22,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.assemble import Candidate
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, VERTEX, States
 from handlcp.lcp.kernels.compile import kernel
@@ -43,11 +45,11 @@ class Branch:
 
 
 def free_branches(
-    scene: Scene, effects: tuple[Effect, ...], pyramid: Pyramid, states: States, candidate: Candidate
+    scene: Scene, effects: tuple[Effect, ...], section: Section, states: States, candidate: Candidate
 ) -> tuple[Branch, ...]:
     """The branches that leave something free; none when the solution is locally unique (decided by elimination)."""
     planar = scene.plane is not None
-    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    limits = section.limit(scene.mu)
     rows = [c for e in effects if (c := e.coupling(scene, candidate.extra)) is not None]
     coupling = np.array(rows).reshape(len(rows), 3 * scene.n)
     governed = states.kind if all(scene.governed) else np.where(np.array(scene.governed), states.kind, SEPARATED)
@@ -55,7 +57,7 @@ def free_branches(
     out = []
     for kind in _choices(governed, limits):
         A, rank = _tangent(
-            scene.natural.every, scene.flexibility, softness, kind, states.faces, limits, planar, coupling
+            scene.natural.every, scene.flexibility, softness, kind, states.faces, states.turn, limits, planar, coupling
         )
         if rank == len(A):
             continue
@@ -64,7 +66,7 @@ def free_branches(
         basis = _orthonormal(Vt[sv <= RANK * sv[0]].T[: 3 * scene.n + scene.dof])
         resting = np.flatnonzero(governed == RESTING)
         if len(resting) and basis.shape[1]:
-            D, _ = inequalities(scene, pyramid, kind, states.faces, candidate.forces * 0, candidate.forces * 0, resting)
+            D, _ = inequalities(scene, section, kind, states.faces, candidate.forces * 0, candidate.forces * 0, resting)
             basis = basis @ _span(D @ basis)
         if basis.shape[1]:
             out.append(Branch(kind, basis))
@@ -108,13 +110,11 @@ def _span(D: Array) -> Array:
 
 
 def inequalities(
-    scene: Scene, pyramid: Pyramid, kind: Ints, faces: Array, forces: Array, motion: Array, contacts: Ints | None = None
+    scene: Scene, section: Section, kind: Ints, faces: Array, forces: Array, motion: Array, contacts: Ints | None = None
 ) -> tuple[Array, Array]:
     """(rows, now): now + rows · (Δr, Δu) ≥ 0 keeps the given contacts (None: all) in their states; natural units."""
     n, dof = scene.n, scene.dof
-    planar = scene.plane is not None
-    normals = np.array([[1.0, -1.0], [0.0, 0.0]]) if planar else pyramid.normals
-    limits = scene.mu if planar else pyramid.limit(scene.mu)
+    normals, limits = section.normals, section.limit(scene.mu)
     force = np.eye(3 * n, 3 * n + dof)
     move = np.hstack([scene.flexibility * (scene.units.force / scene.units.motion), scene.natural.every.T])
     rows: list[Array] = []
@@ -146,7 +146,15 @@ def inequalities(
 
 @kernel
 def _tangent(
-    G: Array, E: Array, softness: float, kind: Ints, faces: Array, limits: Array, planar: bool, coupling: Array
+    G: Array,
+    E: Array,
+    softness: float,
+    kind: Ints,
+    faces: Array,
+    turn: Array,
+    limits: Array,
+    planar: bool,
+    coupling: Array,
 ) -> tuple[Array, int]:
     """The square system of the module's docstring and its rank; columns Δr (3n), Δu (dof), multipliers of couplings."""
     dof, n, extra = G.shape[0], len(kind), len(coupling)
@@ -174,6 +182,8 @@ def _tangent(
             A[row + 1] = V[x + 2]
             if kind[i] == SLIDING:
                 A[row + 2] = faces[i, 0, 0] * V[x + 1] - faces[i, 0, 1] * V[x]
+                A[row + 2, x + 1] += turn[i] * softness * faces[i, 0, 0]
+                A[row + 2, x] -= turn[i] * softness * faces[i, 0, 1]
             else:
                 A[row + 2, x], A[row + 2, x + 1], A[row + 2, x + 2] = faces[i, 1, 0], faces[i, 1, 1], -limits[i]
         if planar and kind[i] != SEPARATED and kind[i] != GLIDING:  # nothing acts out of the plane

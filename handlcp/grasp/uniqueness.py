@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.assemble import Candidate
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.states import States
 from handlcp.grasp.tangent import Branch, inequalities
@@ -54,7 +54,7 @@ def describe(scene: Scene, branches: tuple[Branch, ...], to_reference: Array) ->
 
 
 def minimum_norm(
-    scene: Scene, pyramid: Pyramid, states: States, candidate: Candidate, motion: Array, branches: tuple[Branch, ...]
+    scene: Scene, section: Section, states: States, candidate: Candidate, motion: Array, branches: tuple[Branch, ...]
 ) -> Candidate:
     """The member of least norm (natural units) that keeps every contact in its state; motion (n, 3) as it is now [m].
 
@@ -71,7 +71,7 @@ def minimum_norm(
     best, least = x0, float(x0 @ x0)
     for branch in branches:
         B = branch.basis
-        rows, now = inequalities(scene, pyramid, branch.kind, states.faces, forces, moved)
+        rows, now = inequalities(scene, section, branch.kind, states.faces, forces, moved)
         # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h. Rounding must neither shut out the present member (now ≥ 0)
         # nor make a condition of a row that these directions do not touch.
         A = rows @ B

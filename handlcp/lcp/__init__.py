@@ -4,6 +4,7 @@ Knows nothing of grasps or robots.
 """
 
 from handlcp.lcp.certify import certify, is_farkas, natural_residual
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
 from handlcp.lcp.scaling import Units
@@ -19,6 +20,7 @@ __all__ = [
     "LCP",
     "NSNGRK",
     "Auto",
+    "ContactProblem",
     "LCPSolution",
     "Lemke",
     "Proposal",

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.kernels.contact import contact_residual
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["certify", "is_farkas", "natural_residual"]
+__all__ = ["certify", "certify_contact", "is_farkas", "natural_residual"]
 
 _GROWTH = 1e3  # a solution this many units large is measured against its own size; a larger one gets no further excuse
 
@@ -35,6 +37,23 @@ def certify(problem: LCP, z: Array, tolerance: float = CERTIFY) -> tuple[Status,
     """(status, w, residual) of a candidate z (n,) in the user's units: SOLVED or UNDECIDED."""
     w, residual = natural_residual(problem, z)
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), w, residual
+
+
+def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
+    """(status, y, residual) of a candidate x (n,) in natural units; y in the user's units.
+
+    residual: the worst of |y_i| (free), |min(x_i, y_i)| (pairs) and, in each friction block, the excess over the limit
+    and the distance of x_T from the projection of x_T - y_T, over the size of x clipped to [1, 1000].
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        y = problem.M @ x + problem.q
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        return Status.UNDECIDED, y * problem.units.w, np.inf
+    one = np.ones(problem.n)
+    args = (problem.role, one, problem.blocks, problem.limits, problem.faces)
+    miss = max(contact_residual(x, y, *args), contact_residual(x, np.where(problem.role == 2, 0.0, y), *args))
+    residual = miss / min(max(1.0, float(abs(x).max(initial=0.0))), _GROWTH)
+    return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
 
 
 def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY) -> bool:

@@ -2,43 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.errors import InputError, NoSolutionFound
-from handlcp.lcp.certify import certify
+from handlcp.errors import InputError, NoSolutionFound, Unsupported
+from handlcp.lcp.certify import certify, certify_contact
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.infeasible import farkas_vector
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
 from handlcp.lcp.solvers.auto import Auto
 from handlcp.lcp.solvers.base import Solver
+from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.status import Status
 
 __all__ = ["proposals", "solve_lcp"]
 
 
 def solve_lcp(
-    problem: LCP, solver: Solver | Auto | None = None, throw: bool = True, start: Array | None = None
+    problem: LCP | ContactProblem, solver: Solver | Auto | None = None, throw: bool = True, start: Array | None = None
 ) -> LCPSolution:
     """The certified answer to a (mixed) linear complementarity problem.
 
     solver : `Auto()` when None. start : (n,) first guess in the user's units, zero when None.
 
+    A `ContactProblem` (the exact cone, `grasp.problem("cone")`) is solved likewise; its w is y = M x + q.
     A solver only proposes: the status is the certifier's, recomputed from M, q and z. Raises NoSolutionFound (with
     the problem and the solution) unless SOLVED, or returns whatever came when `throw` is False. Raises InputError
     for anything but an LCP, a solver and a start of the right shape.
     """
-    if not isinstance(problem, LCP):
-        raise InputError("problem", "an LCP", type(problem).__name__)
+    if not isinstance(problem, (LCP, ContactProblem)):
+        raise InputError("problem", "an LCP, or a ContactProblem", type(problem).__name__)
+    units = problem.units if isinstance(problem, ContactProblem) else problem.scaled.units
     if start is not None:
-        start = array("start", start, (problem.n,)) / problem.scaled.units.z
+        start = array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
     best: LCPSolution | None = None
     for name, proposal in proposals(problem, solver, start):
-        z = proposal.z * problem.scaled.units.z
-        status, w, residual = certify(problem, z)
+        z = proposal.z * units.z
+        if isinstance(problem, ContactProblem):
+            status, w, residual = certify_contact(problem, proposal.z)
+        else:
+            status, w, residual = certify(problem, z)
         trace.append(f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {residual:.1e}")
         if best is None or residual < best.residual:
             best = LCPSolution(
@@ -53,7 +60,7 @@ def solve_lcp(
         if status is Status.SOLVED:
             break
     assert best is not None  # every solver proposes something
-    if best.status is not Status.SOLVED and (y := farkas_vector(problem)) is not None:
+    if isinstance(problem, LCP) and best.status is not Status.SOLVED and (y := farkas_vector(problem)) is not None:
         nothing = read_only(np.full(problem.n, np.nan))  # so that nobody uses them by accident
         best = LCPSolution(nothing, nothing, Status.INFEASIBLE, np.inf, best.iterations, y, "Farkas vector found")
     solution = LCPSolution(
@@ -73,17 +80,22 @@ def solve_lcp(
 
 
 def proposals(
-    problem: LCP, solver: Solver | Auto | None = None, start: Array | None = None
+    problem: LCP | ContactProblem, solver: Solver | Auto | None = None, start: Array | None = None
 ) -> Iterator[tuple[str, Proposal]]:
     """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next."""
     solver = Auto() if solver is None else solver
-    if isinstance(solver, Auto):
-        stages: Iterable[Solver] = solver.stages(problem.n)
-    elif isinstance(solver, Solver):
-        stages = (solver,)
-    else:
+    if not isinstance(solver, (Auto, Solver)):
         raise InputError(
             "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
         )
-    for stage in stages:
-        yield type(stage).__name__, stage.propose(problem.scaled, start)
+    if isinstance(problem, ContactProblem):
+        if isinstance(solver, Auto):
+            yield from solver.contact_stages(problem, start)
+        elif isinstance(solver, NSNGRK):
+            yield type(solver).__name__, solver.propose_contact(problem, start)
+        else:
+            raise Unsupported(f"{type(solver).__name__} knows no cones: use Auto() or NSNGRK(), or faces ≥ 3")
+    elif isinstance(solver, Auto):
+        yield from solver.stages(problem, start)
+    else:
+        yield type(solver).__name__, solver.propose(problem.scaled, start)

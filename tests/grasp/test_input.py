@@ -85,9 +85,10 @@ def test_faces(faces):
         pinch().solve(faces)
 
 
-def test_the_exact_cone_is_refused_in_so_many_words():
+@pytest.mark.parametrize("solver", [hl.Lemke(), hl.SemismoothNewton()])
+def test_solvers_that_know_no_cones_say_so(solver):
     with pytest.raises(hl.Unsupported, match="cone"):
-        pinch().solve("cone")
+        pinch().solve("cone", solver)
 
 
 @pytest.mark.parametrize("limit", [0, -1, NAN, "x"])

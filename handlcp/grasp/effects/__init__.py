@@ -5,6 +5,7 @@ a file here.
 """
 
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.coulomb_cone import CoulombCone
 from handlcp.grasp.effects.coulomb_planar import CoulombPlanar
 from handlcp.grasp.effects.coulomb_pyramid import CoulombPyramid
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
@@ -14,6 +15,7 @@ from handlcp.grasp.effects.total_force_bound import TotalForceBound
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 
 __all__ = [
+    "CoulombCone",
     "CoulombPlanar",
     "CoulombPyramid",
     "Effect",

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from handlcp.check import Array
 from handlcp.errors import InputError
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
-from handlcp.lcp.solvers.base import Solver
+from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 
@@ -32,13 +36,52 @@ class Auto:
             if not isinstance(value, int) or isinstance(value, bool) or value < 0:
                 raise InputError(name, "an integer ≥ 0", repr(value))
 
-    def stages(self, n: int) -> Iterator[Solver]:
-        """The solvers for a problem of n unknowns, in the order in which they run until one is certified."""
-        yield NSNGRK(seed=self.seed, max_iterations=3 * n)
-        yield Lemke(seed=self.seed)
+    def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
+        """(method, candidate) for a plain LCP, each computed when asked for."""
+        n = problem.n
+        if (contact := problem.contact) is not None and start is None:
+            small = NSNGRK(seed=self.seed, max_iterations=_FEW * contact.n).propose_contact(contact)
+            yield "NSNGRK on the friction set", replace(small, z=problem.lift(small.z))
+        else:
+            yield "NSNGRK", NSNGRK(seed=self.seed, max_iterations=3 * n).propose(problem.scaled, start)
+        yield "Lemke", Lemke(seed=self.seed).propose(problem.scaled)
         for k in range(self.restarts):
-            yield NSNGRK(seed=self.seed + 1 + k, max_iterations=200 * n)
+            yield "NSNGRK", NSNGRK(seed=self.seed + 1 + k, max_iterations=200 * n).propose(problem.scaled)
 
-    def plan(self, problem: LCP) -> tuple[str, ...]:
+    def contact_stages(self, problem: ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
+        """(method, candidate) for a contact problem, each computed when asked for."""
+        n = problem.n
+        yield "NSNGRK", NSNGRK(seed=self.seed, max_iterations=_FEW * n).propose_contact(problem, start)
+        plain = None
+        if problem.pyramid is not None:
+            own = problem.faces if 3 <= problem.faces <= 16 else 8
+            for faces in dict.fromkeys((own, 4, 16)):
+                lcp, back = problem.pyramid(faces)
+                plain = plain or (lcp, back)
+                pivoted = Lemke(seed=self.seed).propose(lcp.scaled)
+                x = back(pivoted.z)
+                if not np.isfinite(x).all():
+                    continue
+                if faces == problem.faces or problem.faces == 2:
+                    yield "Lemke", replace(pivoted, z=x)
+                near = NSNGRK(seed=self.seed, max_iterations=_FEW * n).propose_contact(problem, x)
+                yield f"NSNGRK from Lemke, {faces} faces", near
+        for k in range(self.restarts):
+            again = NSNGRK(seed=self.seed + 1 + k, max_iterations=100 * n)
+            yield "NSNGRK", again.propose_contact(problem)
+            if plain is not None:
+                lcp, back = plain
+                slow = again.propose(lcp.scaled)
+                yield "NSNGRK with multipliers", replace(slow, z=back(slow.z))
+
+    def plan(self, problem: LCP | ContactProblem) -> tuple[str, ...]:
         """What would run on this problem, in order, until one answer is certified."""
-        return tuple(repr(s) for s in self.stages(problem.n))
+        seeds = [f"NSNGRK, seed {self.seed + 1 + k}" for k in range(self.restarts)]
+        if isinstance(problem, ContactProblem):
+            first = ["NSNGRK on the friction set"]
+            pivots = ["Lemke on pyramids, NSNGRK from its answer"] if problem.pyramid is not None else []
+            return (*first, *pivots, *seeds)
+        return ("NSNGRK on the friction set" if problem.contact is not None else "NSNGRK", "Lemke", *seeds)
+
+
+_FEW = 32  # Kaczmarz steps per unknown before Lemke's method gets its turn

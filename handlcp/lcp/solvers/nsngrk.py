@@ -8,11 +8,13 @@ import numpy as np
 
 from handlcp.check import Array, Bools, number
 from handlcp.errors import InputError
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.kaczmarz import kaczmarz, multiply_add
 from handlcp.lcp.kernels.newton import active_set, damped_newton, size
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
+from handlcp.lcp.solvers.contact_run import run_contact
 from handlcp.tolerances import RANK, SOLVE
 
 __all__ = ["NSNGRK"]
@@ -68,6 +70,10 @@ class NSNGRK:
         )
         outcome = "converged" if ok else f"{steps} Kaczmarz steps spent"
         return Proposal(z, steps, outcome, history[:written] if self.stride else None)
+
+    def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
+        """The same method on the rows of a contact problem, from `start` (n,); None: where every contact sticks."""
+        return run_contact(problem, self.seed, self.max_iterations, self.polish, self.tol, start)
 
 
 @kernel

@@ -1,0 +1,99 @@
+"""From a judged candidate to what a designer gets: status, states, uniqueness, the smallest motion, all in SI."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.certify import Verdict, judge
+from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.holdable import escaping_twist
+from handlcp.grasp.pyramid import Section
+from handlcp.grasp.scene import Scene
+from handlcp.grasp.solution import GraspSolution
+from handlcp.grasp.states import classify
+from handlcp.grasp.tangent import free_branches
+from handlcp.grasp.uniqueness import Uniqueness, describe, minimum_norm
+from handlcp.lcp import Status
+
+__all__ = ["conclude"]
+
+
+def conclude(
+    scene: Scene,
+    reference: Array,
+    finger_names: tuple[str, ...],
+    effects: tuple[Effect, ...],
+    section: Section,
+    candidate: Candidate,
+    verdict: Verdict,
+    iterations: int,
+    trace: tuple[str, ...],
+) -> GraspSolution:
+    """The solution that the certifier's verdict allows; where it allows none, the proof that nothing holds, if any."""
+    shift = _shift(reference - scene.units.centre)
+    uniqueness: Uniqueness | None = None
+    certificate: Array | None = None
+    if verdict.residuals.passes:
+        status = Status.SOLVED
+        states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)
+        free = free_branches(scene, effects, section, states, candidate)
+        if free:
+            smallest = minimum_norm(scene, section, states, candidate, verdict.motion, free)
+            if (checked := judge(scene, effects, section, smallest)).residuals.passes:
+                candidate, verdict = smallest, checked
+                states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)
+        uniqueness = describe(scene, free, shift)
+        names = states.names
+    else:
+        status, names = Status.UNDECIDED, ("unknown",) * scene.n
+        if (twist := escaping_twist(scene, section, _load(effects, scene))) is not None:
+            status, certificate = Status.NOT_HOLDABLE, read_only(shift @ twist)
+            nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
+            candidate = Candidate(nothing, np.full(6, np.nan), {})
+            verdict = Verdict(nothing, verdict.residuals)
+    forces = candidate.forces
+    # A finger under force control follows the object: no law makes it keep a gap or a slip
+    motion = np.where(scene.governed_mask[:, None], verdict.motion, 0.0)
+    return GraspSolution(
+        status,
+        finger_names,
+        read_only(forces),
+        read_only((scene.frames @ forces[:, :, None])[:, :, 0]),
+        read_only(motion[:, 2]),
+        read_only(motion[:, :2]),
+        read_only(shift @ candidate.twist),
+        names,
+        verdict.residuals,
+        uniqueness,
+        certificate,
+        iterations,
+        trace,
+        candidate.extra,
+    )
+
+
+def _load(effects: tuple[Effect, ...], scene: Scene) -> Array:
+    """(dof,) natural wrench that the governed contacts must balance: the load and prescribed forces."""
+    load = scene.natural.w.copy()
+    for e in effects:
+        if isinstance(e, PrescribedForce):
+            load += scene.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (e.force / scene.units.force)
+    return load
+
+
+def _shift(arm: Array) -> Array:
+    """(6, 6) that moves a small twist to a point `arm` away: u' = u + ω × arm."""
+    x, y, z = arm.tolist()
+    return np.array(
+        [
+            [1, 0, 0, 0, z, -y],
+            [0, 1, 0, -z, 0, x],
+            [0, 0, 1, y, -x, 0],
+            [0, 0, 0, 1, 0, 0],
+            [0, 0, 0, 0, 1, 0],
+            [0, 0, 0, 0, 0, 1],
+        ],
+        dtype=float,
+    )

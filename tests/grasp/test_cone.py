@@ -1,0 +1,134 @@
+"""The exact cone, and pyramids solved on the cone's few unknowns instead of one multiplier a face."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.lcp.kernels.contact import _rows, project
+from tests.grasp.scenes import cube_example, pinch, ring
+
+
+def scenes(count=8):
+    for seed in range(count):
+        contacts, data = ring(np.random.default_rng(seed))
+        yield hl.Grasp(contacts, **data)
+
+
+def test_a_pinch_holds_up_to_the_circular_limit_in_every_direction():
+    for angle in np.linspace(0, 2 * np.pi, 13):
+        direction = np.array([0, np.cos(angle), np.sin(angle)])
+        held = pinch(mu=0.25, load=5.0 * (1 - 1e-9) * direction).solve("cone")  # 2 · 10 N · 0.25
+        np.testing.assert_allclose(np.linalg.norm(held.tangential_force, axis=1), 2.5, rtol=1e-8)
+        assert not pinch(mu=0.25, load=5.0 * (1 + 1e-6) * direction).solve("cone", throw=False).held
+
+
+def test_sliding_forces_are_on_the_cone_and_against_the_slip():
+    slides = 0
+    for g in scenes():
+        s = g.solve("cone", throw=False)
+        if not s.held:
+            continue
+        for state, f, v in zip(s.contact_state, s.forces, s.slip, strict=True):
+            if state == "sliding":
+                slides += 1
+                size = np.linalg.norm(f[:2])
+                assert size == pytest.approx(0.6 * f[2], rel=1e-7)
+                np.testing.assert_allclose(f[:2] / size, -v / np.linalg.norm(v), atol=1e-6)
+    assert slides > 3
+
+
+def test_pyramids_converge_to_the_cone_as_one_over_faces_squared():
+    g = cube_example()
+    cone = g.solve("cone").forces
+    errors = np.array([abs(g.solve(m).forces - cone).max() for m in (16, 64, 256)])
+    assert errors[0] < 0.02 * abs(cone).max()
+    assert errors[2] < errors[0] / 50  # 256 at best: where the force lies between two vertices matters, too
+
+
+def test_the_cone_of_a_frictionless_or_planar_scene_is_the_scene():
+    contacts, data = ring(np.random.default_rng(0), n=7, mu=0)
+    g = hl.Grasp(contacts, **(data | {"wrench": None}))
+    np.testing.assert_allclose(g.solve("cone").forces, g.solve(8).forces, atol=1e-9)
+    flat = [hl.Contact((np.cos(t), np.sin(t)), (-np.cos(t), -np.sin(t)), hl.Coulomb(0.4)) for t in (0.1, 2, 4)]
+    g = hl.Grasp(flat, (1.0, -2.0, 0.1), flexibility=1e-3, preload=0.01)
+    np.testing.assert_array_equal(g.solve("cone").forces, g.solve(8).forces)
+
+
+@pytest.mark.parametrize("faces", [3, 4, 5, 8, 32])
+def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
+    """The chain's answer, lifted to one multiplier a face, is a certified solution of the plain LCP."""
+    for g in scenes(5):
+        p = g.problem(faces)
+        if g.solve(faces, throw=False).held:
+            s = hl.solve_lcp(p)
+            assert "friction set" in s.trace[0]
+            assert s.residual < 1e-9
+            candidate = p.candidate(s.z / p.scaled.units.z)
+            reference = g.solve(faces)
+            if reference.uniqueness.loose_motions == 0 and len(s.trace) == len(reference.trace) == 1:
+                np.testing.assert_allclose(candidate.forces, reference.forces, atol=1e-7 * abs(reference.forces).max())
+
+
+def test_the_size_of_the_cone_problem_does_not_depend_on_faces():
+    g = cube_example()
+    assert g.problem("cone").n == 15
+    assert g.problem(64).contact.n == 15
+    assert g.problem(64).n == 3 + 3 * 64
+    assert g.explain("cone").size == 15
+
+
+def test_solve_lcp_takes_the_cone_problem_and_returns_newtons():
+    g = cube_example()
+    s = hl.solve_lcp(g.problem("cone"))
+    assert s.status is hl.Status.SOLVED
+    np.testing.assert_allclose(s.z[:3], g.solve("cone").normal_force, rtol=1e-9)
+
+
+def test_kaczmarz_alone_converges_on_the_cone():
+    s = cube_example().solve("cone", hl.NSNGRK(polish=False, tol=1e-10, max_iterations=200_000))
+    np.testing.assert_allclose(s.forces, cube_example().solve("cone").forces, atol=1e-7)
+
+
+@pytest.mark.parametrize("faces", [0, 2, 3, 4, 7, 16])
+def test_the_derivative_of_the_projection_is_its_difference_quotient(faces):
+    rng = np.random.default_rng(faces)
+    P, D, A, B, unused = np.empty(2), np.empty((2, 3)), np.empty(2), np.empty(2), np.empty((2, 3))
+    h, mu = 1e-7, 0.8
+    for _ in range(100):
+        x, y, n = rng.normal(), 0.0 if faces == 2 else rng.normal(), rng.uniform(0.1, 2)
+        project(x, y, mu * n, mu, faces, P, D)
+        for k, (dx, dy, dn) in enumerate(np.eye(3) * h):
+            if faces == 2 and k == 1:
+                continue
+            project(x + dx, y + dy, mu * (n + dn), mu, faces, A, unused)
+            project(x - dx, y - dy, mu * (n - dn), mu, faces, B, unused)
+            quotient = (A - B) / (2 * h)
+            if abs(quotient - D[:, k]).max() > 1e-5:  # a corner between the two points: a one-sided value will do
+                sides = [(A - P) / h, (P - B) / h]
+                assert min(abs(q - D[:, k]).max() for q in sides) < 1e-5
+
+
+def test_subgradients_of_contact_rows_are_their_difference_quotients():
+    g = cube_example()
+    p = g.problem("cone")
+    rng = np.random.default_rng(0)
+    n = p.n
+
+    def rows(x):
+        F, unit, c = np.empty(n), np.empty((n, 3), np.int64), np.empty((n, 3))
+        row, b = np.empty((n, 2), np.int64), np.empty((n, 2))
+        _rows(x, p.M @ x + p.q, p.role, p.rho, p.blocks, p.limits, p.faces, F, unit, c, row, b)
+        J = b[:, :1] * p.M[row[:, 0]] + b[:, 1:] * p.M[row[:, 1]]
+        for i in range(n):
+            for a in range(3):
+                J[i, unit[i, a]] += c[i, a]
+        return F, J
+
+    for _ in range(20):
+        x = rng.normal(size=n)
+        _, J = rows(x)
+        h = 1e-6
+        quotient = np.column_stack([(rows(x + h * e)[0] - rows(x - h * e)[0]) / (2 * h) for e in np.eye(n)])
+        np.testing.assert_allclose(J, quotient, atol=1e-5)
