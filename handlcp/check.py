@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from handlcp.errors import InputError
-from handlcp.tolerances import SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
+from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
 
-__all__ = ["Array", "Bools", "Ints", "array", "number", "psd", "read_only", "spd", "symmetric", "unit"]
+__all__ = ["Array", "Bools", "Ints", "array", "integer", "number", "psd", "read_only", "spd", "symmetric", "unit"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -24,31 +24,45 @@ def read_only(a: Array) -> Array:
     return a
 
 
-def array(argument: str, value: Any, *shapes: tuple[int, ...], what: str = "finite numbers") -> Array:
-    """A fresh read-only float array of one of `shapes` (-1: any length), finite throughout."""
+def array(
+    argument: str, value: Any, *shapes: tuple[int, ...], what: str = "finite numbers", largest: float = LARGEST
+) -> Array:
+    """A fresh read-only float array of one of `shapes` (-1: any length), finite and at most `largest` in size."""
     try:
-        a = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(argument, f"{what} of shape {_names(shapes)}", _show(value)) from None
+        raw = np.array(value)
+        # Text, complex numbers and truth values convert too readily to be meant; integers beyond float64 not at all
+        a = raw.astype(float) if raw.dtype.kind in "iuf" or not raw.size else None
+    except (TypeError, ValueError, OverflowError):
+        a = None
+    if a is None:
+        raise InputError(argument, f"{what} of shape {_names(shapes)}", _show(value))
     if shapes and not any(_fits(a.shape, s) for s in shapes):
         raise InputError(argument, f"{what} of shape {_names(shapes)}", f"shape {a.shape}")
     if not np.isfinite(a).all():
         raise InputError(argument, what, f"{_show(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
+    size = abs(a)
+    if (size > largest).any():
+        raise InputError(argument, f"{what} up to {largest:g} in size", f"{size.max():.3g}")
+    a[size < 1.0 / largest**2] = 0.0  # their reciprocals would overflow
     return read_only(a)
 
 
 def number(
     argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True
 ) -> float:
-    """A real number ≥ `minimum` and > `above`."""
+    """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, (str, bytes, bool)):
+    if isinstance(value, (str, bytes, bool, complex, np.complexfloating, np.bool_)) or np.ndim(value):
         raise InputError(argument, expected, _show(value))
     try:
         x = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(argument, expected, _show(value)) from None
+    if abs(x) < 1.0 / LARGEST**2:
+        x = 0.0  # its reciprocal would overflow
+    if LARGEST < abs(x) < np.inf:
+        raise InputError(argument, f"{expected}, at most {LARGEST:g} in size", f"{x:g}")
     if (
         (not (x >= minimum and x > above) and (minimum > -np.inf or above > -np.inf))
         or x != x
@@ -56,6 +70,13 @@ def number(
     ):
         raise InputError(argument, expected, x)
     return x
+
+
+def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int:
+    """A whole number from `least` to `most`."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+        raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", _show(value))
+    return int(value)
 
 
 def unit(argument: str, value: Any, *shapes: tuple[int, ...]) -> Array:

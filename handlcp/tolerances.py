@@ -9,6 +9,8 @@ __all__ = [
     "ACTIVE",
     "CERTIFY",
     "ELIMINATE_RCOND",
+    "LARGEST",
+    "LARGEST_RAW",
     "PIVOT",
     "RANK",
     "SEMIDEFINITE",
@@ -40,6 +42,11 @@ PIVOT = 1e-11
 # Matrices users pass: symmetric to this share of the largest entry; eigenvalues negative by this share count as zero.
 SYMMETRY = 1e-9
 SEMIDEFINITE = 1e-9
+
+# Numbers users pass may be this large in size (and their reciprocals, squared, still fit a float64): more than any
+# unit of length or force could make of a hand. Raw complementarity problems are scaled first and may be larger.
+LARGEST = 1e60
+LARGEST_RAW = 1e150
 
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
 UNIT_NORMAL = 1e-6

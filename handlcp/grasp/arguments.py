@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -21,9 +20,10 @@ def contacts(value: Any) -> tuple[Contact, ...]:
     """At least one Contact."""
     if isinstance(value, Contact):
         value = (value,)
-    if not isinstance(value, Iterable):
-        raise InputError("contacts", "a sequence of Contact", repr(value))
-    out = tuple(value)
+    try:
+        out = tuple(value)
+    except TypeError:
+        raise InputError("contacts", "a sequence of Contact", repr(value)) from None
     for k, c in enumerate(out):
         if not isinstance(c, Contact):
             raise InputError(f"contacts[{k}]", "a Contact", repr(c))
@@ -124,7 +124,10 @@ def offset(value: Any, preload: Any, n: int) -> Array:
 
 def effects(value: Any, n: int) -> tuple[Effect, ...]:
     """Effects asked for by name; each kind once, except prescribed forces, once a contact."""
-    out = (value,) if isinstance(value, Effect) else tuple(value) if isinstance(value, Iterable) else (value,)
+    try:
+        out = (value,) if isinstance(value, Effect) else tuple(value)
+    except TypeError:
+        out = (value,)
     seen: set[object] = set()
     for k, e in enumerate(out):
         if not isinstance(e, Effect):

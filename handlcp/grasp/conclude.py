@@ -50,9 +50,9 @@ def conclude(
         status, names = Status.UNDECIDED, ("unknown",) * scene.n
         if (twist := escaping_twist(scene, section, _load(effects, scene))) is not None:
             status, certificate = Status.NOT_HOLDABLE, read_only(shift @ twist)
-            nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
-            candidate = Candidate(nothing, np.full(6, np.nan), {})
-            verdict = Verdict(nothing, verdict.residuals)
+        nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
+        candidate = Candidate(nothing, np.full(6, np.nan), {})
+        verdict = Verdict(nothing, verdict.residuals)
     forces = candidate.forces
     # A finger under force control follows the object: no law makes it keep a gap or a slip
     motion = np.where(scene.governed_mask[:, None], verdict.motion, 0.0)

@@ -120,6 +120,8 @@ def grasp(
     Raises NotReached (naming each finger and its gap), UnknownName, InputError.
     """
     hand = state.hand
+    if not isinstance(finger_weight, bool):
+        raise InputError("finger_weight", "True or False", repr(finger_weight))
     obj = target if isinstance(target, Object) else None
     if obj is not None:
         tips = hand.tip_numbers("fingers", fingers)
@@ -168,9 +170,10 @@ def _frictions(friction: Any, names: list[str]) -> list[Friction]:
     laws: list[Any] = [Coulomb(0.6) if friction is None else friction] * len(names)
     if isinstance(friction, Mapping):
         laws = [per_name("friction", friction, names, "a fingertip").get(name, Coulomb(0.6)) for name in names]
-    for law in laws:
+    for name, law in zip(names, laws, strict=True):
         if not isinstance(law, (Coulomb, Frictionless)):
-            raise InputError("friction", "Coulomb(mu), Frictionless(), or a mapping of fingertips to them", repr(law))
+            where = f"friction[{name!r}]" if isinstance(friction, Mapping) else "friction"
+            raise InputError(where, "Coulomb(mu), Frictionless(), or a mapping of fingertips to them", repr(law))
     return laws
 
 

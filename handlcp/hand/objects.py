@@ -205,7 +205,9 @@ def read_placement(value: Any) -> Any:
         return pin.SE3.Identity()
     if isinstance(value, pin.SE3):
         if not (
-            np.isfinite(value.homogeneous).all() and abs(value.rotation.T @ value.rotation - np.eye(3)).max() < 1e-6
+            np.isfinite(value.homogeneous).all()
+            and abs(value.rotation.T @ value.rotation - np.eye(3)).max() < 1e-6
+            and np.linalg.det(value.rotation) > 0
         ):
             raise InputError("placement", "an SE3 with a rotation and finite numbers", repr(value.homogeneous.tolist()))
         return value.copy()

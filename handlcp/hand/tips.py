@@ -114,6 +114,9 @@ def urdf_tip(model: Any, root: ET.Element, frame: str, folders: Sequence[Path]) 
         raise URDFError(
             "source", f"collision geometry for {frame!r} that can be loaded", f"{failure} {''.join(messages)}".strip()
         )
+    if not len(found.geometryObjects):
+        detail = " ".join("".join(messages).split()) or "none that Pinocchio reads"
+        raise URDFError("source", f"collision geometry for {frame!r} that can be loaded, or a tip_radius", detail)
     at = next(f.placement for f in reversed(list(model.frames)) if f.name == frame)
     return tuple(_shape(frame, g, at.actInv(g.placement)) for g in found.geometryObjects)
 

@@ -6,6 +6,7 @@ gives the line of a syntax error), and file descriptor 2 is captured around Pino
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 import threading
@@ -50,7 +51,37 @@ def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.E
     if root.tag != "robot":
         hint = " (expand a xacro file to a URDF first)" if path.suffix == ".xacro" else ""
         raise URDFError(argument, f"a <robot> element at the top{hint}", f"<{root.tag}> in {str(path)!r}")
-    return (root if base is None else subtree(root, base)), path
+    root = root if base is None else subtree(root, base)
+    _check_numbers(argument, root)
+    return root, path
+
+
+# Element, attribute, how many numbers, least value. Pinocchio drops what it cannot read without a word.
+_NUMBERS = (
+    ("origin", "xyz", 3, -math.inf), ("origin", "rpy", 3, -math.inf), ("mass", "value", 1, 0.0),
+    *(("inertia", name, 1, -math.inf) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
+    ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
+    ("box", "size", 3, 0.0),
+)  # fmt: skip
+_LARGEST = 1e6  # metres, kilograms, radians: no hand is larger
+
+
+def _check_numbers(argument: str, root: ET.Element) -> None:
+    """Raises URDFError for a length, an angle, a mass or an inertia that is not the finite number it should be."""
+    for owner in root:
+        for tag, attribute, count, least in _NUMBERS:
+            for element in owner.iter(tag):
+                text = element.get(attribute)
+                if text is None:
+                    continue
+                try:
+                    values = [float(word) for word in text.split()]
+                except ValueError:
+                    values = []
+                if len(values) != count or not all(least <= v <= _LARGEST and v >= -_LARGEST for v in values):
+                    bound = " ≥ 0" if least == 0.0 else ""
+                    expected = f"{count} finite number{'s' if count > 1 else ''}{bound} in <{tag} {attribute}=…>"
+                    raise URDFError(argument, f"{expected} of {owner.tag} {owner.get('name')!r}", repr(text))
 
 
 def subtree(root: ET.Element, base: str) -> ET.Element:

@@ -10,6 +10,7 @@ import numpy as np
 from handlcp.check import Array, Bools, array, read_only
 from handlcp.errors import InputError
 from handlcp.lcp.scaling import Units, equilibrate
+from handlcp.tolerances import LARGEST_RAW
 
 __all__ = ["LCP", "Scaled"]
 
@@ -38,9 +39,9 @@ class LCP:
     """
 
     def __init__(self, M: Any, q: Any, free: Any = None, *, units: Units | None = None) -> None:
-        self.q: Array = array("q", q, (-1,))
+        self.q: Array = array("q", q, (-1,), largest=LARGEST_RAW)
         n = len(self.q)
-        self.__dict__["M"] = array("M", M, (n, n))
+        self.__dict__["M"] = array("M", M, (n, n), largest=LARGEST_RAW)
         self.free: Bools = _mask(free, n)
         if units is not None:
             _check_units(units, n)
@@ -109,6 +110,8 @@ def _mask(free: Any, n: int) -> Bools:
 
 
 def _check_units(units: Units, n: int) -> None:
+    if not isinstance(units, Units):
+        raise InputError("units", "Units(z, w)", repr(units))
     for name, u in (("units.z", units.z), ("units.w", units.w)):
-        if not (array(name, u, (n,)) > 0).all():
+        if not (array(name, u, (n,), largest=LARGEST_RAW) > 0).all():
             raise InputError(name, "positive numbers", f"a smallest of {u.min():.3g}")

@@ -116,3 +116,49 @@ def test_frames_are_right_handed_with_the_normal_last(normal):
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-15)
     np.testing.assert_allclose(np.cross(R[:, 2], R[:, 0]), R[:, 1], atol=1e-15)
     np.testing.assert_allclose(R[:, 2], normal)
+
+
+HUGE = 10**400
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: hl.Coulomb(HUGE),
+        lambda: hl.Box(HUGE),
+        lambda: hl.Contact((HUGE, 0, 0), N),
+        lambda: hl.Contact(np.array([1 + 1j, 0, 0]), N),
+        lambda: hl.Contact(("0", "0", "0"), N),
+        lambda: hl.Contact((1e200, 0, 0), N),
+        lambda: pinch(squeeze=1e200),
+        lambda: pinch(load=(0, 0, 1e308)),
+        lambda: pinch(flexibility=1e308),
+        lambda: hl.Grasp(np.array(1.0)),
+        lambda: hl.Grasp(TWO, effects=np.array(1.0)),
+        lambda: pinch().solve(99999999999),
+        lambda: pinch().solve(HUGE),
+        lambda: hl.LCP([[HUGE]], [1]),
+        lambda: hl.LCP(np.eye(1), [1], units=0),
+        lambda: hl.Lemke(max_iterations="x"),
+        lambda: hl.Lemke(seed=-1),
+        lambda: hl.NSNGRK(polish="x"),
+        lambda: hl.SemismoothNewton(max_iterations=1e308),
+    ],
+)
+def test_what_no_float_or_memory_can_hold_is_refused(make):
+    with pytest.raises(hl.InputError):
+        make()
+
+
+@pytest.mark.parametrize("size", [1e-60, 1e-30, 1e30, 1e60])
+def test_extreme_numbers_end_in_an_answer_or_not_but_never_in_a_warning(size):
+    for more in ({"squeeze": size}, {"load": (0, 0, -size)}, {"flexibility": size}, {"mu": size}):
+        s = pinch(**more).solve(throw=False)
+        assert not s.held or np.isfinite(s.forces).all()
+
+
+def test_what_is_not_solved_shows_no_numbers():
+    s = pinch(squeeze=1e-6).solve(throw=False)
+    assert s.status is not hl.Status.SOLVED
+    assert np.isnan(s.forces).all()
+    assert np.isnan(s.object_displacement).all()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import handlcp as hl
 from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
 from handlcp.hand import Hand, Sphere, example_hand
 from handlcp.hand.library import psyonic, urdf
@@ -124,7 +126,7 @@ def test_no_leaf_that_ends_in_tip(write: Callable[[str], Path]) -> None:
         ("<robot name='r'/>", "No link elements"),
         (MIMIC.replace('<child link="a"/>', '<child link="z"/>'), "child link .z. of joint .z1. not found"),
         (MIMIC.replace('type="revolute"', 'type="hinge"'), "hinge"),
-        (MIMIC.replace('xyz="0.05 0 0"', 'xyz="0.05 0 x"'), "Unable to parse component"),
+        (MIMIC.replace('xyz="0.05 0 0"', 'xyz="0.05 0 x"'), "origin xyz"),
         (MIMIC.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>'), "axis"),
         (MIMIC.replace('mimic joint="z1"', 'mimic joint="nobody"'), "nobody"),
         (MIMIC.replace('mimic joint="z1"', 'mimic joint="k3"'), "circle"),
@@ -188,3 +190,45 @@ def test_the_error_channel_is_given_back(five: Hand, write: Callable[[str], Path
         Hand.from_urdf(write("<robot name='r'/>"), joint_stiffness=1.0)
     os.write(2, b"still here")
     assert capfd.readouterr().err == "still here"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('radius="0.008"', 'radius="x"', "sphere radius"),
+        ('radius="0.008"', 'radius="-1"', "sphere radius"),
+        ('<mass value="', '<mass value="1e308" was="', "mass value"),
+        ('<mass value="', '<mass value="nan" was="', "mass value"),
+        ('<mass value="', '<mass value="-1" was="', "mass value"),
+    ],
+)
+def test_numbers_that_pinocchio_would_drop_without_a_word_are_refused(tmp_path, old, new, named):
+    text = urdf("three_finger").read_text()
+    assert old in text
+    file = tmp_path / "broken.urdf"
+    file.write_text(text.replace(old, new, 1))
+    with pytest.raises(URDFError, match=named):
+        Hand.from_urdf(file, joint_stiffness=1.0)
+
+
+def test_a_tip_whose_shape_cannot_be_read_names_itself(tmp_path):
+    text = urdf("three_finger").read_text()
+    file = tmp_path / "empty.urdf"
+    root = ET.fromstring(text)
+    for link in root.findall("link"):
+        if link.get("name") == "finger_1_tip":
+            for geometry in link.findall("collision/geometry"):
+                geometry.clear()
+    file.write_text(ET.tostring(root, encoding="unicode"))
+    hand = hl.Hand.from_urdf(file, joint_stiffness=1.0)
+    with pytest.raises(hl.URDFError, match="finger_1_tip"):
+        hand.close_on(hl.Sphere(0.03, (0, 0, 0.08)))
+
+
+def test_torques_of_an_undecided_grasp_claim_nothing():
+    hand, cube = hl.example_hand("three_finger"), hl.Box(0.05, (0, 0, 0.09), 0.1)
+    s = hand.at(hand.close_on(cube)).grasp(cube, preload=1e-3).solve(throw=False)
+    assert not s.held
+    assert np.isnan(s.torques).all()
+    assert not s.torque_check.ok
+    assert "not solved" in s.torque_check.verdict

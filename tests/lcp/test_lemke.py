@@ -13,7 +13,7 @@ from tests.lcp.problems import KNOWN, random_p
 from tests.oracle import every_solution
 
 
-@pytest.mark.parametrize("scale", [1e-150, 1e-9, 1.0, 1e9, 1e150])
+@pytest.mark.parametrize("scale", [1e-140, 1e-9, 1.0, 1e9, 1e140])
 def test_scaling_m_or_q_changes_nothing_but_units(scale):
     M, q = random_p(np.random.default_rng(0), 8)
     (z,) = every_solution(M, q)

@@ -11,10 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from handlcp.check import Array, array
-from handlcp.errors import InputError
+from handlcp.check import Array, array, integer
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System
@@ -33,9 +30,7 @@ class PrescribedForce(Effect):
     equation = "w += G_i r_i,  ε += E_(·i) r_i"
 
     def __init__(self, contact: int, force: Any) -> None:
-        if isinstance(contact, bool) or not isinstance(contact, (int, np.integer)) or contact < 0:
-            raise InputError("PrescribedForce.contact", "a contact's number, from 0", repr(contact))
-        object.__setattr__(self, "contact", int(contact))
+        object.__setattr__(self, "contact", integer("PrescribedForce.contact", contact, 0))
         object.__setattr__(self, "force", array("PrescribedForce.force", force, (3,)))
 
     def why(self, scene: Scene) -> str:

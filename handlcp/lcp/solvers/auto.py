@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from handlcp.check import Array
-from handlcp.errors import InputError
+from handlcp.check import Array, integer
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
@@ -32,9 +31,7 @@ class Auto:
     def __post_init__(self) -> None:
         """Check the settings."""
         for name in ("seed", "restarts"):
-            value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-                raise InputError(name, "an integer ≥ 0", repr(value))
+            integer(name, getattr(self, name), 0)
 
     def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a plain LCP, each computed when asked for."""

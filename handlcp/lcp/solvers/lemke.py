@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, number
-from handlcp.errors import InputError
+from handlcp.check import Array, integer, number
 from handlcp.lcp.kernels.kaczmarz import multiply_add
 from handlcp.lcp.kernels.lemke import RAY, SOLVED, lemke
 from handlcp.lcp.kernels.newton import active_set
@@ -40,10 +39,10 @@ class Lemke:
     def __post_init__(self) -> None:
         """Check the settings."""
         number("pivot_tolerance", self.pivot_tolerance, above=0.0)
-        if self.max_iterations is not None and self.max_iterations < 1:
-            raise InputError("max_iterations", "an integer ≥ 1 or None", repr(self.max_iterations))
-        if self.coverings < 1:
-            raise InputError("coverings", "an integer ≥ 1", repr(self.coverings))
+        if self.max_iterations is not None:
+            integer("max_iterations", self.max_iterations, 1)
+        integer("coverings", self.coverings, 1)
+        integer("seed", self.seed, 0)
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Pivot from the origin; Lemke's method knows no warm start, so `start` only names the size."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, number
+from handlcp.check import Array, integer, number
 from handlcp.lcp.kernels.newton import active_set, damped_newton
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
@@ -31,7 +31,7 @@ class SemismoothNewton:
     def __post_init__(self) -> None:
         """Check the settings."""
         number("tol", self.tol, above=0.0)
-        number("max_iterations", self.max_iterations, minimum=1)
+        integer("max_iterations", self.max_iterations, 1)
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None; an exact active-set solve takes the last digits."""

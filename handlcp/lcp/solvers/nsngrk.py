@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, Bools, number
+from handlcp.check import Array, Bools, integer, number
 from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.compile import kernel
@@ -43,10 +43,10 @@ class NSNGRK:
     def __post_init__(self) -> None:
         """Check the settings."""
         number("tol", self.tol, above=0.0)
-        for name, least in (("max_iterations", 0), ("seed", 0), ("stride", 0)):
-            value = getattr(self, name)
-            if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not least <= value < 2**63:
-                raise InputError(name, f"an integer ≥ {least}, below 2^63", repr(value))
+        for name in ("max_iterations", "seed", "stride"):
+            integer(name, getattr(self, name), 0)
+        if not isinstance(self.polish, bool):
+            raise InputError("polish", "True or False", repr(self.polish))
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None."""
