@@ -1,0 +1,168 @@
+"""The search over contact modes against an independent enumeration of all modes, closed forms, and the paper."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import handlcp as hl
+from handlcp.grasp.assemble import assemble_contact
+from handlcp.grasp.certify import judge
+from handlcp.grasp.equilibria import applicable, find_equilibrium, other_equilibria, seeded
+from handlcp.grasp.pyramid import as_section
+from handlcp.study.paper.examples import PRELOAD, example
+from tests.grasp.scenes import pinch, ring
+
+C = 1e-4
+
+
+def searched(g, faces, **more):
+    section = as_section(faces, planar=g.scene.plane is not None)
+    problem = assemble_contact(g.scene, section, g.effects)
+    r = find_equilibrium(g.scene, problem.effects, section, **more)
+    if r.candidate is not None:
+        assert judge(g.scene, problem.effects, section, r.candidate).residuals.passes
+    return r
+
+
+def exists(g, m):
+    """Whether some choice of modes has a point, by one linear program a choice; nothing of the search is used."""
+    s, a = g.scene, 2 * np.pi * np.arange(m) / m
+    scale = np.trace(s.flexibility) / len(s.flexibility)
+    f0 = max(np.abs(s.force).max(), 1e-9)
+    G, E, d = s.grasp_matrix, s.flexibility / scale, s.offset.ravel() / (scale * f0)
+    G = np.vstack([G[:3], G[3:] / s.units.length])
+    w = np.r_[s.wrench[:3], s.wrench[3:] / s.units.length] / f0
+    corner = lambda j: np.array([np.cos(a[j] + np.pi / m), np.sin(a[j] + np.pi / m)])  # noqa: E731
+    face = lambda j: np.array([np.cos(a[j % m]), np.sin(a[j % m])])  # noqa: E731
+    modes = [([], [(0, 0, 1)] + [(*t, 0) for t in ((1, 0), (-1, 0), (0, 1), (0, -1))])]
+    modes += [([(*corner(j), 1) for j in range(m)], [])]
+    modes += [([(*corner(j - 1), 1), (*corner(j), 1)], [(*-face(j), 0)]) for j in range(m)]
+    modes += [([(*corner(j), 1)], [(*-face(j), 0), (*-face(j + 1), 0)]) for j in range(m)]
+    for choice in itertools.product(modes, repeat=s.n):
+        F, V = [], []
+        for i, (force, motion) in enumerate(choice):
+            for column in force:
+                F.append(np.zeros(3 * s.n))
+                F[-1][3 * i : 3 * i + 3] = np.array(column) * [s.mu[i], s.mu[i], 1]
+            for column in motion:
+                V.append(np.zeros(3 * s.n))
+                V[-1][3 * i : 3 * i + 3] = column
+        F, V = np.array(F).reshape(-1, 3 * s.n).T, np.array(V).reshape(-1, 3 * s.n).T
+        A = np.block([[V, -E @ F, -G.T], [np.zeros((6, V.shape[1])), G @ F, np.zeros((6, 6))]])
+        k = V.shape[1] + F.shape[1]
+        if linprog(np.zeros(k + 6), A_eq=A, b_eq=np.r_[d, -w], bounds=[(0, None)] * k + [(None, None)] * 6).status == 0:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_search_agrees_with_all_modes_one_by_one(seed):
+    rng = np.random.default_rng(seed)
+    contacts, data = ring(rng, n=2 if seed % 2 else 3, mu=0.5, preload=float(rng.choice([0.0, 1e-3, 0.01])))
+    g = hl.Grasp(contacts, **data)
+    m = 4 if seed % 2 else 3
+    assert searched(g, m).outcome == ("solution" if exists(g, m) else "none")
+
+
+@pytest.mark.parametrize("faces", [4, 6, 8, "cone"])
+def test_example_4_has_no_equilibrium_and_one_with_preload(faces):
+    r = searched(example(4).grasp, faces)
+    assert r.outcome == "none"
+    assert r.force_bound >= 1000
+    assert searched(example(4, preload=5e-6).grasp, faces).outcome == "solution"
+    # squeezed by fingers 1 and 2 alone, the pyramids of 4 and 6 faces are too narrow
+    assert searched(example(4, preload=PRELOAD).grasp, faces).outcome == ("none" if faces in (4, 6) else "solution")
+
+
+@pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
+def test_a_pinch_holds_up_to_its_friction_limit(faces):
+    limit = 2 * 10.0 * 0.5 * (1.0 if faces == "cone" else np.cos(np.pi / faces))  # 10 N of squeeze, towards a face
+    assert searched(pinch(load=(0, 0, -0.999 * limit)), faces).outcome == "solution"
+    assert searched(pinch(load=(0, 0, -1.001 * limit)), faces).outcome == "none"
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_it_finds_what_the_solver_finds(seed, faces):
+    contacts, data = ring(np.random.default_rng(seed), n=3)
+    g = hl.Grasp(contacts, **data)
+    s = g.solve(faces, throw=False)
+    assert s.held
+    assert searched(g, faces).outcome == "solution"
+
+
+def test_planar_scenes_and_prescribed_forces():
+    contacts = [
+        hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)),
+        hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5)),
+    ]
+    held = hl.Grasp(contacts, (0, -9.0, 0), flexibility=C, preload=1e-3)
+    assert searched(held, 8).outcome == "solution"
+    assert searched(hl.Grasp(contacts, (0, -11.0, 0), flexibility=C, preload=1e-3), 8).outcome == "none"
+    # finger 1 is told to push 10 N; finger 2 cannot but answer, with or without preload
+    pushed = hl.Grasp(contacts, (0, -9.0, 0), flexibility=C, effects=[hl.PrescribedForce(0, (4.5, 0, 10.0))])
+    up = hl.Grasp(contacts, (0, -9.0, 0), flexibility=C, effects=[hl.PrescribedForce(0, (-4.5, 0, 10.0))])
+    assert {searched(pushed, 8).outcome, searched(up, 8).outcome} == {"solution", "none"}
+
+
+def test_a_bound_below_the_answer_is_part_of_the_statement():
+    g = pinch()
+    unit = g.scene.units.force
+    r = searched(g, 4, bound=1.0 / unit)  # the answer has 10 N
+    assert (r.outcome, round(r.force_bound, 9)) == ("none", 1.0)
+
+
+def test_a_total_force_bound_is_not_for_this_search():
+    g = pinch(effects=[hl.TotalForceBound(5.0)])
+    problem = g.problem(4)
+    assert not applicable(problem.effects)
+    with pytest.raises(ValueError, match="search the assembled problem"):
+        find_equilibrium(g.scene, problem.effects, hl.Pyramid(4))
+
+
+def test_no_time_is_no_claim():
+    contacts, data = ring(np.random.default_rng(0), n=5)
+    assert searched(hl.Grasp(contacts, **data), 16, seconds=1e-9).outcome == "unknown"
+
+
+# ---------------------------------------------------------------- others
+def others(g, faces, **more):
+    section = as_section(faces, planar=g.scene.plane is not None)
+    problem = assemble_contact(g.scene, section, g.effects)
+    known = searched(g, faces).candidate
+    return known, other_equilibria(g.scene, problem.effects, section, known, seeded(problem, 2), **more)
+
+
+def test_a_frictionless_soft_grasp_has_one_equilibrium():
+    angles = np.deg2rad([90, 210, 330])
+    contacts = [hl.Contact((np.cos(a), np.sin(a)), (-np.cos(a), -np.sin(a)), hl.Frictionless()) for a in angles]
+    _, r = others(hl.Grasp(contacts, (0.5, -1, 0), flexibility=1e-3, preload=1e-2), 8)
+    assert r.candidates == ()
+    assert r.exhaustive
+
+
+def test_friction_and_coupled_flexibility_can_leave_several_equilibria():
+    """Planar, μ = 1.5, flexibility with strong coupling of normal and tangent: some of these scenes have more."""
+    rng = np.random.default_rng(0)
+    section = as_section(8, planar=True)
+    for _ in range(300):
+        a = rng.uniform(0, 2 * np.pi, 3)
+        p = np.column_stack([np.cos(a), np.sin(a)])
+        contacts = [hl.Contact(x, -x, hl.Coulomb(1.5)) for x in p]
+        B = rng.normal(size=(6, 6))
+        g = hl.Grasp(contacts, rng.normal(size=3), flexibility=B @ B.T * 1e-3, preload=rng.uniform(0, 3e-3, 3))
+        problem = assemble_contact(g.scene, section, ())
+        first = find_equilibrium(g.scene, problem.effects, section)
+        if first.candidate is None:
+            continue
+        r = other_equilibria(g.scene, problem.effects, section, first.candidate)
+        if r.candidates:
+            break
+    assert r.exhaustive
+    for c in r.candidates:
+        assert judge(g.scene, problem.effects, section, c).residuals.passes
+        assert abs(c.forces - first.candidate.forces).max() > 1e-6 * abs(c.forces).max()

@@ -1,0 +1,129 @@
+"""Required preload and friction against closed forms; what is returned holds, a tolerance less does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.errors import InputError
+from handlcp.grasp.pyramid import as_section
+from handlcp.grasp.required import holds, required_friction, required_preload, smallest, with_friction, with_preload
+from handlcp.study.paper.examples import example
+from tests.grasp.scenes import pinch
+
+C = 1e-4  # m/N, the pinch's flexibility
+
+
+def reach(faces):
+    return 1.0 if faces == "cone" else np.cos(np.pi / faces)
+
+
+@pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
+def test_a_pinch_needs_load_over_twice_its_friction_times_the_flexibility(faces):
+    r = required_preload(pinch(mu=0.5, squeeze=0.0, load=(0, 0, -3.0)), faces, tolerance=1e-4)
+    exact = C * 3.0 / (2 * 0.5 * reach(faces))  # squeeze / C on each side carries 2 μ_m squeeze / C
+    assert exact * (1 - 1e-9) <= r.value <= exact * (1 + 1e-4)
+    assert r.value * (1 - 1.001e-4) <= r.fails < exact
+    assert dict(r.checked)[r.value]
+    assert not dict(r.checked)[r.fails]
+    assert not r.proven
+
+
+@pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
+def test_a_pinch_needs_this_much_friction(faces):
+    r = required_friction(pinch(squeeze=1e-3, load=(0, 0, -3.0)), faces, tolerance=1e-4)
+    exact = 3.0 / (2 * 10.0 * reach(faces))
+    assert exact * (1 - 1e-9) <= r.value <= exact * (1 + 1e-4)
+    assert r.fails < exact
+
+
+def test_a_squeeze_already_there_counts():
+    r = required_preload(pinch(mu=0.5, squeeze=1e-4, load=(0, 0, -3.0)), "cone", tolerance=1e-4)
+    np.testing.assert_allclose(r.value, 2e-4, rtol=2e-4)
+    gap = required_preload(pinch(mu=0.5, squeeze=-1e-3, load=(0, 0, -3.0)), "cone", tolerance=1e-4)
+    np.testing.assert_allclose(gap.value, 1.3e-3, rtol=2e-4)
+
+
+@pytest.mark.parametrize("faces", [4, 6, 8, "cone"])
+def test_example_4_needs_a_few_micrometres_on_all_fingers(faces):
+    grasp = example(4).grasp
+    r = required_preload(grasp, faces)
+    assert 3e-6 < r.value < 5e-6
+    section = as_section(faces)
+    assert holds(with_preload(grasp, r.value), section)
+    assert not holds(with_preload(grasp, r.value * (1 - r.tolerance)), section)
+    assert required_friction(grasp, faces).value is None, "no friction makes up for the missing squeeze"
+
+
+def test_nothing_needed_nothing_enough_and_a_limit():
+    enough = required_preload(pinch(squeeze=1e-3))
+    assert (enough.value, enough.fails) == (0.0, None)
+    assert "nothing added" in str(enough)
+    smooth = [hl.Contact((s, 0, 0), (-s, 0, 0), hl.Frictionless()) for s in (-1.0, 1.0)]
+    never = hl.Grasp(smooth, (0, 0, -1, 0, 0, 0), flexibility=C)
+    for r in (required_preload(never), required_friction(never)):
+        assert r.value is None
+        assert r.proven
+        assert "no force within friction" in str(r)
+    along = hl.Grasp(smooth, (1, 0, 0, 0, 0, 0), flexibility=C)
+    assert required_friction(along).value == 0.0
+    short = required_preload(pinch(squeeze=0.0), limit=1e-6)
+    assert (short.value, short.fails, short.proven) == (None, 1e-6, False)
+
+
+def test_three_props_under_a_push_need_the_friction_of_statics_and_that_is_proven():
+    """Rigid props, statically determined: below μ = push / weight no force balances it at all."""
+    p = np.array([[1.0, 0, 0], [-0.5, 0.8, 0], [-0.5, -0.8, 0]])
+    contacts = [hl.Contact(a, (0, 0, 1), hl.Coulomb(0.9), tangent=(1, 0, 0)) for a in p]
+    r = required_friction(hl.Grasp(contacts, (2.0, 0, -10.0, 0, 0, 0), flexibility=C), "cone")
+    np.testing.assert_allclose(r.value, 0.2, rtol=2e-3)
+    assert r.proven or r.fails < r.value
+
+
+def test_holding_that_is_not_monotone_gives_a_value_that_holds_and_a_tolerance_less_that_does_not():
+    windows = lambda x: 0.30 <= x <= 0.5 or x >= 2.0  # noqa: E731
+    r = smallest(windows, 0.0, 0.01, 10.0, 1e-3, "m")
+    np.testing.assert_allclose(r.value, 0.30, rtol=1e-3)
+    assert windows(r.value)
+    assert not windows(r.fails)
+    assert r.value - r.fails <= 1e-3 * r.value
+    assert smallest(lambda x: False, 0.0, 0.01, 10.0, 1e-3, "m").fails == 10.0
+
+
+def test_changed_grasps_keep_everything_else():
+    g = pinch(load=(1.0, 2.0, -3.0), reference=(0.1, 0.2, 0.3), effects=[hl.PrescribedForce(0, (0, 0, 5.0))])
+    more = with_preload(g, 1e-4)
+    np.testing.assert_allclose(more.scene.offset[:, 2], [-1e-3, -1.1e-3])
+    for a in ("positions", "frames", "flexibility", "force"):
+        np.testing.assert_array_equal(getattr(more.scene, a), getattr(g.scene, a))
+    np.testing.assert_allclose(more.scene.moment, g.scene.moment, atol=1e-15)
+    assert (more.names, more.effects, type(more)) == (g.names, g.effects, type(g))
+    slick = with_friction(g, 0.1)
+    np.testing.assert_array_equal(slick.scene.mu, 0.1)
+    np.testing.assert_array_equal(g.scene.mu, 0.5)
+    assert g.contacts[0].mu == 0.5
+
+
+def test_a_hands_grasp_stays_a_hands_grasp():
+    hand = hl.example_hand("three_finger")
+    ball = hl.Sphere(radius=0.03, placement=(0, 0, 0.08), mass=0.2)
+    try:
+        grasp = hand.at(hand.close_on(ball)).grasp(ball, friction=hl.Coulomb(0.6))
+    except hl.NotReached:
+        pytest.skip("this ball is out of reach")
+    more = with_preload(grasp, 1e-3)
+    assert type(more) is type(grasp)
+    assert more.jacobian is grasp.jacobian
+    assert more.names == grasp.names
+    r = required_preload(grasp)
+    if r.value:
+        assert with_preload(grasp, r.value).solve().torques.shape == (hand.nv,)
+
+
+def test_a_tolerance_has_to_be_one():
+    for bad in (0.0, -1.0, 1.0, np.nan):
+        with pytest.raises(InputError, match="tolerance"):
+            required_preload(pinch(), tolerance=bad)
+    with pytest.raises(InputError, match="limit"):
+        required_friction(pinch(), limit=0.0)
