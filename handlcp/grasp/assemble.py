@@ -15,6 +15,7 @@ from handlcp.grasp.pyramid import Cone, Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
 from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.schur import schur
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
@@ -163,8 +164,8 @@ def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) 
             blocks[:, 2] = blocks[:, 1] + 1
     limits = section.limit(scene.mu)[list(scene.rough)]
     p = GraspContact(
-        system.M, system.q, np.arange(n) >= at["u"].start, blocks, limits, section.faces, Units(*system.sizes(scene)),
-        lambda m: _pyramid(scene, asked, system, m),
+        system.M, system.q, np.arange(n) >= at["u"].start, blocks, limits, section.faces,
+        lambda: Units(*system.sizes(scene)), lambda m: _pyramid(scene, asked, system, m),
     )  # fmt: skip
     p.groups, p.effects, p._system, p._scene = system.groups, effects, system, scene
     return p
@@ -202,17 +203,19 @@ def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array)
     return Candidate(f.reshape(-1, 3), scene.twist(x[at["u"]]), extra)
 
 
+@kernel
 def _multipliers(pull: Array, faces: int) -> Array:
     """(k, m) λ ≥ 0 with Σ λ_j n_j = pull (k, 2), or (k, 1) in a plane, on the two faces whose normals enclose it."""
-    if faces == 2:
-        return np.hstack([np.maximum(pull, 0.0), np.maximum(-pull, 0.0)])
-    step = 2 * np.pi / faces
-    angle = np.arctan2(pull[:, 1], pull[:, 0]) % (2 * np.pi)
-    first = np.floor(angle / step).astype(np.int64) % faces
-    rest = angle - first * step
-    size = np.hypot(pull[:, 0], pull[:, 1]) / np.sin(step)
     out = np.zeros((len(pull), faces))
-    k = np.arange(len(pull))
-    out[k, first] = size * np.maximum(np.sin(step - rest), 0.0)
-    out[k, (first + 1) % faces] += size * np.maximum(np.sin(rest), 0.0)
+    step = 2.0 * np.pi / faces
+    for k in range(len(pull)):
+        if faces == 2:
+            out[k, 0], out[k, 1] = max(pull[k, 0], 0.0), max(-pull[k, 0], 0.0)
+            continue
+        angle = np.arctan2(pull[k, 1], pull[k, 0]) % (2.0 * np.pi)
+        first = int(angle / step)
+        rest = angle - first * step
+        size = np.hypot(pull[k, 0], pull[k, 1]) / np.sin(step)
+        out[k, first % faces] = size * max(np.sin(step - rest), 0.0)
+        out[k, (first + 1) % faces] += size * max(np.sin(rest), 0.0)
     return out

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.contact import contact_residual
+from handlcp.lcp.kernels.residual import recompute, recompute_contact
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY
@@ -23,14 +23,7 @@ def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
     cancelling multipliers must not excuse a wrong answer. Not finite anywhere: infinite.
     """
     units = problem.scaled.units
-    with np.errstate(invalid="ignore", over="ignore"):
-        w = problem.M @ z + problem.q
-        zs, ws = z / units.z, w / units.w
-    if not (np.isfinite(zs).all() and np.isfinite(ws).all()):
-        return w, np.inf
-    size = min(max(1.0, float(abs(zs).max(initial=0.0))), _GROWTH)
-    gap = np.where(problem.free, ws, np.minimum(zs, ws))
-    return w, float(abs(gap).max(initial=0.0)) / size
+    return recompute(problem.M, problem.q, problem.free, units.z, units.w, z, _GROWTH)
 
 
 def certify(problem: LCP, z: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
@@ -45,14 +38,9 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
     residual: the worst of |y_i| (free), |min(x_i, y_i)| (pairs) and, in each friction block, the excess over the limit
     and the distance of x_T from the projection of x_T - y_T, over the size of x clipped to [1, 1000].
     """
-    with np.errstate(invalid="ignore", over="ignore"):
-        y = problem.M @ x + problem.q
-    if not (np.isfinite(x).all() and np.isfinite(y).all()):
-        return Status.UNDECIDED, y * problem.units.w, np.inf
-    one = np.ones(problem.n)
-    args = (problem.role, one, problem.blocks, problem.limits, problem.faces)
-    miss = max(contact_residual(x, y, *args), contact_residual(x, np.where(problem.role == 2, 0.0, y), *args))
-    residual = miss / min(max(1.0, float(abs(x).max(initial=0.0))), _GROWTH)
+    y, residual = recompute_contact(
+        problem.M, problem.q, problem.role, problem.blocks, problem.limits, problem.faces, x, _GROWTH
+    )
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
 
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 
-import numpy as np
-
 from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.lcp.kernels.contact import roles, row_scales
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 
 __all__ = ["ContactProblem"]
-
-_FREE, _PAIR, _TANGENT = 0, 1, 2
 
 
 class ContactProblem:
@@ -25,7 +22,7 @@ class ContactProblem:
 
     M (n, n), q (n,), free (n,) bool. blocks (k, 3): indices of normal, first and second tangent (-1: planar).
     limits (k,) radius per unit of normal force [-]. faces: 0 the disc, ≥ 3 a regular polygon of that apothem with
-    outward normals at 2πj/m, 2 an interval. units: natural sizes of every x and y.
+    outward normals at 2πj/m, 2 an interval. units: natural sizes of every x and y, or a function that makes them.
     pyramid : how to get the same scene with an m-face pyramid as a plain `LCP`, and its z as an x, or None.
     """
 
@@ -37,11 +34,12 @@ class ContactProblem:
         blocks: Ints,
         limits: Array,
         faces: int,
-        units: Units,
+        units: Units | Callable[[], Units],
         pyramid: Callable[[int], tuple[LCP, Callable[[Array], Array]]] | None = None,
     ) -> None:
         self.M, self.q, self.free = read_only(M), read_only(q), free
-        self.blocks, self.limits, self.faces, self.units, self.pyramid = blocks, limits, faces, units, pyramid
+        self.blocks, self.limits, self.faces, self.pyramid = blocks, limits, faces, pyramid
+        self._units = units
 
     @property
     def n(self) -> int:
@@ -49,22 +47,19 @@ class ContactProblem:
         return len(self.q)
 
     @cached_property
+    def units(self) -> Units:
+        """Natural sizes of every x and y."""
+        return self._units if isinstance(self._units, Units) else self._units()
+
+    @cached_property
     def role(self) -> Ints:
         """(n,) 0 free, 1 pair, 2 tangent of a friction block."""
-        role = np.where(self.free, _FREE, _PAIR)
-        tangents = self.blocks[:, 1:].ravel()
-        role[tangents[tangents >= 0]] = _TANGENT
-        return role
+        return roles(self.free, self.blocks)
 
     @cached_property
     def rho(self) -> Array:
         """(n,) scale that makes ρ y comparable with x: one over the stiffness seen by each contact."""
-        own = np.abs(np.diagonal(self.M)).copy()
-        for block in self.blocks:
-            mine = block[block >= 0]
-            own[mine] = own[mine].mean()
-        floor = 1e-6 * (own.max(initial=0.0) or 1.0)
-        return 1.0 / np.where(own > 0, np.maximum(own, floor), 1.0)
+        return row_scales(self.M, self.blocks)
 
     def __repr__(self) -> str:
         kind = "exact cone" if self.faces == 0 else "planar" if self.faces == 2 else f"{self.faces} faces"

@@ -39,7 +39,8 @@ def solve_lcp(
     if start is not None:
         start = array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
-    best: LCPSolution | None = None
+    best: tuple[float, Array, Array, Proposal] | None = None
+    status = Status.UNDECIDED
     for name, proposal in proposals(problem, solver, start):
         z = proposal.z * units.z
         if isinstance(problem, ContactProblem):
@@ -47,32 +48,29 @@ def solve_lcp(
         else:
             status, w, residual = certify(problem, z)
         trace.append(f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {residual:.1e}")
-        if best is None or residual < best.residual:
-            best = LCPSolution(
-                read_only(z),
-                read_only(w),
-                status,
-                residual,
-                proposal.iterations,
-                outcome=proposal.outcome,
-                history=proposal.history,
-            )
+        if best is None or residual < best[0]:
+            best = residual, z, w, proposal
         if status is Status.SOLVED:
             break
     assert best is not None  # every solver proposes something
-    if isinstance(problem, LCP) and best.status is not Status.SOLVED and (y := farkas_vector(problem)) is not None:
-        nothing = read_only(np.full(problem.n, np.nan))  # so that nobody uses them by accident
-        best = LCPSolution(nothing, nothing, Status.INFEASIBLE, np.inf, best.iterations, y, "Farkas vector found")
+    residual, z, w, proposal = best
+    certificate = None
+    outcome = proposal.outcome
+    if status is not Status.SOLVED and isinstance(problem, LCP):
+        certificate = farkas_vector(problem)
+        if certificate is not None:
+            status, residual, outcome = Status.INFEASIBLE, np.inf, "Farkas vector found"
+            z = w = np.full(problem.n, np.nan)  # so that nobody uses them by accident
     solution = LCPSolution(
-        best.z,
-        best.w,
-        best.status,
-        best.residual,
-        best.iterations,
-        best.certificate,
-        best.outcome,
+        read_only(z),
+        read_only(w),
+        status,
+        residual,
+        proposal.iterations,
+        certificate,
+        outcome,
         tuple(trace),
-        best.history,
+        proposal.history,
     )
     if throw and solution.status is not Status.SOLVED:
         raise NoSolutionFound("\n  ".join((solution.status.meaning, *trace)), problem, solution)

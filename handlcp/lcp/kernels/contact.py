@@ -17,12 +17,49 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.lcp.kernels.kaczmarz import Seeds, multiply_add, uniform
 
-__all__ = ["contact_kaczmarz", "contact_newton", "contact_residual", "project"]
+__all__ = ["contact_kaczmarz", "contact_newton", "contact_residual", "project", "roles", "row_scales"]
+
+
+@kernel
+def roles(free: Bools, blocks: Ints) -> Ints:
+    """(n,) 0 free, 1 pair, 2 tangent of a friction block."""
+    role = np.ones(len(free), np.int64)
+    for i in range(len(free)):
+        if free[i]:
+            role[i] = 0
+    for k in range(len(blocks)):
+        for a in range(1, 3):
+            if blocks[k, a] >= 0:
+                role[blocks[k, a]] = 2
+    return role
+
+
+@kernel
+def row_scales(M: Array, blocks: Ints) -> Array:
+    """(n,) ρ that makes ρ y comparable with x: one over the flexibility that each contact sees, its mean in a block."""
+    n = len(M)
+    own, largest = np.empty(n), 0.0
+    for i in range(n):
+        own[i] = abs(M[i, i])
+        largest = max(largest, own[i])
+    for k in range(len(blocks)):
+        total, count = 0.0, 0
+        for a in range(3):
+            if blocks[k, a] >= 0:
+                total += own[blocks[k, a]]
+                count += 1
+        for a in range(3):
+            if blocks[k, a] >= 0:
+                own[blocks[k, a]] = total / count
+    for i in range(n):
+        own[i] = 1.0 / max(own[i], 1e-6 * largest) if own[i] > 0.0 else 1.0
+    return own
+
 
 _TIE = 1e-12  # a projection this close to a corner, relative, is on the side it was computed on
 

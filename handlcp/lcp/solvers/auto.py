@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,18 +38,18 @@ class Auto:
         """(method, candidate) for a plain LCP, each computed when asked for."""
         n = problem.n
         if (contact := problem.contact) is not None and start is None:
-            small = NSNGRK(seed=self.seed, max_iterations=_FEW * contact.n).propose_contact(contact)
-            yield "NSNGRK on the friction set", replace(small, z=problem.lift(small.z))
+            small = _nsngrk(self.seed, _FEW * contact.n).propose_contact(contact)
+            yield "NSNGRK on the friction set", Proposal(problem.lift(small.z), small.iterations, small.outcome)
         else:
-            yield "NSNGRK", NSNGRK(seed=self.seed, max_iterations=3 * n).propose(problem.scaled, start)
+            yield "NSNGRK", _nsngrk(self.seed, 3 * n).propose(problem.scaled, start)
         yield "Lemke", Lemke(seed=self.seed).propose(problem.scaled)
         for k in range(self.restarts):
-            yield "NSNGRK", NSNGRK(seed=self.seed + 1 + k, max_iterations=200 * n).propose(problem.scaled)
+            yield "NSNGRK", _nsngrk(self.seed + 1 + k, 200 * n).propose(problem.scaled)
 
     def contact_stages(self, problem: ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a contact problem, each computed when asked for."""
         n = problem.n
-        yield "NSNGRK", NSNGRK(seed=self.seed, max_iterations=_FEW * n).propose_contact(problem, start)
+        yield "NSNGRK", _nsngrk(self.seed, _FEW * n).propose_contact(problem, start)
         plain = None
         if problem.pyramid is not None:
             own = problem.faces if 3 <= problem.faces <= 16 else 8
@@ -61,10 +62,10 @@ class Auto:
                     continue
                 if faces == problem.faces or problem.faces == 2:
                     yield "Lemke", replace(pivoted, z=x)
-                near = NSNGRK(seed=self.seed, max_iterations=_FEW * n).propose_contact(problem, x)
+                near = _nsngrk(self.seed, _FEW * n).propose_contact(problem, x)
                 yield f"NSNGRK from Lemke, {faces} faces", near
         for k in range(self.restarts):
-            again = NSNGRK(seed=self.seed + 1 + k, max_iterations=100 * n)
+            again = _nsngrk(self.seed + 1 + k, 100 * n)
             yield "NSNGRK", again.propose_contact(problem)
             if plain is not None:
                 lcp, back = plain
@@ -81,4 +82,10 @@ class Auto:
         return ("NSNGRK on the friction set" if problem.contact is not None else "NSNGRK", "Lemke", *seeds)
 
 
-_FEW = 32  # Kaczmarz steps per unknown before Lemke's method gets its turn
+_FEW = 4  # Kaczmarz steps per unknown before Lemke's method gets its turn
+
+
+@lru_cache(maxsize=256)
+def _nsngrk(seed: int, most: int) -> NSNGRK:
+    """The same few solvers are asked for again and again; checking their settings would cost a tenth of a solve."""
+    return NSNGRK(seed=seed, max_iterations=most)
