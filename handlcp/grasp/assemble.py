@@ -54,6 +54,11 @@ class GraspProblem(LCP):
     _back: tuple[Array, Array] | None
 
     @property
+    def scene(self) -> Scene:
+        """What was assembled."""
+        return self._scene
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """A name for every unknown of this problem, such as "r_N[2]"."""
         shown = [g for g in self.groups if not (self.eliminated and g.free)]
@@ -137,6 +142,11 @@ class GraspContact(ContactProblem):
     effects: tuple[Effect, ...]
     _system: System
     _scene: Scene
+
+    @property
+    def scene(self) -> Scene:
+        """What was assembled."""
+        return self._scene
 
     @property
     def labels(self) -> tuple[str, ...]:

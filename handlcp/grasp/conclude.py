@@ -71,6 +71,8 @@ def conclude(
         iterations,
         trace,
         candidate.extra,
+        scene=scene,
+        reference=reference,
     )
 
 

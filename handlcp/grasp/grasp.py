@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, overload
 
 import numpy as np
@@ -17,10 +18,12 @@ from handlcp.grasp.conclude import conclude
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.explain import Explanation, explain
+from handlcp.grasp.last_resort import last_resort
 from handlcp.grasp.pyramid import Cone, Pyramid, Section, as_section
+from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.solution import GraspSolution
-from handlcp.lcp import Auto, Solver, proposals
+from handlcp.lcp import Auto, Solver, Status, proposals
 
 __all__ = ["Grasp"]
 
@@ -166,9 +169,38 @@ class Grasp:
                 break
         assert best is not None  # every solver proposes something
         solution = self._solution(problem.effects, section, *best, tuple(trace))
+        if solution.status is Status.UNDECIDED and (chain := _chain(solver)) is not None and chain.search_seconds > 0:
+            solution = self._search(problem, section, chain, solution, best[1])
         if throw and not solution.held:
             raise NoSolutionFound("\n  ".join((str(solution), *trace)), problem, solution)
         return solution
+
+    def _search(
+        self,
+        problem: GraspProblem | GraspContact,
+        section: Section,
+        chain: Auto,
+        solution: GraspSolution,
+        verdict: Verdict,
+    ) -> GraspSolution:
+        """The chain's last stage: an exact search, and for a proven "no" the squeeze that would help."""
+        candidate, bounds, words = last_resort(problem, section, chain.search_seconds)
+        trace = (*solution.trace, words)
+        if candidate is not None:
+            verdict = judge(self.scene, problem.effects, section, candidate)
+            return self._solution(problem.effects, section, candidate, verdict, solution.iterations, trace)
+        if bounds is None:
+            return replace(solution, trace=trace)
+        squeeze = required_preload(self, section).value
+        return replace(solution, status=Status.NO_EQUILIBRIUM, bounds=bounds, required_preload=squeeze, trace=trace)
+
+    def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
+        """The smallest squeeze [m], added to every contact, with which the grasp holds, to a relative tolerance."""
+        return required_preload(self, self._section(faces), tolerance)
+
+    def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
+        """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
+        return required_friction(self, self._section(faces), tolerance)
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.plane is not None)
@@ -180,3 +212,7 @@ class Grasp:
         s = self.scene
         planar = ", planar" if s.plane is not None else ""
         return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{planar})"
+
+
+def _chain(solver: Solver | Auto | None) -> Auto | None:
+    return Auto() if solver is None else solver if isinstance(solver, Auto) else None

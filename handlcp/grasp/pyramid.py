@@ -125,9 +125,9 @@ def _ring(m: int, shift: float) -> Array:
     return read_only(ring)
 
 
-def as_section(faces: int | str | Pyramid, planar: bool = False) -> Section:
+def as_section(faces: int | str | Section, planar: bool = False) -> Section:
     """What users pass as `faces`; a planar scene has its own, whatever they pass. Raises InputError."""
-    if not isinstance(faces, Pyramid):
+    if not isinstance(faces, (Pyramid, Cone, Interval)):
         if isinstance(faces, str) and faces != "cone":
             raise InputError("faces", 'an integer ≥ 3, "cone" or a Pyramid', repr(faces))
         section: Section = Cone() if isinstance(faces, str) else Pyramid(faces)

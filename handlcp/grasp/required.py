@@ -22,7 +22,7 @@ from handlcp.grasp.certify import judge
 from handlcp.grasp.effects import PrescribedForce
 from handlcp.grasp.friction import Coulomb
 from handlcp.grasp.holdable import escaping_twist
-from handlcp.grasp.pyramid import Pyramid, Section, as_section
+from handlcp.grasp.pyramid import Section, as_section
 from handlcp.lcp import Auto, proposals
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Required:
 
 def required_preload(
     grasp: Grasp,
-    faces: int | str | Pyramid = 8,
+    faces: int | str | Section = 8,
     tolerance: float = 1e-3,
     limit: float | None = None,
     check: Callable[[Grasp], bool] | None = None,
@@ -91,7 +91,7 @@ def required_preload(
 
 def required_friction(
     grasp: Grasp,
-    faces: int | str | Pyramid = 8,
+    faces: int | str | Section = 8,
     tolerance: float = 1e-3,
     limit: float | None = None,
     check: Callable[[Grasp], bool] | None = None,

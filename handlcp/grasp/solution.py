@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from handlcp.check import Array
 from handlcp.grasp.certify import Residuals
+from handlcp.grasp.diagnosis import diagnose
+from handlcp.grasp.scene import Scene
 from handlcp.grasp.uniqueness import Uniqueness
 from handlcp.lcp.status import Status
 
@@ -30,6 +33,9 @@ class GraspSolution:
     certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes.
     iterations : steps of the method that gave the answer. trace : one line per stage that ran.
     extra : unknowns of further effects by name, SI.
+    bounds : for NO_EQUILIBRIUM the forces [N] and motions [m] up to which it was proven; None otherwise.
+    required_preload : for NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one was found.
+    scene, reference : what was solved, for `diagnosis`.
     """
 
     status: Status
@@ -46,11 +52,36 @@ class GraspSolution:
     iterations: int
     trace: tuple[str, ...]
     extra: dict[str, Array] = field(default_factory=dict)
+    bounds: tuple[float, float] | None = None
+    required_preload: float | None = None
+    scene: Scene | None = field(default=None, repr=False, compare=False)
+    reference: Array | None = field(default=None, repr=False, compare=False)
 
     @property
     def held(self) -> bool:
         """Whether the hand holds the object: a certified equilibrium exists."""
         return self.status is Status.SOLVED
+
+    @cached_property
+    def diagnosis(self) -> str:
+        """One sentence with the fingers' names: what slides, what is loose, how the object escapes, what would help."""
+        if self.scene is None or self.reference is None:
+            return self.status.meaning
+        free = self.uniqueness
+        return diagnose(
+            self.status,
+            self.names,
+            self.scene.positions,
+            reference=self.reference,
+            forces=self.forces,
+            states=self.contact_state,
+            offset=self.scene.offset,
+            escape=self.certificate,
+            loose=None if free is None else free.directions,
+            forces_determined=free is None or free.forces_determined,
+            required_preload=self.required_preload,
+            bounds=self.bounds,
+        )
 
     @property
     def normal_force(self) -> Array:
@@ -77,10 +108,5 @@ class GraspSolution:
                 f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"
             )
             lines.append(f"  {self.uniqueness}; worst relative residual {self.residuals.worst:.1e}")
-        if self.certificate is not None:
-            t = self.certificate
-            lines.append(
-                f"  the object escapes along ({t[0]:.3g}, {t[1]:.3g}, {t[2]:.3g}) m, "
-                f"({t[3]:.3g}, {t[4]:.3g}, {t[5]:.3g}) rad"
-            )
+        lines.append(f"  {self.diagnosis}")
         return "\n".join(lines)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from handlcp.check import Array, integer
+from handlcp.check import Array, integer, number
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
@@ -24,15 +24,19 @@ class Auto:
 
     seed : of the first run; later runs use the seeds that follow.
     restarts : NSNGRK runs with other seeds, after Lemke.
+    search_seconds : for grasps that none of these solves and that could be held: time for an exact search over all
+        contact modes, which finds an equilibrium or proves that there is none within bounds. 0: no search.
     """
 
     seed: int = 0
     restarts: int = 3
+    search_seconds: float = 2.0
 
     def __post_init__(self) -> None:
         """Check the settings."""
         for name in ("seed", "restarts"):
             integer(name, getattr(self, name), 0)
+        number("search_seconds", self.search_seconds, minimum=0.0)
 
     def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a plain LCP, each computed when asked for."""

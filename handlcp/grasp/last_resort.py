@@ -1,0 +1,44 @@
+"""Where the solvers fail on a grasp that could be held: an exact search, for an answer or the proof of none."""
+
+from __future__ import annotations
+
+from handlcp.check import Array
+from handlcp.grasp.assemble import Candidate, GraspContact, GraspProblem
+from handlcp.grasp.certify import judge
+from handlcp.grasp.equilibria import applicable, find_equilibrium
+from handlcp.grasp.pyramid import Section
+from handlcp.lcp.search import search
+
+__all__ = ["Found", "last_resort"]
+
+Found = tuple[Candidate | None, tuple[float, float] | None, str]
+
+
+def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
+    """(candidate, bounds, words): a certified candidate; or the forces [N] and motions [m] within which there is none;
+    or neither, when the time was too short.
+    """
+    scene, effects = problem.scene, problem.effects
+    if applicable(effects):
+        found = find_equilibrium(scene, effects, section, seconds)
+        words = f"search over contact modes: {found.outcome}, {found.seconds:.2f} s"
+        return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
+    plain = None
+    if isinstance(problem, GraspProblem):
+        plain = problem
+    elif problem.pyramid is not None and section.faces != 0:
+        lcp, _ = problem.pyramid(section.faces)
+        plain = lcp if isinstance(lcp, GraspProblem) else None
+    if plain is None:
+        return None, None, "no search: an effect opens the contacts, and the exact cone has no multipliers"
+
+    def passes(z: Array) -> bool:
+        return judge(scene, effects, section, plain.candidate(z)).residuals.passes
+
+    result = search(plain, seconds=seconds, accept=passes)
+    words = f"search over active sets: {result.outcome}, {result.seconds:.2f} s"
+    if result.z is not None:
+        return plain.candidate(result.z), None, words
+    size = float(result.bound_z[~plain.free].max(initial=0.0))
+    units = scene.units
+    return None, (size * units.force, size * units.motion) if result.none_exists else None, words
