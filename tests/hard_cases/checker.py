@@ -4,7 +4,8 @@ It knows nothing of the package's certifier, matrices or units. With F the size 
 terms that add up to the motion of contact i, each law is missed by a number without unit:
 
     balance    |Σ f + w| and |Σ moments| over the spread of the contacts, over F
-    normal     a pull / F, an overlap / V_i, or the smaller of push / F and gap / V_i
+    normal     a pull / F, an overlap / V_i, or the smaller of push / F and gap / V_i, where V_i is made of the terms
+               along the normal only: an object that slides away for metres must not excuse microns of overlap
     cone       how far the tangential force lies outside its polygon (disc, interval), / F
     slip       how far it is from the point of that polygon which friction would choose against this slip
     reported   the solution's own gap and slip against those recomputed here, / V_i (elastic compatibility)
@@ -81,15 +82,13 @@ def spread(p):
 
 
 def motion(case, forces, twist):
-    """(v, size): object minus fingertip in contact axes (n, 3), and the largest of its terms (n,)."""
-    n = len(case.mu)
-    rigid = np.einsum("nji,nj->ni", case.R, twist[:3] + np.cross(twist[3:], case.p))
-    about = case.p.mean(0)  # the same motion from two terms that cancel when the origin is far away: not an excuse
-    moved = np.einsum("nji,nj->ni", case.R, np.cross(twist[3:], case.p - about))
-    moved = abs(moved) + abs(np.einsum("nji,j->ni", case.R, twist[:3] + np.cross(twist[3:], about)))
+    """(v, size): object minus fingertip in contact axes (n, 3), and for each component the size of the terms in it."""
+    n, about = len(case.mu), case.p.mean(0)
+    shift = np.einsum("nji,j->ni", case.R, twist[:3] + np.cross(twist[3:], about))
+    turned = np.einsum("nji,nj->ni", case.R, np.cross(twist[3:], case.p - about))
     bent = (case.E @ forces.ravel()).reshape(n, 3)
-    size = np.maximum(np.maximum(moved, abs(bent)), abs(case.d)).max(1)
-    return rigid + bent + case.d, size
+    most = (abs(case.E) @ abs(forces.ravel())).reshape(n, 3)
+    return shift + turned + bent + case.d, np.maximum(np.maximum(abs(shift) + abs(turned), most), abs(case.d))
 
 
 def laws(case, solution) -> Laws:
@@ -114,11 +113,12 @@ def laws(case, solution) -> Laws:
     turned = np.linalg.norm(moment + np.cross(case.p - centre, world).sum(0))
     u = np.r_[u[:3] - np.cross(u[3:], case.reference), u[3:]]
     v, size = motion(case, f, u)
-    V = np.maximum(size, soft * F)
+    V = np.maximum(size.max(1), soft * F)
     V = np.maximum(V, 1e-12 * (V.max() or 1.0))
+    along = np.maximum(np.maximum(size[:, 2], soft * F), 1e-7 * V)  # rounding of the large terms stays allowed
     normal = cone = miss = 0.0
     for i in range(n):
-        push, g = f[i, 2] / F, v[i, 2] / V[i]
+        push, g = f[i, 2] / F, v[i, 2] / along[i]
         normal = max(normal, -push, -g, min(abs(push), abs(g)))
         radius, t, s = reach(case.mu[i], faces) * push, f[i, :2] / F, v[i, :2] / V[i]
         if faces == 2:

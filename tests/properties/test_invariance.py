@@ -142,8 +142,9 @@ def test_a_finger_that_cannot_touch(g, faces, seed):
     d = np.vstack([g.d, [0, 0, 1.0]])
     other = Plain(np.vstack([g.p, g.p.mean(0) + (p - p.mean(0))]), np.vstack([g.R, R]), np.r_[g.mu, 0.5], E, d, g.w)
     a, b = g.solve(faces), other.solve(faces)
-    same(a, b, b.forces[:-1])
-    if b.held and a.held:
+    assert a.held == b.held, f"{a.status.name}, then {b.status.name}"  # its cone may make a load holdable in principle
+    if a.held:
+        same(a, b, b.forces[:-1])
         assert (b.forces[-1] == 0).all() or abs(b.forces[-1]).max() <= 1e-9 * abs(b.forces).max()
         assert b.contact_state[-1] == "separated"
 

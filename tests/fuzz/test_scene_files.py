@@ -1,0 +1,140 @@
+"""Scene files that went through the wars: refused with a typed error, or built and solved with a certified answer."""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.scene import read
+
+HARD = os.environ.get("HANDLCP_HARD") == "1"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+CONTACTS = """
+title = "two fingers"
+[[contact]]
+position_m = [-0.01, 0.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+friction = 0.5
+name = "left"
+[[contact]]
+position_m = [0.01, 0.0, 0.0]
+normal = [-1.0, 0.0, 0.0]
+tangent = [0.0, 0.0, 1.0]
+[grasp]
+friction = 0.6
+preload_m = 1e-3
+flexibility_m_per_N = [1e-4, 1e-4, 1e-4]
+reference_m = [0.0, 0.0, 0.0]
+[load]
+force_N = [0.0, 0.0, -1.0]
+torque_Nm = [0.0, 0.0, 0.0]
+[effects]
+total_force_bound_N = 50.0
+[[effects.prescribed_force]]
+contact = "left"
+force_N = [0.0, 0.0, 5.0]
+[solve]
+faces = 8
+seed = 1
+"""
+VALUES = ["nan", "inf", "-inf", "1e400", "1e300", "-1e300", "1e-300", "0", "0.0", "-1", "-0.5", "1.5", '""', '"x"',
+          '"cone"', '"frictionless"', "true", "[]", "[[]]", "{}", "{a = 1}", "[1.0, 2.0]", "[1, 2, 3]", "[nan, 0, 0]",
+          "[1e200, 1e200, 1e200]", "[[1.0]]", "2026-01-01", "9223372036854775807", "99999999999999999999999", "'''x'''",
+          "[true]", '["left"]', '{left = 1.0}', "1_000", "+1", "0x10"]  # fmt: skip
+NUMBER = re.compile(r"(?<![\w\"])-?\d+\.?\d*(?:e-?\d+)?(?![\w\"])")
+
+
+def value(rng, text):
+    """A key gets a value that is none, or an absurd one."""
+    lines = text.splitlines()
+    i = rng.choice([i for i, line in enumerate(lines) if re.match(r"^\w+ = ", line)])
+    lines[i] = lines[i].split(" = ")[0] + " = " + rng.choice(VALUES)
+    return "\n".join(lines)
+
+
+def one_number(rng, text):
+    m = rng.choice(list(NUMBER.finditer(text)))
+    x = rng.choice(["nan", "inf", "1e300", "-1e300", "0", "0.0", "-1.0", "1e-300", "1e12", "1e-12", "100"])
+    return text[: m.start()] + x + text[m.end() :]
+
+
+def no_line(rng, text):
+    lines = text.splitlines()
+    del lines[rng.randrange(len(lines))]
+    return "\n".join(lines)
+
+
+def moved(rng, text):
+    lines = text.splitlines()
+    lines.insert(rng.randrange(len(lines)), lines.pop(rng.randrange(len(lines))))
+    return "\n".join(lines)
+
+
+def twice(rng, text):
+    lines = text.splitlines()
+    lines.insert(rng.randrange(len(lines)), rng.choice(lines))
+    return "\n".join(lines)
+
+
+def truncated(rng, text):
+    return text[: rng.randrange(len(text))]
+
+
+def noise(rng, text):
+    i = rng.randrange(len(text))
+    return text[:i] + rng.choice(["[", "]", "=", '"', "\x00", "#", "{", "\n", "é", "'''", "\\"]) + text[i:]
+
+
+def misspelt(rng, text):
+    words = list(re.finditer(r"^(\w+) =|^\[+(\w+)", text, re.M))
+    m = rng.choice(words)
+    k = 1 if m[1] else 2
+    i = rng.randrange(m.start(k), m.end(k))
+    return text[:i] + rng.choice("abc_") + text[i + 1 :]
+
+
+MUTATIONS = (value, value, value, one_number, one_number, one_number, no_line, moved, twice, truncated, noise, misspelt)
+
+
+@pytest.mark.parametrize("example", [*sorted(p.stem for p in EXAMPLES.glob("*.toml")), "contacts"])
+def test_every_mutant_is_refused_or_answered(example):
+    original = CONTACTS if example == "contacts" else (EXAMPLES / f"{example}.toml").read_text()
+    count = (60 if example == "contacts" else 12) * (20 if HARD else 1)
+    rng = random.Random(example)
+    for i in range(count):
+        text = original
+        for _ in range(rng.choice([1, 1, 2, 3])):
+            try:
+                text = rng.choice(MUTATIONS)(rng, text)
+            except (IndexError, ValueError):  # nothing left to mutate
+                break
+        start = time.monotonic()
+        try:
+            s = read(text, EXAMPLES).solve(throw=False)
+        except hl.HandLCPError:
+            continue
+        except BaseException as error:
+            raise AssertionError(f"mutant {i}: {type(error).__name__}: {error}\n{text}") from error
+        finally:
+            assert time.monotonic() - start < 10, text
+        assert str(s)
+        if s.held:
+            assert np.isfinite(s.forces).all(), text
+            assert s.residuals.worst <= 1e-8, text
+        if s.status is hl.Status.NOT_HOLDABLE:
+            assert np.isfinite(s.certificate).all(), text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "\n", "\ufeff", "[", "a", "=", "[[contact]]", "[hand]", "contact = 3", "hand = []"]
+)
+def test_files_of_next_to_nothing_are_refused(text):
+    with pytest.raises(hl.HandLCPError):
+        read(text).build()
