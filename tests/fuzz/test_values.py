@@ -166,7 +166,7 @@ def test_lcps_of_every_size(seed, n, palette, mixed):
     rng = np.random.default_rng(seed)
     entries = np.array([*palette, 0.0, 1.0, -1.0, 0.3])
     M, q = rng.choice(entries, (n, n)), rng.choice(entries, n)
-    if seed % 3 == 0:
+    if seed % 3 == 0 and abs(np.nan_to_num(palette)).max() < 1e300:
         M = rng.normal(size=(n, n)) * (rng.choice(palette) if np.isfinite(palette).all() else 1.0)
     p = attempt(hl.LCP, M, q, rng.random(n) < 0.3 if mixed else None)
     assert np.isfinite(M).all() & np.isfinite(q).all() or p is None

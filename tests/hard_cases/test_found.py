@@ -1,0 +1,77 @@
+"""What these suites found, each as small as it gets."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.assemble import Candidate, assemble_contact
+from handlcp.grasp.certify import judge
+from handlcp.lcp import proposals
+
+LINE = [((-0.01, 0, 0), (1, 0, 0)), ((0.01, 0, 0), (-1, 0, 0))]
+
+
+def pinch(load, mu=0.25):
+    contacts = [hl.Contact(p, z, hl.Coulomb(mu), tangent=(0, 0, 1)) for p, z in LINE]
+    return hl.Grasp(contacts, (0, 0, -load, 0, 0, 0), flexibility=1e-4, preload=1e-3)
+
+
+@pytest.mark.parametrize("slide", [1e-3, 1.0, 1e3, 1e6, 1e9])
+def test_no_slide_is_long_enough_to_excuse_an_overlap(slide):
+    """A load 1 % beyond what the squeeze can hold: forces 1 % larger than the springs give are no answer, however far
+    the object slides meanwhile.
+    """
+    load = 5.0 * 1.01  # 2 fingers · 10 N · 0.25
+    f = np.array([[load / 2, 0, 10.1], [load / 2, 0, 10.1]])
+    assert not judge(
+        pinch(load).scene, (), hl.Pyramid(4, inscribed=False), Candidate(f, np.array([0, 0, -slide, 0, 0, 0]), {})
+    ).residuals.passes
+
+
+@pytest.mark.parametrize("at", [(0.1, 0.0, 0.0), (0.07, -0.03, 0.011), (1 / 3, 1 / 7, 1 / 9)])
+def test_contacts_at_one_point_have_no_size_made_of_rounding(at):
+    """Their mean may differ from that point by the last bit, which is no length to measure moments with."""
+    z = [(0, 0, 1), (0, 0.6, 0.8), (0.6, 0, 0.8)]
+    w = np.r_[0, 0, -1, np.cross(at, (0, 0, -1))]
+    s = hl.Grasp([hl.Contact(at, a) for a in z], w, flexibility=1e-4).solve(throw=False)
+    assert s.held
+
+
+def test_an_escape_without_friction_is_proven_when_generators_depend_on_each_other():
+    """Four normals in a plane that meet in a point, a load out of that plane: the escape is that load's own part."""
+    rng = np.random.default_rng([105, 13])
+    n = int(rng.integers(2, 8))
+    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    Q *= np.sign(np.linalg.det(Q))
+    t = 2 * np.pi * np.arange(n) / n
+    out = np.column_stack([np.cos(t), np.sin(t), 0 * t]) @ Q.T
+    w = np.r_[rng.uniform(0.1, 1) * Q[:, 2] + 0.1 * Q[:, 0], np.zeros(3)]
+    s = hl.Grasp([hl.Contact(0.03 * a, -a, hl.Frictionless()) for a in out], w, flexibility=1e-4).solve(throw=False)
+    assert s.status is hl.Status.NOT_HOLDABLE
+
+
+@pytest.mark.parametrize("tol", [1, np.float32(1e-3), np.int8(1)])
+def test_a_setting_of_another_number_type_compiles_nothing_anew(tol):
+    p = hl.LCP(np.eye(2), [-1.0, 1.0])
+    hl.solve_lcp(p, hl.NSNGRK(tol=1e-3), throw=False)
+    start = time.monotonic()
+    hl.solve_lcp(p, hl.NSNGRK(tol=tol), throw=False)
+    assert time.monotonic() - start < 1
+
+
+def test_stalled_kaczmarz_steps_end_within_their_budget():
+    """Steps that make no progress must not be asked for in batches that double until an integer overflows."""
+    from tests.hard_cases.test_flexibility import apart
+
+    case = list(apart(4, 30))[29]
+    for name, proposal in proposals(assemble_contact(case.grasp().scene, hl.Pyramid(4), ())):
+        assert proposal.iterations < 10**7, name
+
+
+def test_no_friction_is_so_large_that_uniqueness_cannot_be_told():
+    g = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), hl.Coulomb(1e30))], None)
+    assert g.solve(3, throw=False).status in hl.Status
