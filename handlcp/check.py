@@ -18,6 +18,11 @@ Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 
+_NO_NUMBERS = (
+    str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray
+)  # fmt: skip
+
+
 def read_only(a: Array) -> Array:
     """The same array with writing switched off."""
     a.flags.writeable = False
@@ -53,7 +58,7 @@ def number(
     """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, (str, bytes, bool, complex, np.complexfloating, np.bool_)) or np.ndim(value):
+    if isinstance(value, _NO_NUMBERS) or (isinstance(value, np.ndarray) and value.ndim > 0):
         raise InputError(argument, expected, _show(value))
     try:
         x = float(value)
@@ -74,7 +79,8 @@ def number(
 
 def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int:
     """A whole number from `least` to `most`."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_))
+    if not whole or not least <= int(value) <= most:
         raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", _show(value))
     return int(value)
 

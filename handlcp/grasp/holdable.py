@@ -25,13 +25,19 @@ def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
     the optimality of a, Wᵀt ≥ 0 and load·t = |t|², so t is the proof as well as the direction in which the object
     goes. The point is then checked by its signs alone.
     """
-    from scipy.optimize import nnls  # half a second of import that only a failed solve should pay
+    from scipy.optimize import linprog, nnls  # half a second of import that only a failed solve should pay
 
     W = _generators(scene, section)
-    t = load + W @ nnls(W, -load)[0] if W.size else load
+    if not W.size:
+        W = np.zeros((scene.dof, 1))
+    t = load + W @ nnls(W, -load)[0]
+    if not is_escape(scene, section, load, t):
+        # Generators that depend on each other can stop nnls early; the vertex of a linear program is exact, if crooked
+        lp = linprog(-load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
+        if lp.x is None or not is_escape(scene, section, load, lp.x):
+            return None
+        t = lp.x
     size = float(np.sqrt(t @ t))
-    if size == 0.0 or not is_escape(scene, section, load, t):
-        return None
     return read_only(scene.twist(t / size) / scene.units.motion)
 
 

@@ -118,6 +118,7 @@ def scales(
     unit: float,
     floor: float,
     flexibility: Array,
+    offset: Array,
     own: Array,
     growth: float,
 ) -> tuple[float, Array]:
@@ -140,7 +141,9 @@ def scales(
             * F
             / 3.0
         )
-        V[i] = max(own[i], retreat, floor)
+        # A long slide excuses no overlap: beyond `growth` times what the finger itself can give way, no more allowance
+        give = max(retreat, np.max(np.abs(offset[i])))
+        V[i] = max(min(own[i], growth * give) if give > 0.0 else own[i], retreat, floor)
     return F, V
 
 
@@ -164,7 +167,7 @@ def examine(
     """The certifier's numbers: v (n, 3), (lost force [N], lost moment [N·m], balance, normal, cone, slip, F, max V)."""
     v, own = relative_motion(arms, frames, flexibility, offset, forces, twist)
     lost_force, lost_moment = unbalanced(arms, frames, forces, wrench)
-    F, V = scales(wrench, forces, length, unit, floor, flexibility, own, growth)
+    F, V = scales(wrench, forces, length, unit, floor, flexibility, offset, own, growth)
     normal, cone, slip = check_contacts(forces, v, limits, governed, faces, F, V)
     balance = np.sqrt(lost_force**2 + (lost_moment / length) ** 2) / F
     return v, (lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))

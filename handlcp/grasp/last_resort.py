@@ -21,7 +21,7 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
     scene, effects = problem.scene, problem.effects
     if applicable(effects):
         found = find_equilibrium(scene, effects, section, seconds)
-        words = f"search over contact modes: {found.outcome}, {found.seconds:.2f} s"
+        words = f"search over contact modes: {found.outcome}"
         return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
     plain = None
     if isinstance(problem, GraspProblem):
@@ -36,7 +36,7 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
         return judge(scene, effects, section, plain.candidate(z)).residuals.passes
 
     result = search(plain, seconds=seconds, accept=passes)
-    words = f"search over active sets: {result.outcome}, {result.seconds:.2f} s"
+    words = f"search over active sets: {result.outcome}"
     if result.z is not None:
         return plain.candidate(result.z), None, words
     size = float(result.bound_z[~plain.free].max(initial=0.0))

@@ -22,7 +22,8 @@ def sizes(
     for i in range(n):
         for k in range(3):
             spread += (positions[i, k] - centre[k]) ** 2 / n
-            travel += offset[i, k] ** 2 / n
+            if k < 2 or offset[i, k] < 0.0:  # a gap loads nothing, however wide
+                travel += offset[i, k] ** 2 / n
             softness += flexibility[3 * i + k, 3 * i + k] / (3 * n)
     length = np.sqrt(spread)
     if length == 0.0:

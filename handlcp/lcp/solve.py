@@ -13,6 +13,7 @@ from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.infeasible import farkas_vector
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
+from handlcp.lcp.search import search
 from handlcp.lcp.solvers.auto import Auto
 from handlcp.lcp.solvers.base import Solver
 from handlcp.lcp.solvers.nsngrk import NSNGRK
@@ -61,6 +62,12 @@ def solve_lcp(
         if certificate is not None:
             status, residual, outcome = Status.INFEASIBLE, np.inf, "Farkas vector found"
             z = w = np.full(problem.n, np.nan)  # so that nobody uses them by accident
+        elif (chain := _chain(solver)) is not None and chain.search_seconds > 0:
+            exact = search(problem, seconds=chain.search_seconds)
+            trace.append(f"search over active sets: {exact.outcome}")
+            if exact.z is not None:
+                z, outcome = exact.z * units.z, trace[-1]
+                status, w, residual = certify(problem, z)
     solution = LCPSolution(
         read_only(z),
         read_only(w),
@@ -75,6 +82,10 @@ def solve_lcp(
     if throw and solution.status is not Status.SOLVED:
         raise NoSolutionFound("\n  ".join((solution.status.meaning, *trace)), problem, solution)
     return solution
+
+
+def _chain(solver: Solver | Auto | None) -> Auto | None:
+    return Auto() if solver is None else solver if isinstance(solver, Auto) else None
 
 
 def proposals(

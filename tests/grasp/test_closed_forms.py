@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import handlcp as hl
 from tests.grasp.scenes import pinch
@@ -47,7 +48,8 @@ def test_friction_holds_up_to_the_limit_of_the_pyramid():
 
 def test_beyond_the_limit_no_answer_is_made_up_and_more_squeeze_holds():
     too_much = pinch(mu=0.25, load=(0, 0, -LIMIT * 1.001)).solve(4, throw=False)
-    assert too_much.status is hl.Status.UNDECIDED  # it is holdable: with more normal force
+    assert too_much.status is hl.Status.NO_EQUILIBRIUM  # it is holdable: with more normal force
+    assert too_much.required_preload == pytest.approx(0.001e-3, rel=0.01)
     assert pinch(mu=0.25, load=(0, 0, -LIMIT * 1.001), squeeze=1.01e-3).solve(4).held
 
 

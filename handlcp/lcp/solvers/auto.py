@@ -24,8 +24,9 @@ class Auto:
 
     seed : of the first run; later runs use the seeds that follow.
     restarts : NSNGRK runs with other seeds, after Lemke.
-    search_seconds : for grasps that none of these solves and that could be held: time for an exact search over all
-        contact modes, which finds an equilibrium or proves that there is none within bounds. 0: no search.
+    search_seconds : where none of these solves a grasp that could be held, or an LCP that is not proven infeasible:
+        time for an exact search over all contact modes or active sets, which finds a solution or, for a grasp, proves
+        that there is none within bounds. 0: no search.
     """
 
     seed: int = 0
@@ -57,7 +58,8 @@ class Auto:
         plain = None
         if problem.pyramid is not None:
             own = problem.faces if 3 <= problem.faces <= 16 else 8
-            for faces in dict.fromkeys((own, 4, 16)):
+            exact = (problem.faces,) if 16 < problem.faces <= 64 else ()
+            for faces in dict.fromkeys((own, 4, 16, *exact)):
                 lcp, back = problem.pyramid(faces)
                 plain = plain or (lcp, back)
                 pivoted = Lemke(seed=self.seed).propose(lcp.scaled)

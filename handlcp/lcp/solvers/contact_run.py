@@ -19,7 +19,8 @@ __all__ = ["run_contact"]
 def run_contact(
     problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
 ) -> Proposal:
-    """Solve from `start` (n,), natural units; None: the solution of the linear problem in which every contact sticks.
+    """Solve from `start` (n,), natural units; None: the solution of the linear problem in which every
+    contact sticks that starts without a gap.
 
     seed : of the row sampling. most : Kaczmarz steps at most. polish : Newton's method before and between them.
     """
@@ -64,6 +65,15 @@ def _run(
     n = len(x)
     if stick:
         A, b, col = M.copy(), -q, np.empty(n, np.int64)
+        for i in range(n):
+            if role[i] == 1 and q[i] > 0.0:
+                A[i], A[i, i], b[i] = 0.0, 1.0, 0.0
+        for k in range(len(blocks)):
+            if q[blocks[k, 0]] > 0.0:
+                for a in range(1, 3):
+                    i = blocks[k, a]
+                    if i >= 0:
+                        A[i], A[i, i], b[i] = 0.0, 1.0, 0.0
         solve_ranked(A, b, x, col, rank_tolerance)
     newton, r = 0, np.inf
     best, best_r = x.copy(), np.inf
@@ -90,7 +100,7 @@ def _run(
         newton += steps
         if r < best_r:
             best[:], best_r = trial, r
-        if r <= tolerance:
+        if r <= tolerance or done < batch:  # solved, or stalled where no row moves any more
             break
         batch *= 2
     x[:] = best

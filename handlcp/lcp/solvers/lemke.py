@@ -38,7 +38,7 @@ class Lemke:
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        number("pivot_tolerance", self.pivot_tolerance, above=0.0)
+        object.__setattr__(self, "pivot_tolerance", number("pivot_tolerance", self.pivot_tolerance, above=0.0))
         if self.max_iterations is not None:
             integer("max_iterations", self.max_iterations, 1)
         integer("coverings", self.coverings, 1)

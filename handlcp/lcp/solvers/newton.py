@@ -30,8 +30,8 @@ class SemismoothNewton:
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        number("tol", self.tol, above=0.0)
-        integer("max_iterations", self.max_iterations, 1)
+        object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
+        object.__setattr__(self, "max_iterations", integer("max_iterations", self.max_iterations, 1))
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None; an exact active-set solve takes the last digits."""

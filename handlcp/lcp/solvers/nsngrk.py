@@ -42,9 +42,10 @@ class NSNGRK:
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        number("tol", self.tol, above=0.0)
+        # One number type each: another would be compiled anew
+        object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
         for name in ("max_iterations", "seed", "stride"):
-            integer(name, getattr(self, name), 0)
+            object.__setattr__(self, name, integer(name, getattr(self, name), 0))
         if not isinstance(self.polish, bool):
             raise InputError("polish", "True or False", repr(self.polish))
 
@@ -123,7 +124,7 @@ def _run(
         if r <= tolerance * size(zt):
             z[:] = zt
             return taken, True, written
-        if taken >= most:
+        if taken >= most or done < batch:  # spent, or stalled where no row moves any more
             z[:] = best_z
             return taken, False, written
         batch *= 2
