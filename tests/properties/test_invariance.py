@@ -20,7 +20,7 @@ few = settings(
     derandomize=True,
     deadline=None,
     database=None,
-    max_examples=400 if HARD else 30,
+    max_examples=400 if HARD else 20,
     suppress_health_check=list(HealthCheck),
 )
 FACES = st.sampled_from([3, 4, 8, 16, "cone"])
@@ -142,8 +142,7 @@ def test_a_finger_that_cannot_touch(g, faces, seed):
     d = np.vstack([g.d, [0, 0, 1.0]])
     other = Plain(np.vstack([g.p, g.p.mean(0) + (p - p.mean(0))]), np.vstack([g.R, R]), np.r_[g.mu, 0.5], E, d, g.w)
     a, b = g.solve(faces), other.solve(faces)
-    assert a.held == b.held, f"{a.status.name}, then {b.status.name}"  # its cone may make a load holdable in principle
-    if a.held:
+    if a.held:  # otherwise the object may travel that metre, and come to rest against it
         same(a, b, b.forces[:-1])
         assert (b.forces[-1] == 0).all() or abs(b.forces[-1]).max() <= 1e-9 * abs(b.forces).max()
         assert b.contact_state[-1] == "separated"
