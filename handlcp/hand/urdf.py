@@ -51,6 +51,10 @@ def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.E
     if root.tag != "robot":
         hint = " (expand a xacro file to a URDF first)" if path.suffix == ".xacro" else ""
         raise URDFError(argument, f"a <robot> element at the top{hint}", f"<{root.tag}> in {str(path)!r}")
+    try:
+        ET.tostring(root)
+    except RecursionError:
+        raise URDFError(argument, "a URDF", f"{str(path)!r}, whose elements are nested thousands deep") from None
     root = root if base is None else subtree(root, base)
     _check_numbers(argument, root)
     return root, path
