@@ -37,9 +37,10 @@ def test_contacts_at_one_point_have_no_size_made_of_rounding(seed):
     """Their mean may differ from that point by the last bit, which is no length to measure moments with."""
     at = np.random.default_rng(seed).uniform(-0.1, 0.1, 3)
     z = [(0, 0, 1), (0, 0.6, 0.8), (0.6, 0, 0.8)]
-    w = np.r_[0, 0, -1, np.cross(at, (0, 0, -1))]
-    s = hl.Grasp([hl.Contact(at, a) for a in z], w, flexibility=1e-4).solve(throw=False)
-    assert s.held
+    f = np.array([0.1, 0.2, -1.3])
+    g = hl.Grasp([hl.Contact(at, a) for a in z], np.r_[f, np.cross(at, f)], flexibility=1e-4)
+    assert g.solve(throw=False).held
+    assert g.scene.units.length > 1e-3
 
 
 def test_an_escape_without_friction_is_proven_when_generators_depend_on_each_other():
