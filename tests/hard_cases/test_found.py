@@ -75,5 +75,6 @@ def test_stalled_kaczmarz_steps_end_within_their_budget():
 
 
 def test_no_friction_is_so_large_that_uniqueness_cannot_be_told():
-    g = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), hl.Coulomb(1e30))], None)
+    z = [(0, 0, 1), (0, 0.6, 0.8), (1, 0, 0)]
+    g = hl.Grasp([hl.Contact((0, 0, 0), a, hl.Coulomb(1e30)) for a in z], None)
     assert g.solve(3, throw=False).status in hl.Status
