@@ -25,9 +25,9 @@ def sizes(
             if k < 2 or offset[i, k] < 0.0:  # a gap loads nothing, however wide
                 travel += offset[i, k] ** 2 / n
             softness += flexibility[3 * i + k, 3 * i + k] / (3 * n)
-    length = np.sqrt(spread)
-    if length == 0.0:
-        length = np.sqrt(np.sum(centre * centre))
+    length, away = np.sqrt(spread), np.sqrt(np.sum(centre * centre))
+    if length <= 1e-12 * away:  # all at one point: what is left is rounding, no size
+        length = away
     if length == 0.0:
         length = 1.0
     m = moment - np.array(
