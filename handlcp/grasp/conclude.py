@@ -7,8 +7,8 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.assemble import Candidate
 from handlcp.grasp.certify import Verdict, judge
-from handlcp.grasp.effects import Effect, PrescribedForce
-from handlcp.grasp.holdable import escaping_twist
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.holdable import escaping_twist, load_to_balance
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.solution import GraspSolution
@@ -48,7 +48,7 @@ def conclude(
         names = states.names
     else:
         status, names = Status.UNDECIDED, ("unknown",) * scene.n
-        if (twist := escaping_twist(scene, section, _load(effects, scene))) is not None:
+        if (twist := escaping_twist(scene, section, load_to_balance(scene, effects))) is not None:
             status, certificate = Status.NOT_HOLDABLE, read_only(shift @ twist)
         nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
         candidate = Candidate(nothing, np.full(6, np.nan), {})
@@ -74,15 +74,6 @@ def conclude(
         scene=scene,
         reference=reference,
     )
-
-
-def _load(effects: tuple[Effect, ...], scene: Scene) -> Array:
-    """(dof,) natural wrench that the governed contacts must balance: the load and prescribed forces."""
-    load = scene.natural.w.copy()
-    for e in effects:
-        if isinstance(e, PrescribedForce):
-            load += scene.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (e.force / scene.units.force)
-    return load
 
 
 def _shift(arm: Array) -> Array:

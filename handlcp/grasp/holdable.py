@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["escaping_twist", "is_escape"]
+__all__ = ["escaping_twist", "is_escape", "load_to_balance"]
 
 
 def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
@@ -39,6 +40,15 @@ def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
         t = lp.x
     size = float(np.sqrt(t @ t))
     return read_only(scene.twist(t / size) / scene.units.motion)
+
+
+def load_to_balance(scene: Scene, effects: tuple[Effect, ...]) -> Array:
+    """(dof,) natural wrench that the governed contacts must balance: the load and prescribed forces."""
+    load = scene.natural.w.copy()
+    for e in effects:
+        if isinstance(e, PrescribedForce):
+            load += scene.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (e.force / scene.units.force)
+    return load
 
 
 def is_escape(scene: Scene, section: Section, load: Array, twist: Array) -> bool:

@@ -19,9 +19,8 @@ from handlcp.check import number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
-from handlcp.grasp.effects import PrescribedForce
 from handlcp.grasp.friction import Coulomb
-from handlcp.grasp.holdable import escaping_twist
+from handlcp.grasp.holdable import escaping_twist, load_to_balance
 from handlcp.grasp.pyramid import Section, as_section
 from handlcp.lcp import Auto, proposals
 
@@ -201,12 +200,7 @@ def _changed(grasp: Grasp, **changes: Any) -> Grasp:
 
 def _escapes(grasp: Grasp, section: Section) -> bool:
     """Whether it is proven that no force within friction balances the load."""
-    s = grasp.scene
-    load = s.natural.w.copy()
-    for e in grasp.effects:
-        if isinstance(e, PrescribedForce):
-            load += s.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (e.force / s.units.force)
-    return escaping_twist(s, section, load) is not None
+    return escaping_twist(grasp.scene, section, load_to_balance(grasp.scene, grasp.effects)) is not None
 
 
 def _tolerance(value: float) -> float:
