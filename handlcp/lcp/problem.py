@@ -44,7 +44,7 @@ class LCP:
         self.__dict__["M"] = array("M", M, (n, n), largest=LARGEST_RAW)
         self.free: Bools = _mask(free, n)
         if units is not None:
-            _check_units(units, n)
+            _check_units(units, self.M, self.q)
         self._units = units
 
     @classmethod
@@ -109,9 +109,13 @@ def _mask(free: Any, n: int) -> Bools:
     return mask
 
 
-def _check_units(units: Units, n: int) -> None:
+def _check_units(units: Units, M: Array, q: Array) -> None:
     if not isinstance(units, Units):
         raise InputError("units", "Units(z, w)", repr(units))
     for name, u in (("units.z", units.z), ("units.w", units.w)):
-        if not (array(name, u, (n,), largest=LARGEST_RAW) > 0).all():
+        if not (array(name, u, (len(q),), largest=LARGEST_RAW) > 0).all():
             raise InputError(name, "positive numbers", f"a smallest of {u.min():.3g}")
+    with np.errstate(over="ignore"):
+        fits = np.isfinite(M / units.w[:, None] * units.z).all() and np.isfinite(q / units.w).all()
+    if not fits:
+        raise InputError("units", "units in which M and q fit a float64", "units in which they overflow")

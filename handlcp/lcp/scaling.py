@@ -12,10 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.errors import InputError
 
 __all__ = ["Units", "equilibrate"]
 
 _SWEEPS = 12  # Ruiz's iteration halves the logarithmic spread each time: 2^-12 of it is left
+_LEAST, _MOST = 1e-300, 1e250  # units: their products with numbers in natural units still fit a float64
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,16 +38,23 @@ def equilibrate(M: Array, q: Array) -> Units:
     """Units in which the largest entry of each row and column of M̂ is about one, and so is the largest |q̂|.
 
     Ruiz's simultaneous row and column scaling (D. Ruiz, RAL-TR-2001-034), then one common factor for q.
-    Rows or columns of zeros keep the unit one.
+    Rows or columns of zeros keep the unit of the largest. Raises InputError where z or w may outgrow a float64.
     """
     n = len(q)
     z, w = np.ones(n), np.ones(n)
     A = abs(M)
-    for _ in range(_SWEEPS):
-        # Only the larger of the two factors of a pass may underflow for entries near 1e-308: sqrt keeps both in range.
-        row, col = np.sqrt(A.max(axis=1, initial=0.0)), np.sqrt(A.max(axis=0, initial=0.0))
-        row[row == 0], col[col == 0] = 1.0, 1.0
-        A = A / row[:, None] / col
-        w, z = w * row, z / col
-    size = float((abs(q) / w).max(initial=0.0)) or 1.0
-    return Units(read_only(z * size), read_only(w * size))
+    largest = float(A.max(initial=0.0)) or 1.0
+    A, root = A / largest, largest**0.5
+    with np.errstate(over="ignore"):  # what overflows is cut back, or refused
+        for _ in range(_SWEEPS):
+            # No entry exceeds one: units of w only shrink and those of z only grow, and cutting them lets no entry grow
+            row, col = np.sqrt(A.max(axis=1, initial=0.0)), np.sqrt(A.max(axis=0, initial=0.0))
+            row[row == 0], col[col == 0] = 1.0, 1.0
+            A = A / row[:, None] / col
+            w, z = w * row, z / col
+        w, z = np.maximum(w * root, _LEAST), np.minimum(z / root, _MOST)
+        size = float((abs(q) / w).max(initial=0.0)) or 1.0
+    size = max(size, _LEAST / float(z.min(initial=1.0)))
+    if size * float(max(z.max(initial=0.0), w.max(initial=0.0))) > _MOST:
+        raise InputError("q", f"numbers so small beside those of M that z stays below {_MOST:g}", "larger ones")
+    return Units(read_only(z * size), read_only(np.maximum(w * size, _LEAST)))

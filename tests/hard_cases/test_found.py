@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 
 import numpy as np
@@ -75,3 +76,21 @@ def test_stalled_kaczmarz_steps_end_within_their_budget():
 
 
 EXTREMES = [([[1e-300]], [1e150]), ([[1e-300, 0], [1, 1]], [0, 1e-300]), ([[0, 1e-300], [-1, 1e150]], [1, 1e150])]
+
+
+@pytest.mark.parametrize(("M", "q"), EXTREMES)
+def test_numbers_three_hundred_decades_apart_give_no_warning(M, q):
+    with contextlib.suppress(hl.InputError):  # a refusal is fine, too
+        s = hl.solve_lcp(hl.LCP(M, q), throw=False)
+        assert s.status is not hl.Status.SOLVED or np.isfinite(np.r_[s.z, s.w]).all()
+
+
+@pytest.mark.parametrize(("M", "q", "z"), [([[1e-200]], [-1], [1e200]), ([[1e-300, 0], [1, 1]], [-1e-300, -9], [1, 8])])
+def test_numbers_far_apart_are_no_excuse_for_a_wrong_answer(M, q, z):
+    np.testing.assert_allclose(hl.solve_lcp(hl.LCP(M, q)).z, z)
+
+
+def test_units_in_which_a_problem_overflows_are_refused():
+    units = hl.lcp.Units(np.full(1, 1e150), np.full(1, 1e-150))
+    with pytest.raises(hl.InputError, match="units"):
+        hl.LCP([[1e150]], [1.0], units=units)
