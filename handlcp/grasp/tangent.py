@@ -67,7 +67,8 @@ def free_branches(
         resting = np.flatnonzero(governed == RESTING)
         if len(resting) and basis.shape[1]:
             D, _ = inequalities(scene, section, kind, states.faces, candidate.forces * 0, candidate.forces * 0, resting)
-            basis = basis @ _span(D @ basis)
+            # Rows of a friction beyond measure are as long as it is; only their directions matter
+            basis = basis @ _span(D / abs(D).max(axis=1, keepdims=True) @ basis)
         if basis.shape[1]:
             out.append(Branch(kind, basis))
     return tuple(out)
@@ -95,14 +96,15 @@ def _orthonormal(columns: Array) -> Array:
 
 
 def _span(D: Array) -> Array:
-    """(k, j) orthonormal basis of the span of the cone {c : D c ≥ 0}, D (rows, k)."""
+    """(k, j) orthonormal basis of the span of the cone {c : D c ≥ 0}, D (rows, k); a row that cannot be judged takes
+    nothing away.
+    """
     from scipy.optimize import linprog  # half a second of import that only degenerate, loose scenes should pay
 
     D = D[abs(D).max(axis=1) > 1e-9]
-    zero = np.zeros(len(D))
-    tight = [
-        row for row in D if linprog(-row, A_ub=-D, b_ub=zero, bounds=[(-1, 1)] * D.shape[1], method="highs").fun > -1e-9
-    ]
+    zero, box = np.zeros(len(D)), [(-1, 1)] * D.shape[1]
+    most = [linprog(-row, A_ub=-D, b_ub=zero, bounds=box, method="highs").fun for row in D]
+    tight = [row for row, fun in zip(D, most, strict=True) if fun is not None and fun > -1e-9]
     if not tight:
         return np.eye(D.shape[1])
     _, sv, Vt = np.linalg.svd(np.array(tight))

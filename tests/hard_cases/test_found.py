@@ -94,3 +94,13 @@ def test_units_in_which_a_problem_overflows_are_refused():
     units = hl.lcp.Units(np.full(1, 1e150), np.full(1, 1e-150))
     with pytest.raises(hl.InputError, match="units"):
         hl.LCP([[1e150]], [1.0], units=units)
+
+
+def test_friction_beyond_measure_leaves_what_is_loose_to_be_named():
+    """Four contacts at rest; constraints 1e50 long next to ones of length one are no linear program for HiGHS."""
+    places = [(-0.01, 0.01, -0.01), (0, 0.01, 0.01), (0.02, 0.01, 0), (-0.01, 0.01, 0.01)]
+    normals = np.array([(1, 1, -1), (0, 1, 1), (1, 1, 0), (0, -1, 0)]) / np.sqrt([[3], [2], [2], [1]])
+    contacts = [hl.Contact(p, z, hl.Coulomb(mu)) for p, z, mu in zip(places, normals, [1e50, 1e50, 1e9, 1e15])]
+    s = hl.Grasp(contacts, flexibility=1e-4).solve(throw=False)
+    assert s.held
+    assert s.uniqueness.loose_motions == 6
