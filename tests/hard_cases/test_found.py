@@ -100,7 +100,9 @@ def test_friction_beyond_measure_leaves_what_is_loose_to_be_named():
     """Four contacts at rest; constraints 1e50 long next to ones of length one are no linear program for HiGHS."""
     places = [(-0.01, 0.01, -0.01), (0, 0.01, 0.01), (0.02, 0.01, 0), (-0.01, 0.01, 0.01)]
     normals = np.array([(1, 1, -1), (0, 1, 1), (1, 1, 0), (0, -1, 0)]) / np.sqrt([[3], [2], [2], [1]])
-    contacts = [hl.Contact(p, z, hl.Coulomb(mu)) for p, z, mu in zip(places, normals, [1e50, 1e50, 1e9, 1e15])]
+    contacts = [
+        hl.Contact(p, z, hl.Coulomb(mu)) for p, z, mu in zip(places, normals, [1e50, 1e50, 1e9, 1e15], strict=True)
+    ]
     s = hl.Grasp(contacts, flexibility=1e-4).solve(throw=False)
     assert s.held
     assert s.uniqueness.loose_motions == 6
