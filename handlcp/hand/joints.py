@@ -13,6 +13,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import URDFError
+from handlcp.hand.urdf import LARGEST_NUMBER
 
 __all__ = ["Coupling", "JointFacts", "Mimic", "couple", "joint_facts", "model_facts", "movable_joints"]
 
@@ -159,16 +160,15 @@ def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...])
                     f"<mimic> tags that name movable joints among [{', '.join(names)}]",
                     f"{at!r} mimicking {mimic.written!r}",
                 )
-            if not (math.isfinite(mimic.multiplier) and math.isfinite(mimic.offset)):
-                raise URDFError(
-                    argument, "<mimic> tags with finite numbers", f"{at!r}: × {mimic.multiplier} + {mimic.offset}"
-                )
             if mimic.master in seen:
                 raise URDFError(argument, "<mimic> tags that end at a free joint", f"a circle through {at!r}")
             shift += factor * mimic.offset
             factor *= mimic.multiplier
             at = mimic.master
             seen.add(at)
+        if not (abs(factor) <= LARGEST_NUMBER and abs(shift) <= LARGEST_NUMBER):  # NaN fails too
+            expected = f"<mimic> tags with finite numbers up to {LARGEST_NUMBER:g}, chains of them multiplied"
+            raise URDFError(argument, expected, f"{name!r}: {factor:g} × {at} {shift:+g}")
         C[i, column[names.index(at)]] = factor
         offset[i] = shift
     return Coupling(read_only(C), read_only(offset), independent, not mimics)

@@ -18,7 +18,7 @@ HANDS = (*SHIPPED, "allegro", "psyonic")
 
 def urdf(name: str) -> Path:
     """The URDF file of a hand in `SHIPPED`. Raises UnknownName."""
-    if name not in SHIPPED:
+    if not isinstance(name, str) or name not in SHIPPED:
         raise UnknownName("name", "a shipped hand", [str(name)], SHIPPED)
     package = Path(str(resources.files("handlcp.hand"))).parent
     places = [package / "urdf", package.parent / "urdf"]  # installed, or the checkout's
@@ -30,7 +30,7 @@ def urdf(name: str) -> Path:
 
 def allegro(side: str = "right") -> tuple[Path, Path]:
     """URDF file and package folder of the Allegro hand, `side` "right" or "left". Raises UnknownName, URDFError."""
-    if side not in ("right", "left"):
+    if not isinstance(side, str) or side not in ("right", "left"):
         raise UnknownName("side", "a side", [str(side)], ("right", "left"))
     return _robot_data(f"allegro_hand_description/urdf/allegro_{side}_hand.urdf")
 
@@ -52,7 +52,7 @@ def example_hand(name: str, **overrides: Any) -> Hand:
     Raises
         UnknownName.
     """
-    if name not in HANDS:
+    if not isinstance(name, str) or name not in HANDS:
         raise UnknownName("name", "an example hand", [str(name)], HANDS)
     source, defaults = _EXAMPLES.get(name, lambda: (urdf(name), {"tip_radius": 0.008}))()
     return Hand.from_urdf(source, **{"joint_stiffness": 1.0, "pad_flexibility": 1e-4, **defaults, **overrides})

@@ -25,10 +25,10 @@ def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling:
     for i, name in enumerate(names):
         fact = facts[name]
         k = int(np.argmax(abs(coupling.C[i])))
-        factor = coupling.C[i, k]
+        factor, offset = float(coupling.C[i, k]), float(coupling.offset[i])  # Python's divide without a warning
         if fact.kind == "continuous" or factor == 0.0 or np.isnan(fact.lower) or np.isnan(fact.upper):
             continue
-        ends = sorted(((fact.lower - coupling.offset[i]) / factor, (fact.upper - coupling.offset[i]) / factor))
+        ends = sorted(((fact.lower - offset) / factor, (fact.upper - offset) / factor))
         if fact.lower > fact.upper:  # left as it is: the audit says so
             ends.reverse()
         lower[k], upper[k] = max(lower[k], ends[0]), min(upper[k], ends[1])

@@ -20,7 +20,15 @@ import pinocchio as pin
 
 from handlcp.errors import InputError, UnknownName, URDFError
 
-__all__ = ["build_model", "captured_stderr", "package_folders", "read_urdf", "resolve_meshes", "subtree"]
+__all__ = [
+    "LARGEST_NUMBER",
+    "build_model",
+    "captured_stderr",
+    "package_folders",
+    "read_urdf",
+    "resolve_meshes",
+    "subtree",
+]
 
 _FD2 = threading.Lock()
 
@@ -32,6 +40,8 @@ def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.E
     Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for an unknown
     base.
     """
+    if base is not None and not isinstance(base, str):
+        raise InputError("base", "the name of a link, or None", repr(base))
     try:
         path = Path(source)
     except TypeError:
@@ -67,7 +77,7 @@ _NUMBERS = (
     ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
     ("box", "size", 3, 0.0),
 )  # fmt: skip
-_LARGEST = 1e6  # metres, kilograms, radians: no hand is larger
+LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
 
 
 def _check_numbers(argument: str, root: ET.Element) -> None:
@@ -82,7 +92,9 @@ def _check_numbers(argument: str, root: ET.Element) -> None:
                     values = [float(word) for word in text.split()]
                 except ValueError:
                     values = []
-                if len(values) != count or not all(least <= v <= _LARGEST and v >= -_LARGEST for v in values):
+                if len(values) != count or not all(
+                    least <= v <= LARGEST_NUMBER and v >= -LARGEST_NUMBER for v in values
+                ):
                     bound = " ≥ 0" if least == 0.0 else ""
                     expected = f"{count} finite number{'s' if count > 1 else ''}{bound} in <{tag} {attribute}=…>"
                     raise URDFError(argument, f"{expected} of {owner.tag} {owner.get('name')!r}", repr(text))

@@ -61,6 +61,7 @@ INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
         ({"fingertips": ["finger_1_tip"] * 2}, "fingertips", InputError),
         ({"fingertips": ["palm"]}, "fingertips", InputError),
         ({"base": "wrist"}, "base", UnknownName),
+        ({"base": np.zeros(3)}, "base", InputError),
         ({"package_dirs": "/no/such/folder"}, "package_dirs", InputError),
         ({"package_dirs": 3}, "package_dirs", InputError),
         ({"source": "no_such.urdf"}, "source", URDFError),
@@ -131,6 +132,8 @@ def test_no_leaf_that_ends_in_tip(write: Callable[[str], Path]) -> None:
         (MIMIC.replace('mimic joint="z1"', 'mimic joint="nobody"'), "nobody"),
         (MIMIC.replace('mimic joint="z1"', 'mimic joint="k3"'), "circle"),
         (MIMIC.replace('multiplier="0.7"', 'multiplier="nan"'), "multiplier value"),
+        (MIMIC.replace('multiplier="0.7"', 'multiplier="1e300"'), "up to"),
+        (MIMIC.replace('offset="0.1"', 'offset="-1e300"'), "up to"),
         (MIMIC.replace('type="continuous"', 'type="floating"'), "one degree of freedom"),
         (
             '<robot name="r"><link name="palm"/><link name="t_tip"/><joint name="j" type="fixed"><parent link="palm"/>'
@@ -145,6 +148,19 @@ def test_broken_urdfs_say_what_is_wrong(write: Callable[[str], Path], text: str,
         Hand.from_urdf(write(text), joint_stiffness=1.0)
     assert caught.value.argument == "source"
     assert capfd.readouterr().err == ""
+
+
+def test_a_joint_that_hardly_follows_narrows_no_range(write: Callable[[str], Path]) -> None:
+    """Its own limits divided by next to nothing are none."""
+    hand = Hand.from_urdf(write(MIMIC.replace('multiplier="0.7"', 'multiplier="5e-324"')), joint_stiffness=1.0)
+    assert np.isfinite(hand.at(hand.neutral).flexibility).all()
+
+
+@pytest.mark.parametrize("name", [np.zeros(2), ["five_finger"], None, 3])
+def test_example_hands_have_names(name: Any) -> None:
+    with pytest.raises(UnknownName, match="five_finger") as caught:
+        example_hand(name)
+    assert caught.value.argument == "name"
 
 
 def test_binary_rubbish_is_no_urdf(tmp_path: Path) -> None:
