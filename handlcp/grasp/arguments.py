@@ -13,7 +13,7 @@ from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.scene import cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
-__all__ = ["contacts", "effects", "flexibility", "in_plane", "offset", "plane", "wrench"]
+__all__ = ["contacts", "effects", "flexibility", "in_plane", "lift", "offset", "plane", "reference", "wrench"]
 
 
 def contacts(value: Any) -> tuple[Contact, ...]:
@@ -47,8 +47,7 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
         raise InputError("plane", "a unit vector", f"{a.tolist()}")
     a = read_only(a / np.linalg.norm(a))
     height = positions @ a
-    spread = float(abs(positions - positions.mean(0)).max(initial=0.0)) or 1.0
-    if np.ptp(height) > 1e-6 * spread:
+    if np.ptp(height) > _flat(positions):
         raise InputError(
             "plane", "a plane that holds all contact points", f"heights that differ by {np.ptp(height):.3g} m"
         )
@@ -69,8 +68,32 @@ def in_plane(frames: Array, normal: Array) -> Array:
     return out
 
 
-def wrench(value: Any, normal: Array | None) -> Array:
-    """(6,) force and torque; a planar scene also takes (3,): two forces in the xy plane and the moment."""
+def reference(value: Any, normal: Array | None, positions: Array) -> Array:
+    """(3,) point; a planar scene in xy also takes (2,), a point of the plane that holds the contacts."""
+    flat = normal is not None and abs(normal[2]) == 1.0
+    point = array("reference", value, (3,), *([(2,)] if flat else []))
+    return point if point.shape == (3,) else read_only(np.append(point, positions[0, 2]))
+
+
+def lift(positions: Array, point: Array, normal: Array | None) -> float:
+    """Height of the plane that holds the contacts above a point [m], along its normal; 0 in a spatial scene."""
+    if normal is None:
+        return 0.0
+    height = float((positions.mean(0) - point) @ normal)
+    return height if abs(height) > _flat(positions) else 0.0
+
+
+def _flat(positions: Array) -> float:
+    """Heights that count as none [m]."""
+    return 1e-6 * (float(abs(positions - positions.mean(0)).max(initial=0.0)) or 1.0)
+
+
+def wrench(value: Any, normal: Array | None, lift: float = 0.0) -> Array:
+    """(6,) force and torque; a planar scene also takes (3,): two forces in the xy plane and the moment.
+
+    lift [m]: how far above the reference, along the normal, a planar scene's forces act. A force f then has the moment
+    lift · normal × f about the reference, besides the one about the normal.
+    """
     if value is None:
         return read_only(np.zeros(6))
     shapes: tuple[tuple[int, ...], ...] = ((6,),) if normal is None else ((6,), (3,))
@@ -78,12 +101,15 @@ def wrench(value: Any, normal: Array | None) -> Array:
     if w.shape == (3,):
         if normal is None or abs(normal[2]) != 1.0:
             raise InputError("wrench", "shape (6,) unless the plane is xy", "shape (3,)")
-        w = read_only(np.array([w[0], w[1], 0.0, 0.0, 0.0, w[2] * normal[2]]))
+        f = np.array([w[0], w[1], 0.0])
+        w = read_only(np.append(f, lift * cross_rows(normal, f) + w[2] * normal))
     if normal is not None:
         f, m = w[:3], w[3:]
-        out = max(abs(float(f @ normal)), float(abs(m - normal * (m @ normal)).max()))
-        if out > 1e-9 * float(abs(w).max(initial=0.0)):
-            raise InputError("wrench", "forces in the scene's plane and a moment about its normal", w.tolist())
+        tilt = m - normal * (m @ normal) - lift * cross_rows(normal, f)
+        if max(abs(float(f @ normal)), float(abs(tilt).max())) > 1e-9 * float(abs(w).max(initial=0.0)):
+            where = f" that lies {lift:.3g} m above the reference (or a reference in it)" if lift else ""
+            expected = f"forces in the plane of the contacts{where} and a moment about its normal"
+            raise InputError("wrench", expected, w.tolist())
     return w
 
 

@@ -145,8 +145,12 @@ def grasp(
     if gaps is not None:
         shift = shift + np.concatenate([np.zeros((n, 2)), gaps[:, None]], axis=1)
     g = array("gravity", gravity, (3,))
-    point = _point(reference, obj, normal)
-    load = _with_weight(arguments.wrench(wrench, normal), obj, g, point, normal)
+    if reference is None:
+        point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
+    else:
+        point = arguments.reference(reference, normal, positions)
+    load = arguments.wrench(wrench, normal, arguments.lift(positions, point, normal))
+    load = _with_weight(load, obj, g, point, positions, normal)
     made = HandGrasp.__new__(HandGrasp)
     made._place(
         contacts,
@@ -200,20 +204,18 @@ def _given(state: HandState, target: Any, fingers: Any, friction: Any) -> tuple[
     return tips, contacts
 
 
-def _point(reference: Any, obj: Object | None, normal: Array | None) -> Array:
-    if reference is None:
-        return read_only(np.zeros(3)) if obj is None else obj.center_of_mass
-    point = array("reference", reference, (3,), *(() if normal is None else ((2,),)))
-    return point if point.shape == (3,) else read_only(np.append(point, 0.0))
-
-
-def _with_weight(wrench: Array, obj: Object | None, gravity: Array, point: Array, normal: Array | None) -> Array:
+def _with_weight(
+    wrench: Array, obj: Object | None, gravity: Array, point: Array, positions: Array, normal: Array | None
+) -> Array:
     """(6,) the load and the object's weight at its centre of mass, both about `point`."""
     if obj is None or obj.mass == 0.0:
         return wrench
     weight = obj.mass * gravity
     if normal is not None and abs(float(weight @ normal)) > 1e-9 * float(abs(weight).max()):
         raise InputError("gravity", "gravity in the plane of a planar scene", gravity.tolist())
+    if weight.any() and (off := arguments.lift(positions, obj.center_of_mass, normal)):
+        expected = "an object whose centre of mass lies in the plane of a planar scene"
+        raise InputError("target", expected, f"one {abs(off):.3g} m off it")
     x, y, z = obj.center_of_mass - point
     fx, fy, fz = weight
     return read_only(wrench + np.array([fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx]))

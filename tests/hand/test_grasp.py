@@ -161,6 +161,26 @@ def test_the_ring_grasps_in_its_plane() -> None:
         state.grasp(disc, plane=(0, 0, 1))
 
 
+def test_a_plane_may_miss_the_reference() -> None:
+    """A load in the plane of the contacts has a moment out of it about any point beside: 100 mm below, f turns by
+    0.1 z × f.
+    """
+    hand = example_hand("planar_ring")
+    disc = Cylinder(0.03, 0.02)
+    state = hand.at(hand.close_on(disc, np.tile([0.5, -0.9], 6), squeeze=2e-3))
+    flat = {"gravity": (0, 0, 0), "plane": (0, 0, 1)}
+    here = state.grasp(disc, wrench=(0.3, 0.1, 0, 0, 0, 0.002), **flat).solve()
+    for wrench in [(0.3, 0.1, 0, -0.01, 0.03, 0.002), (0.3, 0.1, 0.002)]:
+        below = state.grasp(disc, wrench=wrench, reference=(0, 0, -0.1), **flat).solve()
+        np.testing.assert_allclose(below.forces, here.forces, atol=1e-12)
+        np.testing.assert_allclose(below.object_displacement, here.object_displacement, atol=1e-15)
+    with pytest.raises(InputError, match=r"0\.1 m above the reference"):
+        state.grasp(disc, wrench=(0.3, 0.1, 0, 0, 0, 0.002), reference=(0, 0, -0.1), **flat)
+    on_the_side = Cylinder(0.03, 0.02, (0, 0, 0.005), mass=0.1)
+    with pytest.raises(InputError, match=r"0\.005 m off it"):
+        state.grasp(on_the_side, gravity=(0, -9.81, 0), plane=(0, 0, 1))
+
+
 def test_no_solution_leaves_nan_torques(five: Hand) -> None:
     """Not held: NaN torques that nobody can mistake for an answer, ok is False, and the error carries them."""
     state = five.at(five.close_on(BALL))
