@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -20,10 +20,12 @@ from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
-from handlcp.hand.state import HandState
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
 from handlcp.lcp import Auto, Solver
+
+if TYPE_CHECKING:
+    from handlcp.hand.state import HandState
 
 __all__ = ["HandGrasp", "HandGraspSolution", "grasp"]
 
@@ -102,7 +104,7 @@ def grasp(
     finger_weight: bool = False,
     plane: Any = None,
 ) -> HandGrasp:
-    """The grasp of an object by a hand in a posture.
+    """The grasp of an object by a hand in a posture; as a method, `state.grasp(target, …)`.
 
     target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected, and a
         fingertip that overlaps the object is preloaded by the overlap. Or contacts, a sequence with one for each

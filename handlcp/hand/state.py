@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from handlcp.check import Array, array, read_only
+from handlcp.hand.grasp import grasp as _grasp
 
 if TYPE_CHECKING:
-    from handlcp.hand.grasp import HandGrasp
     from handlcp.hand.hand import Hand
 
 __all__ = ["HandState"]
@@ -88,42 +88,7 @@ class HandState:
         """
         return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
 
-    def grasp(
-        self,
-        target: Any,
-        friction: Any = None,
-        wrench: Any = None,
-        gravity: Any = (0.0, 0.0, -9.81),
-        preload: Any = 0.0,
-        *,
-        offset: Any = None,
-        reference: Any = None,
-        fingers: Sequence[str] | None = None,
-        max_gap: float = 1e-3,
-        effects: Iterable[Any] = (),
-        finger_weight: bool = False,
-        plane: Any = None,
-    ) -> HandGrasp:
-        """The grasp of an object, or of contacts given one by one; `handlcp.hand.grasp.grasp` explains the
-        arguments.
-        """
-        from handlcp.hand.grasp import grasp
-
-        return grasp(
-            self,
-            target,
-            friction,
-            wrench,
-            gravity,
-            preload,
-            offset=offset,
-            reference=reference,
-            fingers=fingers,
-            max_gap=max_gap,
-            effects=effects,
-            finger_weight=finger_weight,
-            plane=plane,
-        )
+    grasp = _grasp
 
     def __setattr__(self, name: str, value: object) -> None:
         """Everything is set once."""
