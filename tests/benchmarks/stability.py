@@ -122,12 +122,17 @@ def measure(
 ) -> list[Record]:
     """Every scene at every number of faces. known : records of an earlier run, whose peers' verdicts are taken over."""
     told: dict[tuple[str, Faces], dict[str, str]] = {(r["name"], r["faces"]): r["peers"] for r in known}
-    todo = [p for p in peers if not any(p in verdicts for verdicts in told.values())]
+    scenes = folder.read(corpus, families)
+
+    def missing(peer: str) -> bool:
+        suited = [f for f in faces if (f == "cone") == (folder.peers[peer] == "cone")]
+        return any(peer not in told.get((s.name, f), {}) for s in scenes for f in suited)
+
+    todo = [p for p in peers if missing(p)]
     for peer, found in answers(console, folder, corpus, todo, faces, families).items():
         for key, answer in found.items():
             told.setdefault(key, {})[peer] = answer.verdict
     records = []
-    scenes = folder.read(corpus, families)
     for f in faces:
         for scene in scenes:
             with console.status(f"{scene.name}, {f}"):
