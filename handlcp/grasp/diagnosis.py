@@ -33,6 +33,7 @@ def diagnose(
     escape: Array | None = None,
     loose: Array | None = None,
     forces_determined: bool = True,
+    others: bool = False,
     required_preload: float | None = None,
     bounds: tuple[float, float] | None = None,
 ) -> str:
@@ -41,13 +42,13 @@ def diagnose(
     names (n,), positions (n, 3) m of the contacts. reference (3,) m: the point that twists refer to.
     forces (n, 3) N in contact axes, states (n,) of a SOLVED solution ("sticking", "sliding", "separated").
     offset (n, 3) m, contact axes: says which contacts carry no preload. escape (6,): the certificate of NOT_HOLDABLE.
-    loose (k, 6), forces_determined: what a SOLVED solution leaves free. required_preload: squeeze [m] on every
-    contact that would hold (NO_EQUILIBRIUM), if known. bounds: forces [N] and motions [m] within which NO_EQUILIBRIUM
-    was proven.
+    loose (k, 6), forces_determined: what a SOLVED solution leaves free; others: whether other equilibria are known.
+    required_preload: squeeze [m] on every contact that would hold (NO_EQUILIBRIUM), if known. bounds: forces [N] and
+    motions [m] within which NO_EQUILIBRIUM was proven.
     """
     p, c = np.asarray(positions, dtype=float).reshape(-1, 3), np.asarray(reference, dtype=float)
     if status is Status.SOLVED:
-        return _solved(names, p, c, forces, states, loose, forces_determined)
+        return _solved(names, p, c, forces, states, loose, forces_determined, others)
     if status is Status.NOT_HOLDABLE:
         way = (
             "" if escape is None else f": the object {describe_motion(escape, p, c, names, 'slides out', 'turns out')}"
@@ -100,6 +101,7 @@ def _solved(
     states: Sequence[str],
     loose: Array | None,
     forces_determined: bool,
+    others: bool,
 ) -> str:
     groups = {s: [n for n, state in zip(names, states, strict=True) if state == s] for s in dict.fromkeys(states)}
     idle = set(groups.get("separated", ()))
@@ -117,6 +119,8 @@ def _solved(
         parts.append(_loose(np.asarray(loose, dtype=float), p, c, names))
     if not forces_determined:
         parts.append("other forces satisfy the same conditions (the smallest are given)")
+    if others:
+        parts.append("it can also be held in other ways (grasp.equilibria() lists them)")
     if forces is not None and len(names) and not np.asarray(forces).any():
         return "; ".join(["in balance without any contact force", *parts])
     return "; ".join(["held", *parts])

@@ -19,6 +19,7 @@ from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.explain import Explanation, explain
 from handlcp.grasp.last_resort import last_resort
+from handlcp.grasp.others import Equilibria, equilibria
 from handlcp.grasp.pyramid import Cone, Pyramid, Section, as_section
 from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
@@ -201,6 +202,13 @@ class Grasp:
     def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
         return required_friction(self, self._section(faces), tolerance)
+
+    def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
+        """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.
+
+        faces : see `problem`. Friction can hold an object in several ways under one load; `solve` returns one of them.
+        """
+        return equilibria(self, faces, seconds)
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.plane is not None)

@@ -29,7 +29,8 @@ class GraspSolution:
     contact_state : (n,) "separated" | "sticking" | "sliding". A contact whose force is prescribed follows the object:
         no gap, no slip, "sticking".
     residuals : how far each law is missed, relative and SI.
-    uniqueness : which object motions and forces the solution leaves free; None where there is no solution.
+    uniqueness : which object motions and forces the solution leaves free, and whether other equilibria exist, as far
+        as that is known; None where there is no solution.
     certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes.
     iterations : steps of the method that gave the answer. trace : one line per stage that ran.
     extra : unknowns of further effects by name, SI.
@@ -79,6 +80,7 @@ class GraspSolution:
             escape=self.certificate,
             loose=None if free is None else free.directions,
             forces_determined=free is None or free.forces_determined,
+            others=free is not None and free.others is True,
             required_preload=self.required_preload,
             bounds=self.bounds,
         )

@@ -24,33 +24,50 @@ class Uniqueness:
     directions : (loose_motions, 6) twists (m, rad) spanning them, about the grasp's reference, one natural unit each;
         a motion is one-sided where it opens a contact or turns a slip, and may be short.
     forces_determined : whether no other contact forces near these satisfy the same conditions.
+    others : whether equilibria exist that no such family of forces connects with this one. True: at least one was
+        found. False: proven, there are none. None: not looked for (`grasp.equilibria()` does), or looked for without
+        finding any or a proof.
+
+    Without friction there are no others: the laws are a monotone LCP then, whose solutions form one convex set
+    (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, theorem 3.1.7). With friction there may be.
     """
 
     loose_motions: int
     directions: Array
     forces_determined: bool
+    others: bool | None = None
 
     def __str__(self) -> str:
         forces = f"forces {'' if self.forces_determined else 'NOT '}determined"
-        if not self.loose_motions:
-            return f"{forces}, object motion determined"
         several = "s" if self.loose_motions > 1 else ""
-        return f"{forces}, object motion free in {self.loose_motions} direction{several} (the smallest motion is given)"
+        motion = (
+            f"object motion free in {self.loose_motions} direction{several} (the smallest motion is given)"
+            if self.loose_motions
+            else "object motion determined"
+        )
+        return f"{forces}, {motion}, {_OTHERS[self.others]}"
 
 
-_NOTHING_FREE = Uniqueness(0, read_only(np.zeros((0, 6))), True)
+_OTHERS = {
+    True: "other equilibria exist",
+    False: "no other equilibrium exists",
+    None: "other equilibria not ruled out (grasp.equilibria() looks for them)",
+}
+_NOTHING = read_only(np.zeros((0, 6)))
+_NOTHING_FREE = {others: Uniqueness(0, _NOTHING, True, others) for others in (False, None)}
 
 
 def describe(scene: Scene, branches: tuple[Branch, ...], to_reference: Array) -> Uniqueness:
     """In SI; to_reference (6, 6) moves twists from the contacts' centre to the grasp's reference."""
+    others = None if scene.rough else False
     if not branches:
-        return _NOTHING_FREE
+        return _NOTHING_FREE[others]
     k = 3 * scene.n
     U, s, _ = np.linalg.svd(np.hstack([b.basis[k:] for b in branches]), full_matrices=False)
     moving = U[:, s > 1e-9]
     twists = np.array([to_reference @ scene.twist(t) for t in moving.T]).reshape(-1, 6)
     determined = all(float(abs(b.basis[:k]).max()) < 1e-9 for b in branches)
-    return Uniqueness(moving.shape[1], read_only(twists), determined)
+    return Uniqueness(moving.shape[1], read_only(twists), determined, others)
 
 
 def minimum_norm(

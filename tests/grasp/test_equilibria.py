@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 import handlcp as hl
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
-from handlcp.grasp.equilibria import applicable, find_equilibrium, other_equilibria, seeded
+from handlcp.grasp.equilibria import applicable, find_equilibrium
 from handlcp.grasp.pyramid import as_section
 from handlcp.study.paper.examples import PRELOAD, example
 from tests.grasp.scenes import pinch, ring
@@ -127,42 +127,3 @@ def test_a_total_force_bound_is_not_for_this_search():
 def test_no_time_is_no_claim():
     contacts, data = ring(np.random.default_rng(0), n=5)
     assert searched(hl.Grasp(contacts, **data), 16, seconds=1e-9).outcome == "unknown"
-
-
-# ---------------------------------------------------------------- others
-def others(g, faces, **more):
-    section = as_section(faces, planar=g.scene.plane is not None)
-    problem = assemble_contact(g.scene, section, g.effects)
-    known = searched(g, faces).candidate
-    return known, other_equilibria(g.scene, problem.effects, section, known, seeded(problem, 2), **more)
-
-
-def test_a_frictionless_soft_grasp_has_one_equilibrium():
-    angles = np.deg2rad([90, 210, 330])
-    contacts = [hl.Contact((np.cos(a), np.sin(a)), (-np.cos(a), -np.sin(a)), hl.Frictionless()) for a in angles]
-    _, r = others(hl.Grasp(contacts, (0.5, -1, 0), flexibility=1e-3, preload=1e-2), 8)
-    assert r.candidates == ()
-    assert r.exhaustive
-
-
-def test_friction_and_coupled_flexibility_can_leave_several_equilibria():
-    """Planar, μ = 1.5, flexibility with strong coupling of normal and tangent: some of these scenes have more."""
-    rng = np.random.default_rng(0)
-    section = as_section(8, planar=True)
-    for _ in range(300):
-        a = rng.uniform(0, 2 * np.pi, 3)
-        p = np.column_stack([np.cos(a), np.sin(a)])
-        contacts = [hl.Contact(x, -x, hl.Coulomb(1.5)) for x in p]
-        B = rng.normal(size=(6, 6))
-        g = hl.Grasp(contacts, rng.normal(size=3), flexibility=B @ B.T * 1e-3, preload=rng.uniform(0, 3e-3, 3))
-        problem = assemble_contact(g.scene, section, ())
-        first = find_equilibrium(g.scene, problem.effects, section)
-        if first.candidate is None:
-            continue
-        r = other_equilibria(g.scene, problem.effects, section, first.candidate)
-        if r.candidates:
-            break
-    assert r.exhaustive
-    for c in r.candidates:
-        assert judge(g.scene, problem.effects, section, c).residuals.passes
-        assert abs(c.forces - first.candidate.forces).max() > 1e-6 * abs(c.forces).max()

@@ -1,0 +1,163 @@
+"""What every contact may do, as small matrices, and how contact forces answer to motions: the input of `every_mode`.
+
+With all contacts stuck a grasp is a linear system. Its inverse gives the forces x that other motions y would cause,
+
+    x = c + P y        from  [[E, GᵀU], [UᵀG, 0]] (x, u') = (y - d, -Uᵀw)
+
+with U a basis of the object motions that move any contact. Rigid fingers whose forces are not determined have no
+inverse, and no table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.assemble import Candidate, GraspContact
+from handlcp.grasp.every_mode import visit
+from handlcp.tolerances import RANK
+
+__all__ = ["Table", "mode_table"]
+
+_MOST, _MOST_WHOLE = 2048, 1_000_000
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """x = c + P y (N = 3n components, those that a contact lacks zero), and the modes as `every_mode.visit` wants them.
+
+    problem : what it was made of. back (problem.n, N), back0 (problem.n,): all its unknowns are back0 + back y.
+    """
+
+    problem: GraspContact
+    back: Array
+    back0: Array
+    P: Array
+    c: Array
+    modes: Ints
+    rank: Ints
+    A: Array
+    B: Array
+    X: Array
+    Y: Array
+    count: Ints
+
+    @property
+    def choices(self) -> float:
+        """How many choices of modes there are."""
+        return float(np.prod(self.modes.astype(float)))
+
+    def visit(self) -> tuple[list[Candidate], bool]:
+        """What the signs of some choice of modes allow, to rounding; and whether all choices were visited. Of a choice
+        that leaves something free one member only.
+        """
+        arrays = self.P, self.c, self.modes, self.rank, self.A, self.B, self.X, self.Y, self.count
+        motions, free, complete = visit(*arrays, _MOST, _MOST_WHOLE)
+        members = (self._member(mode) for mode in free)
+        every = [*motions, *(y for y in members if y is not None)]
+        return [self.problem.candidate(self.back0 + self.back @ y) for y in every], complete
+
+    def _member(self, mode: Ints) -> Array | None:
+        """(N,) motions that satisfy one choice of modes: a point of a linear program, after the signs that are not
+        free at all have been looked at.
+        """
+        from scipy.optimize import linprog  # half a second of import that only loose scenes should pay
+
+        N = len(self.c)
+        A, B, X, Y = (np.zeros((0, N)),) * 4
+        for i, k in enumerate(mode.tolist()):
+            p, q = self.rank[i, k], self.count[i, k]
+            A, B = _append(A, i, self.A[i, k, :p]), _append(B, i, self.B[i, k, :, :p].T)
+            X, Y = _append(X, i, self.X[i, k, :q]), _append(Y, i, self.Y[i, k, :q])
+        S, b = A @ self.P @ B.T, -A @ self.c
+        signs, now = X @ self.P @ B.T + Y @ B.T, X @ self.c
+        U, size, Vt = np.linalg.svd(S)
+        rank = int((size > RANK * size[0]).sum())
+        s = Vt[:rank].T @ ((U[:, :rank].T @ b) / size[:rank])
+        fixed = abs(signs @ Vt[rank:].T).max(axis=1) <= _SAME * abs(signs).max(axis=1)
+        value, allowed = signs @ s + now, 1e-6 * max(1.0, float(abs(s).max()))
+        if (value[fixed] < -allowed).any():
+            return None
+        free = Vt[rank:].T
+        rows = (signs @ free)[~fixed]
+        lp = linprog(
+            np.zeros(free.shape[1]),
+            A_ub=-rows,
+            b_ub=value[~fixed] + _SAME * allowed,
+            bounds=(None, None),
+            method="highs",
+        )
+        return None if lp.x is None else np.asarray(B.T @ (s + free @ lp.x))
+
+
+def _append(rows: Array, contact: int, block: Array) -> Array:
+    more = np.zeros((len(block), rows.shape[1]))
+    more[:, 3 * contact : 3 * contact + 3] = block
+    return np.vstack([rows, more])
+
+
+def mode_table(problem: GraspContact) -> Table | None:
+    """For a pyramid or a planar problem without unknowns but forces and the object's motion; None where sticking
+    contacts leave forces undetermined.
+    """
+    friction = {int(block[0]): (block, float(mu)) for block, mu in zip(problem.blocks, problem.limits, strict=True)}
+    contacts = [friction.get(i, (np.array([i, -1, -1]), 0.0)) for i in np.flatnonzero(problem.role == 1).tolist()]
+    if not contacts:
+        return None
+    place = np.array([block for block, _ in contacts]).ravel()
+    here, free = np.flatnonzero(place >= 0), np.flatnonzero(problem.role == 0)
+    own = place[here]
+    G = problem.M[np.ix_(free, own)]
+    U, size, _ = np.linalg.svd(G, full_matrices=False)
+    U = U[:, size > RANK * size[0]]
+    k, moves = len(own), U.shape[1]
+    K = np.block([[problem.M[np.ix_(own, own)], G.T @ U], [U.T @ G, np.zeros((moves, moves))]])
+    if not np.linalg.cond(K) < 1.0 / RANK:
+        return None
+    inverse = np.linalg.inv(K)
+    start = -inverse @ np.append(problem.q[own], U.T @ problem.q[free])
+    N = len(place)
+    P, c, back, back0 = np.zeros((N, N)), np.zeros(N), np.zeros((problem.n, N)), np.zeros(problem.n)
+    P[np.ix_(here, here)], c[here] = inverse[:k, :k], start[:k]
+    back[np.ix_(own, here)], back[np.ix_(free, here)] = inverse[:k, :k], U @ inverse[k:, :k]
+    back0[own], back0[free] = start[:k], U @ start[k:]
+    kinds = [_modes(int((block >= 0).sum()), mu, problem.faces) for block, mu in contacts]
+    shape = len(kinds), max(len(modes) for modes in kinds)
+    deepest = max(len(X) for modes in kinds for _, _, X, _ in modes)
+    rank, count = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
+    A, B, X, Y = (np.zeros((*shape, *s)) for s in ((3, 3), (3, 3), (deepest, 3), (deepest, 3)))
+    for i, modes in enumerate(kinds):
+        for j, (a, b, x, y) in enumerate(modes):
+            p, q, d = len(a), *x.shape
+            rank[i, j], count[i, j] = p, q
+            A[i, j, :p, :d], B[i, j, :d, :p], X[i, j, :q, :d], Y[i, j, :q, :d] = a, b, x, y
+    return Table(problem, back, back0, P, c, np.array([len(modes) for modes in kinds]), rank, A, B, X, Y, count)
+
+
+Mode = tuple[Array, Array, Array, Array]
+
+
+def _modes(d: int, mu: float, faces: int) -> list[Mode]:
+    """(A, B, X, Y) of each mode of a contact with d components: A x = 0, y = B s, X x + Y y ≥ 0."""
+    up, one, none = np.eye(d)[:1], np.eye(d), np.zeros((0, d))
+    opened = (one, one, 0 * up, up)
+    if d == 1:
+        return [opened, (none, none.T, up, 0 * up)]
+    a = 2 * np.pi * np.arange(faces) / faces
+    normals = np.column_stack([np.zeros(faces), np.cos(a), np.sin(a)])[:, :d]  # outward, in (N, T, O)
+    limits = mu * up - normals  # · x ≥ 0 inside, = 0 on the face
+    modes = [opened, (none, none.T, limits, 0 * limits)]
+    for j, out in enumerate(normals):
+        beside = limits[[j - 1, (j + 1) % faces]] if d == 3 else up
+        rows = np.vstack([-out, 0 * beside])  # the slip is against the face …
+        modes.append((limits[j : j + 1], -out[:, None], np.vstack([0 * up, beside]), rows))
+    for j in range(faces if d == 3 else 0):
+        pair = [j, (j + 1) % faces]
+        against = np.zeros((2, 3))  # … or within the angle between two: y_T = -(s₁ n₁ + s₂ n₂), s ≥ 0
+        against[:, 1:] = -np.linalg.inv(normals[pair, 1:].T)
+        rows = np.vstack([up, 0 * against])
+        modes.append((limits[pair], -normals[pair].T, rows, np.vstack([0 * up, against])))
+    return modes

@@ -1,0 +1,214 @@
+"""All equilibria of a grasp: closed forms with one and with three, the independent checker's word, none missed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.assemble import assemble_contact
+from handlcp.grasp.equilibria import Believer
+from handlcp.grasp.others import seeded
+from handlcp.grasp.pyramid import as_section
+from tests.grasp.scenes import pinch, ring
+from tests.grasp.test_equilibria import exists
+from tests.hard_cases.checker import laws
+from tests.hard_cases.scenes import ENOUGH, Case
+
+
+def hook(mu, a=1e-3, b=0.9e-3, e=0.05e-3, stuck=(-1.3, 1.0)):
+    """Planar. Finger 1 pushes up at the origin; its flexibility couples normal and tangent. Fingers 2 and 3, without
+    friction, push towards the origin along the diagonals: e times the unit matrix for the origin. So with
+    C = [[a, b], [b, a]] for (tangent, normal)
+
+        v = C (r - stuck)
+
+    is the motion of contact 1 under its force r, and `stuck` is its force as long as it sticks.
+    """
+    contacts = [
+        hl.Contact((0, 0), (0, 1), hl.Coulomb(mu)),
+        hl.Contact((-1, 1), np.array([1, -1]) / np.sqrt(2), hl.Frictionless()),
+        hl.Contact((1, 1), np.array([-1, -1]) / np.sqrt(2), hl.Frictionless()),
+    ]
+    sign = contacts[0].rotation[0, 0]  # of the contact's x axis in the world's
+    C = np.array([[a, sign * b], [sign * b, a]])
+    E = np.zeros((9, 9))
+    E[np.ix_([0, 2], [0, 2])] = C - e * np.eye(2)
+    E[5, 5] = E[8, 8] = e
+    F = np.array([0.0, 10.0])
+    d = np.zeros((3, 3))
+    d[0, [0, 2]] = -C @ [sign * stuck[0], stuck[1]] - e * F
+    return hl.Grasp(contacts, (*F, 0.0), flexibility=E, offset=d)
+
+
+def test_a_hook_has_three_equilibria():
+    """Stuck: r = (-1.3, 1), inside friction as 1.3 < 1.5. Open: v_N = 0.9 · 1.3 - 1 = 0.17 > 0, in 1e-3. Sliding
+    against r_T = -1.5 r_N: v_N = 0 gives (1 - 0.9 · 1.5) r_N = 1 - 0.9 · 1.3, r_N = 17/35, and v_T = 0.109 > 0.
+    """
+    grasp = hook(1.5)
+    found = grasp.equilibria()
+    assert found.complete
+    assert sorted(s.normal_force[0] for s in found) == pytest.approx([0.0, 17 / 35, 1.0], abs=1e-9)
+    states = {round(s.normal_force[0], 6): s.contact_state[0] for s in found}
+    assert states == {0.0: "separated", 0.485714: "sliding", 1.0: "sticking"}
+    opened = min(found, key=lambda s: s.normal_force[0])
+    assert opened.gap[0] == pytest.approx(0.17e-3)
+    assert all(s.uniqueness.others is True for s in found)
+    assert "other equilibria exist" in str(opened)
+    assert "held in other ways" in opened.diagnosis
+    assert str(found).startswith("3 equilibria and no more (proven: all 16 choices")
+    assert any(np.allclose(grasp.solve().forces, s.forces) for s in found)
+
+
+@pytest.mark.parametrize(("mu", "stuck"), [(1.2, (-1.3, 1.0)), (1.5, (-1.0, 1.0)), (1.5, (1.3, 1.0))])
+def test_less_friction_or_another_load_leaves_one(mu, stuck):
+    """1.2 < 1.3 does not let it stick: open. 0.9 · 1.0 < 1, and a pull to the other side, do not let it open: stuck."""
+    found = hook(mu, stuck=stuck).equilibria()
+    assert (len(found), found.complete) == (1, True)
+    (only,) = found
+    assert only.uniqueness.others is False
+    assert "no other equilibrium exists" in str(only)
+    assert str(found).startswith("one equilibrium and no other")
+
+
+def test_without_friction_a_solve_proves_it_unique():
+    angles = np.deg2rad([90, 210, 330])
+    contacts = [hl.Contact((np.cos(a), np.sin(a)), (-np.cos(a), -np.sin(a)), hl.Frictionless()) for a in angles]
+    grasp = hl.Grasp(contacts, (0.5, -1, 0), flexibility=1e-3, preload=1e-2)
+    s = grasp.solve()
+    assert s.uniqueness.forces_determined
+    assert s.uniqueness.others is False
+    found = grasp.equilibria()
+    assert (len(found), found.complete, found.why) == (1, True, "without friction the laws are monotone")
+
+
+def test_with_friction_a_solve_claims_nothing():
+    s = pinch().solve()
+    assert s.uniqueness.others is None
+    assert "not ruled out (grasp.equilibria() looks for them)" in str(s)
+    assert "other ways" not in s.diagnosis
+
+
+def test_what_cannot_be_held_has_none():
+    found = pinch(load=(0, 0, -100.0)).equilibria()
+    assert (len(found), found.complete) == (0, True)
+    assert str(found).startswith("no equilibrium exists")
+
+
+def test_a_family_of_forces_counts_once():
+    """Rigid tangents: the pinch's vertical forces are equal by symmetry only in the least-norm member."""
+    found = pinch(load=(0, 0, -1.0), flexibility=(0.0, 0.0, 1e-4)).equilibria()
+    assert len(found) == 1
+    (only,) = found
+    if not only.uniqueness.forces_determined:
+        assert not found.complete  # rigid fingers: no table of modes
+
+
+# ---------------------------------------------------------------- spatial scenes
+def case(g, faces):
+    s = g.scene
+    w = np.r_[s.force, s.moment]
+    return Case("", s.positions, s.frames, s.mu, s.flexibility, s.offset, w, faces)
+
+
+@pytest.mark.parametrize("faces", [4, 8, "cone"])
+def test_rings_with_several_equilibria_pass_the_independent_checker(faces):
+    most = 0
+    for seed in range(6):
+        contacts, data = ring(np.random.default_rng(seed), n=4 if faces == 8 else 3, mu=0.9)
+        g = hl.Grasp(contacts, **data)
+        found = g.equilibria(faces)
+        assert found.complete == (faces != "cone")
+        most = max(most, len(found))
+        for k, s in enumerate(found):
+            assert laws(case(g, faces), s).worst < ENOUGH
+            for other in found.found[:k]:
+                assert abs(s.forces - other.forces).max() > 1e-6 * abs(s.forces).max()
+        first = g.solve(faces, throw=False)
+        if first.held:
+            assert any(abs(first.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
+        elif faces != "cone":
+            assert not len(found)
+    assert most > 1
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_none_is_missed(seed):
+    """Where the list is complete, no other seed finds more; and where it is empty, no choice of modes has a point."""
+    rng = np.random.default_rng(seed)
+    contacts, data = ring(rng, n=2 if seed % 2 else 3, mu=0.5, preload=float(rng.choice([0.0, 1e-3, 0.01])))
+    g = hl.Grasp(contacts, **data)
+    m = 4 if seed % 2 else 3
+    found = g.equilibria(m)
+    assert found.complete
+    assert bool(len(found)) == exists(g, m)
+    section = as_section(m)
+    problem = assemble_contact(g.scene, section, ())
+    believed = Believer(g.scene, problem.effects, section)
+    for candidate in seeded(problem, 6, seed=100):
+        if (c := believed([candidate])) is not None:
+            assert any(abs(c.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
+
+
+def test_planar_scenes_with_strong_coupling_by_many_seeds():
+    """Planar, μ = 1.5: several of these scenes have more than one; seeds find no other than the list."""
+    rng, section, several = np.random.default_rng(0), as_section(8, planar=True), 0
+    for _ in range(40):
+        a = rng.uniform(0, 2 * np.pi, 3)
+        contacts = [hl.Contact(x, -x, hl.Coulomb(1.5)) for x in np.column_stack([np.cos(a), np.sin(a)])]
+        B = rng.normal(size=(6, 6))
+        g = hl.Grasp(contacts, rng.normal(size=3), flexibility=_planar(B @ B.T), preload=rng.uniform(0, 3e-3, 3))
+        found = g.equilibria()
+        several += len(found) > 1
+        assert found.complete
+        problem = assemble_contact(g.scene, section, ())
+        believed = Believer(g.scene, problem.effects, section)
+        for candidate in seeded(problem, 3):
+            if (c := believed([candidate])) is not None:
+                assert any(abs(c.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
+    assert several
+
+
+def _planar(E):
+    """(9, 9) with the six in-plane components."""
+    out = np.zeros((9, 9))
+    own = [0, 2, 3, 5, 6, 8]
+    out[np.ix_(own, own)] = E * 1e-3
+    return out
+
+
+def test_too_many_choices_are_not_claimed():
+    contacts, data = ring(np.random.default_rng(0), n=5)
+    found = hl.Grasp(contacts, **data).equilibria(16, seconds=0.05)
+    assert not found.complete
+    assert "too many" in found.why
+    if len(found) == 1:
+        assert found.found[0].uniqueness.others is None
+
+
+def test_a_bound_on_total_force_leaves_the_list_open():
+    found = pinch(effects=[hl.TotalForceBound(15.0)]).equilibria(4)
+    assert not found.complete
+    assert "opens the contacts" in found.why
+
+
+def test_prescribed_forces():
+    contacts = [hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)), hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5))]
+    for side in (4.5, -4.5):
+        grasp = hl.Grasp(contacts, (0, -9.0, 0), flexibility=1e-4, effects=[hl.PrescribedForce(0, (side, 0, 10.0))])
+        found = grasp.equilibria()
+        assert found.complete
+        assert len(found) == int(grasp.solve(throw=False).held)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, "long"])
+def test_seconds_are_checked(bad):
+    with pytest.raises(hl.HandLCPError, match="seconds"):
+        pinch().equilibria(seconds=bad)
+
+
+def test_the_statement_prints_whatever_is_known():
+    u = pinch().solve().uniqueness
+    assert len({str(replace(u, others=o)) for o in (None, True, False)}) == 3
