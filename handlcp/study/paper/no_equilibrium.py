@@ -17,12 +17,13 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
+from handlcp.lcp.search import SearchResult, search
 from handlcp.study.paper.examples import PRELOAD, example
-from handlcp.study.paper.search import SearchResult, search
 
 __all__ = ["FACES", "FORCE_BOUND", "MOTION_BOUND", "PRELOAD_FACES", "NoEquilibrium", "no_equilibrium", "search_grasp"]
 
 FORCE_BOUND, MOTION_BOUND = 1000.0, 1e-3  # N, m
+SECONDS = 30.0  # for each search
 FACES = (4, 6, 8)
 PRELOAD_FACES = 8
 
@@ -49,10 +50,13 @@ class NoEquilibrium:
 
 
 def search_grasp(grasp: Grasp, faces: int) -> SearchResult:
-    """All active sets of a grasp, forces within `FORCE_BOUND`, slips and gaps within `MOTION_BOUND`."""
+    """All active sets of a grasp, forces within `FORCE_BOUND`, slips and gaps within `MOTION_BOUND`; z in natural
+    units.
+    """
     problem = grasp.problem(faces)
     force = np.array([label.startswith("r_N") for label in problem.labels])
-    return search(problem, np.where(force, FORCE_BOUND, MOTION_BOUND), np.where(force, MOTION_BOUND, FORCE_BOUND))
+    z, w = np.where(force, FORCE_BOUND, MOTION_BOUND), np.where(force, MOTION_BOUND, FORCE_BOUND)
+    return search(problem, z / problem.scaled.units.z, w / problem.scaled.units.w, SECONDS)
 
 
 def no_equilibrium() -> NoEquilibrium:
@@ -65,5 +69,7 @@ def no_equilibrium() -> NoEquilibrium:
         for faces in FACES
     )
     control = search_grasp(preloaded, PRELOAD_FACES)
-    z = np.full(3, np.nan) if control.z is None else control.z[:3]
-    return NoEquilibrium(bare.solve(6, throw=False), preloaded.solve(PRELOAD_FACES), searches, control, z)
+    normal = np.full(3, np.nan)
+    if control.z is not None:
+        normal = preloaded.problem(PRELOAD_FACES).candidate(control.z).forces[:, 2]
+    return NoEquilibrium(bare.solve(6, throw=False), preloaded.solve(PRELOAD_FACES), searches, control, normal)
