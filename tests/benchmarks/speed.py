@@ -24,7 +24,7 @@ SECTIONS: tuple[Faces, ...] = (4, 8, 16, 32, "cone")
 QUANTECON, LCP, WHOLE, NEWTON = "QuantEcon Lemke", "solve_lcp", "grasp.solve", "siconos-nsn-ac"
 AGAIN = "solve_lcp, same problem again"
 IN_PROCESS = "quantecon-lemke"  # measured here, between our own calls
-OTHERS = ("siconos-lemke", NEWTON, "pin-admm")  # in processes of their own, one after the other
+OTHERS = (NEWTON, "siconos-lemke", "pin-admm")  # in processes of their own, one after the other
 Times = dict[tuple[Faces, str], np.ndarray]  # (scenes,) best times [µs], NaN where there is no answer
 
 
@@ -32,16 +32,16 @@ def measure(console: Console, folder: PeersFolder, ring: Path, peers: Sequence[s
     """Print times, ratios and the split; the numbers for JSON."""
     scenes = folder.read(ring)
     lemke = _quantecon(console) if not peers or IN_PROCESS in peers else None
-    others = [p for p in peers if p in OTHERS]
+    others = [p for p in OTHERS if p in peers]
     times: Times = {}
     for faces in SECTIONS:
         with console.status(f"{len(scenes)} scenes, {faces}"):
             times |= _ours(folder, scenes, faces, lemke, rounds)
-            for peer, found in answers(console, folder, ring, others, [faces], repeats=3 * rounds).items():
-                said = [found[s.name, faces] for s in scenes]
-                times[faces, peer] = np.array(
-                    [1e6 * (a.seconds or np.nan) if a.verdict == "solved" else np.nan for a in said]
-                )
+    for peer, found in answers(console, folder, ring, others, SECTIONS, repeats=3 * rounds).items():
+        for faces in SECTIONS:
+            said = [found.get((s.name, faces)) for s in scenes]
+            us = [1e6 * a.seconds if a and a.verdict == "solved" and a.seconds else np.nan for a in said]
+            times[faces, peer] = np.array(us)
     _print_times(console, times, len(scenes))
     limits = _limits(times)
     _print_limits(console, limits)
