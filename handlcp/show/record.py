@@ -24,6 +24,7 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
     certificate = None
     if solution.certificate is not None:
         certificate = {"linear_m": solution.certificate[:3], "angular_rad": solution.certificate[3:]}
+    bounds = None if solution.bounds is None else dict(zip(("force_N", "motion_m"), solution.bounds, strict=True))
     return dict(
         clean(
             {
@@ -47,6 +48,8 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                 "residuals": asdict(solution.residuals) | {"worst": solution.residuals.worst},
                 "uniqueness": None if solution.uniqueness is None else asdict(solution.uniqueness),
                 "certificate": certificate,
+                "required_preload_m": solution.required_preload,
+                "proven_within": bounds,
                 "extra": solution.extra,
                 "iterations": solution.iterations,
                 "trace": solution.trace,

@@ -6,9 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from handlcp.check import Array
-
-__all__ = ["LengthUnit", "angle", "direction", "force", "length", "length_unit", "percent", "torque"]
+__all__ = ["LengthUnit", "angle", "force", "length", "length_unit", "percent", "torque"]
 
 NOTHING = 1e-10  # [m] motions below this are rounding
 
@@ -66,13 +64,6 @@ def percent(share: float) -> str:
         return "–"
     value = 100 * share
     return f"{value:.0f} %" if value >= 9.95 or value == 0 else f"{value:.1f} %"
-
-
-def direction(v: Array) -> str:
-    """A unit vector, such as "(0, 0, -1)"."""
-    size = float(np.linalg.norm(v))
-    parts = [f"{round(float(x) / size, 2) + 0.0:g}" for x in v] if size else ["0"] * len(v)
-    return f"({', '.join(parts)})"
 
 
 def _digits(value: float, digits: int = 3) -> str:

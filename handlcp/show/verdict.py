@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.lcp import Status
 from handlcp.show import units
@@ -49,24 +48,18 @@ class Verdict:
 
 
 def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
-    """From the certified status, the torques and the motions of a solution."""
+    """From the certified status, the torques and the motions of a solution; what is not held, in the words of its
+    `diagnosis`.
+    """
     if solution.status is Status.SOLVED:
         return _held(grasp, solution)
-    if solution.status is Status.NOT_HOLDABLE and solution.certificate is not None:
-        return Verdict("NOT HELD", f"no finger forces within friction balance the load; {_escape(grasp, solution)}")
-    if solution.status is Status.NO_EQUILIBRIUM:
-        return Verdict(
-            "NOT HELD",
-            "forces within friction that balance the load exist, but the fingers do not create them with this "
-            "squeeze and these flexibilities; squeeze harder (preload)",
-        )
     if solution.status is Status.UNDECIDED:
         return Verdict(
             "UNDECIDED",
             "the solver stopped before it found an answer, which says nothing about the grasp; "
             "try another seed or number of faces, or more preload",
         )
-    return Verdict("NOT HELD", solution.status.meaning.rstrip("."))
+    return Verdict("NOT HELD", solution.diagnosis)
 
 
 def largest_motion(grasp: Grasp, solution: GraspSolution) -> float:
@@ -103,6 +96,8 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
             notes.append("other forces satisfy the same conditions; the smallest are given")
         if k := s.uniqueness.loose_motions:
             notes.append(f"the object is loose in {k} direction{'s' if k > 1 else ''}; the smallest motion is given")
+        if s.uniqueness.others:
+            notes.append("friction can hold the object in other ways, too; grasp.equilibria() lists them")
     turn, move = float(np.linalg.norm(s.object_displacement[3:])), largest_motion(grasp, s)
     if turn > SMALL_TURN or move > SMALL_MOVE * grasp.scene.units.length:
         how_far = f"the object moves {units.length(move)} and turns {units.angle(turn)}"
@@ -136,23 +131,6 @@ def _motion(grasp: Grasp, s: GraspSolution) -> str:
     else:
         text = f"the object moves {units.length(move)}"
     return f"{text} and turns {units.angle(turn)}" if turn > 1e-4 else text
-
-
-def _escape(grasp: Grasp, s: GraspSolution) -> str:
-    """Where a certificate leads."""
-    assert s.certificate is not None
-    move, turn = s.certificate[:3], s.certificate[3:]
-    shift, swing = float(np.linalg.norm(move)), float(np.linalg.norm(turn)) * grasp.scene.units.length
-    return " ".join(["the object", *_ways(move, shift, turn, swing)])
-
-
-def _ways(move: Array, shift: float, turn: Array, swing: float) -> list[str]:
-    out = []
-    if shift >= 0.05 * swing:
-        out.append(f"slides out along {units.direction(move)}")
-    if swing >= 0.05 * shift:
-        out.append(f"{'and turns' if out else 'turns out'} about {units.direction(turn)}")
-    return out
 
 
 def _listed(names: Any) -> str:

@@ -65,9 +65,10 @@ def test_limits_that_are_not_known_are_not_judged_and_that_is_said(tmp_path):
 
 def test_not_holdable_says_where_the_object_goes():
     grasp = pinch(friction=Frictionless())
-    v = verdict(grasp, grasp.solve(throw=False))
-    assert (v.word, v.exit_code) == ("NOT HELD", 1)
-    assert "slides out along" in v.text
+    s = grasp.solve(throw=False)
+    v = verdict(grasp, s)
+    assert (v.word, v.exit_code, v.text) == ("NOT HELD", 1, s.diagnosis)
+    assert any(f"the object {way}" in v.text for way in ("slides out along", "turns out about"))
 
 
 def test_undecided_claims_nothing_about_the_scene():
@@ -82,13 +83,23 @@ def test_undecided_claims_nothing_about_the_scene():
         assert claim not in str(v).lower().replace("claims", "")
 
 
-def test_no_equilibrium_says_that_forces_exist_and_to_squeeze():
-    grasp = pinch()
-    s = replace(grasp.solve(), status=Status.NO_EQUILIBRIUM)
+def test_no_equilibrium_says_which_squeeze_would_hold():
+    grasp = pinch(squeeze=0.0)
+    s = grasp.solve(throw=False)
+    assert s.status is Status.NO_EQUILIBRIUM
     v = verdict(grasp, s)
-    assert v.word == "NOT HELD"
-    assert "exist" in v.text
-    assert "squeeze harder" in v.text
+    assert (v.word, v.text) == ("NOT HELD", s.diagnosis)
+    assert "no finger carries preload" in v.text
+    enough = pinch(squeeze=1.01 * s.required_preload)
+    assert verdict(enough, enough.solve()).word == "HELD"
+
+
+def test_other_ways_to_hold_are_mentioned():
+    grasp = pinch()
+    s = grasp.solve()
+    for others in (True, False, None):
+        notes = verdict(grasp, replace(s, uniqueness=replace(s.uniqueness, others=others))).notes
+        assert any("in other ways" in n for n in notes) == (others is True)
 
 
 def test_slips_and_motion_are_told_with_a_fitting_unit():
