@@ -6,6 +6,8 @@ Exit status: 0 held; 1 not held, not decided, or over a torque limit; 2 bad inpu
 from __future__ import annotations
 
 import json as jsonlib
+import os
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -102,6 +104,8 @@ def solve(
             out.print(tables.contact_table(grasp, solution, sides))
             if (check := getattr(solution, "torque_check", None)) is not None:
                 out.print(tables.torque_table(check))
+        else:
+            out.print()
         out.print(Text.assemble((f"{judged.word}: ", f"bold {judged.colour}"), f"{judged.text}."))
         for note in judged.notes:
             out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
@@ -178,7 +182,19 @@ def keys(json: Json = False) -> None:
 
 def main() -> None:
     """The entry point of the `handlcp` command."""
+    if sys.stdout is not None and sys.stdout is sys.__stdout__:
+        _keep_stdout()
     app()
+
+
+def _keep_stdout() -> None:
+    """What C code prints on stdout goes nowhere from here on (HiGHS prints a stray line at times); Python's still
+    arrives.
+    """
+    ours, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    sys.stdout = open(ours, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115
 
 
 def _faces(text: str) -> Any:
