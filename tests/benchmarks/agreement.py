@@ -77,9 +77,9 @@ def measure(console: Console, folder: PeersFolder, corpus: Path, families: Seque
     for name in [*names, "all"]:
         mine = [r for r in rows if name in (r["family"], "all")]
         same = [r for r in mine if r["kind"] in ("agrees", "differs")]
-        worst = max((r["difference"] for r in same), default=np.nan)
+        worst = f"{max(r['difference'] for r in same):.1e}" if same else "–"
         table.add_row(
-            name, str(len(same)), str(sum(r["kind"] == "agrees" for r in same)), f"{worst:.1e}",
+            name, str(len(same)), str(sum(r["kind"] == "agrees" for r in same)), worst,
             str(sum(r["another"] for r in same)), *(str(sum(r["kind"] == k for r in mine)) for k in APART),
             style="bold" if name == "all" else None,
         )  # fmt: skip

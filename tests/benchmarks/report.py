@@ -101,9 +101,12 @@ def print_stability(console: Console, records: Sequence[Record]) -> None:
         ("loose", [r for r in records if r.outcome == "loose"]),
         ("undecided though solvable", [r for r in records if r.missed]),
         ('"no" without proof', [r for r in records if r.unproven]),
-        ("undecided, and nobody else knows", [r for r in records if r.outcome == "undecided" and not r.missed]),
     ):
         if chosen:
             console.print(f"[bold]{heading}[/bold]")
             for record in chosen:
                 console.print(f"  {record}", highlight=False, markup=False)
+    for faces in sections:
+        names = [r.name for r in records if r.faces == faces and r.outcome == "undecided" and not r.missed]
+        if names:
+            console.print(f"[bold]undecided, and nobody else has an answer, {faces}:[/bold] {', '.join(names)}")

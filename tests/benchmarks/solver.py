@@ -73,7 +73,7 @@ def main() -> None:
     o = arguments()
     console, folder = Console(), PeersFolder(o.folder)
     if not console.is_terminal:
-        console = Console(width=150)
+        console = Console(width=180)
     if unknown := set(o.peers) - set(folder.peers):
         sys.exit(f"--peers: expected some of {', '.join(folder.peers)}, got {', '.join(sorted(unknown))}")
     results: dict[str, Any] = {"conditions": conditions()}
