@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from handlcp.check import Array
 from handlcp.grasp.assemble import Candidate, assemble_contact
 from handlcp.grasp.certify import judge
 from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
@@ -17,7 +18,7 @@ from handlcp.grasp.scene import Scene
 from handlcp.lcp.search import Outcome
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 
-__all__ = ["Believer", "EquilibriumSearch", "applicable", "find_equilibrium"]
+__all__ = ["Believer", "EquilibriumSearch", "applicable", "find_equilibrium", "widest"]
 
 _NARROW, _WIDE = 10.0, 1e3  # boxes, times 1 + max|d̂|
 _CUTS = 8  # choices of modes cut off before the search gives up
@@ -47,6 +48,12 @@ def applicable(effects: tuple[Effect, ...]) -> bool:
     return all(type(e).opening is Effect.opening for e in effects)
 
 
+def widest(scene: Scene, offset: Array | None = None) -> float:
+    """Largest force and motion that a "none" speaks of, natural units: 1000 (1 + max|d̂|)."""
+    d = scene.offset / scene.units.motion if offset is None else offset
+    return _WIDE * (1.0 + float(abs(d).max(initial=0.0)))
+
+
 def find_equilibrium(
     scene: Scene,
     effects: tuple[Effect, ...],
@@ -65,8 +72,8 @@ def find_equilibrium(
         raise ValueError("an effect opens the contacts; search the assembled problem with handlcp.lcp.search")
     start, program = time.monotonic(), Program(scene, effects, section)
     believed = Believer(scene, effects, section)
-    size = 1.0 + float(abs(program.offset).max(initial=0.0))
-    boxes = [(_WIDE * size, 0.7 * seconds), (_NARROW * size, seconds)] if bound is None else [(float(bound), seconds)]
+    wide = widest(scene, program.offset)
+    boxes = [(wide, 0.7 * seconds), (_NARROW / _WIDE * wide, seconds)] if bound is None else [(float(bound), seconds)]
     outcome: Outcome = "unknown"
     candidate, cuts, b = None, 0, boxes[0][0]
     for b, until in boxes:

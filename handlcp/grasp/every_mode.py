@@ -75,8 +75,8 @@ def visit(
                     continue
                 singular = i
         if i < n - 1:
-            if singular == n:
-                eliminate(Ps, cs, i, k, rank, B, T, h, H)
+            if singular == n and not eliminate(Ps, cs, i, k, rank, B, T, h, H, size):
+                singular = i
             level += 1
             continue
         if singular < n:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from handlcp.check import Array
 from handlcp.grasp.assemble import Candidate, GraspContact, GraspProblem
 from handlcp.grasp.certify import judge
-from handlcp.grasp.equilibria import applicable, find_equilibrium
+from handlcp.grasp.equilibria import Believer, applicable, find_equilibrium, widest
+from handlcp.grasp.mode_table import PER_SECOND, mode_table
 from handlcp.grasp.pyramid import Section
 from handlcp.lcp.search import search
 
@@ -20,6 +21,8 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
     """
     scene, effects = problem.scene, problem.effects
     if applicable(effects):
+        if (quick := _every_mode(problem, section, seconds)) is not None:
+            return quick
         found = find_equilibrium(scene, effects, section, seconds)
         words = f"search over contact modes: {found.outcome}"
         return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
@@ -42,3 +45,22 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
     size = float(result.bound_z[~plain.free].max(initial=0.0))
     units = scene.units
     return None, (size * units.force, size * units.motion) if result.none_exists else None, words
+
+
+def _every_mode(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found | None:
+    """By solving every choice of contact modes, where that is affordable and leaves no doubt. This proof has no bounds;
+    those of the mixed-integer search are stated, as far beyond them rounding could hide an answer.
+    """
+    contact = problem if isinstance(problem, GraspContact) else problem.contact
+    table = mode_table(contact) if section.faces else None
+    if table is None or table.choices > PER_SECOND * seconds:
+        return None
+    candidates, every = table.visit()
+    words = f"all {table.choices:,.0f} choices of contact modes:"
+    candidate = Believer(problem.scene, problem.effects, section)(candidates)
+    if candidate is not None:
+        return candidate, None, f"{words} solution"
+    if candidates or not every:
+        return None
+    units, size = problem.scene.units, widest(problem.scene)
+    return None, (size * units.force, size * units.motion), f"{words} none"

@@ -15,6 +15,7 @@ __all__ = ["SIGNS", "contradicts", "eliminate", "fits", "invert", "last", "norms
 
 SIGNS = 1e-6  # a sign may be wrong by this share of the largest force or motion; the certifier decides afterwards
 _PIVOT = 1e-8  # share of the product of its rows' norms below which the determinant of A P_ii B counts as zero
+_GROWTH = 1e5  # of the table, beyond which it is not used: rounding of 1e-16 stays far below SIGNS
 
 
 @kernel
@@ -133,8 +134,22 @@ def contradicts(
 
 
 @kernel
-def eliminate(Ps: Array, cs: Array, i: int, k: int, rank: Ints, B: Array, T: Array, h: Array, H: Array) -> None:
-    """Of s = -(h + H y): h = T c_i, H = T P_i·. The table of the contacts that follow: P - P_·i B H, c - P_·i B h."""
+def eliminate(
+    Ps: Array,
+    cs: Array,
+    i: int,
+    k: int,
+    rank: Ints,
+    B: Array,
+    T: Array,
+    h: Array,
+    H: Array,
+    size: tuple[float, float],
+) -> bool:
+    """Of s = -(h + H y): h = T c_i, H = T P_i·. The table of the contacts that follow: P - P_·i B H, c - P_·i B h.
+
+    False where it grows so much beyond the first one's size (of c and of P) that rounding would count.
+    """
     o, e, N = 3 * i, 3 * i + 3, cs.shape[1]
     for r in range(rank[i, k]):
         t = 0.0
@@ -146,6 +161,7 @@ def eliminate(Ps: Array, cs: Array, i: int, k: int, rank: Ints, B: Array, T: Arr
             for a in range(3):
                 t += T[i, r, a] * Ps[i, o + a, j]
             H[i, r, j] = t
+    largest_c, largest_p = 0.0, 0.0
     for r in range(e, N):
         cs[i + 1, r] = cs[i, r]
         for j in range(e, N):
@@ -157,6 +173,10 @@ def eliminate(Ps: Array, cs: Array, i: int, k: int, rank: Ints, B: Array, T: Arr
             cs[i + 1, r] -= w * h[i, q]
             for j in range(e, N):
                 Ps[i + 1, r, j] -= w * H[i, q, j]
+        largest_c = max(largest_c, abs(cs[i + 1, r]))
+        for j in range(e, N):
+            largest_p = max(largest_p, abs(Ps[i + 1, r, j]))
+    return largest_c <= _GROWTH * size[0] and largest_p <= _GROWTH * size[1]
 
 
 @kernel

@@ -19,7 +19,9 @@ from handlcp.grasp.assemble import Candidate, GraspContact
 from handlcp.grasp.every_mode import visit
 from handlcp.tolerances import RANK
 
-__all__ = ["Table", "mode_table"]
+__all__ = ["PER_SECOND", "Table", "mode_table"]
+
+PER_SECOND = 4e6  # choices of modes that are visited in a second, a careful count
 
 _MOST, _MOST_WHOLE = 2048, 1_000_000
 _SAME = 1e-9

@@ -19,7 +19,7 @@ from handlcp.grasp.assemble import Candidate, GraspContact, assemble_contact
 from handlcp.grasp.certify import judge
 from handlcp.grasp.effects import PrescribedForce, TotalForceBound
 from handlcp.grasp.equilibria import Believer, applicable
-from handlcp.grasp.mode_table import Table, mode_table
+from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.solution import GraspSolution
 from handlcp.lcp import Auto
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Equilibria", "equilibria", "seeded"]
 
-_CHOICES = 4e6  # of contact modes a second, a careful count
 _COARSER = (12, 8, 6, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
 _RUNS = 8  # other seeds and starts
 _APART = 1e-6  # of the largest force: forces that differ by less are the same
@@ -98,7 +97,7 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
     table = mode_table(problem) if section.faces and applicable(problem.effects) else None
     complete, why = False, _open(problem, section, table)
     passed: list[Candidate | None] = []
-    if table is not None and table.choices <= _CHOICES * seconds:
+    if table is not None and table.choices <= PER_SECOND * seconds:
         candidates, every = table.visit()
         passed = [believed([c]) for c in candidates]
         complete = every and None not in passed and (not found or _contains(passed, found[0]))
@@ -136,7 +135,7 @@ def _starts(problem: GraspContact, section: Section, end: float) -> Iterator[Can
         if faces == section.faces:
             continue
         table = mode_table(assemble_contact(problem.scene, Pyramid(faces), asked))
-        if table is not None and table.choices <= 0.5 * _CHOICES * (end - time.monotonic()):
+        if table is not None and table.choices <= 0.5 * PER_SECOND * (end - time.monotonic()):
             yield from table.visit()[0]
     for candidate in seeded(problem, _RUNS):
         yield candidate
