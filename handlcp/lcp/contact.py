@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.lcp.kernels.contact import roles, row_scales
+from handlcp.lcp.kernels.contact import prepare, roles
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 
@@ -57,9 +57,9 @@ class ContactProblem:
         return roles(self.free, self.blocks)
 
     @cached_property
-    def rho(self) -> Array:
-        """(n,) scale that makes ρ y comparable with x: one over the stiffness seen by each contact."""
-        return row_scales(self.M, self.blocks)
+    def prepared(self) -> tuple[Ints, Ints, Array, Array, Array, Array, Ints, Array, Ints]:
+        """What kernels work on, in the order of the arrow that M is: see `kernels.contact.prepare`."""
+        return prepare(self.M, self.q, self.role, self.blocks)
 
     def __repr__(self) -> str:
         kind = "exact cone" if self.faces == 0 else "planar" if self.faces == 2 else f"{self.faces} faces"

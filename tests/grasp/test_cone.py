@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp.kernels.contact import _rows, project
+from handlcp.lcp.kernels.arrow import Arrow
+from handlcp.lcp.kernels.contact import Contacts, project, rows, work
 from tests.grasp.scenes import cube_example, pinch, ring
 
 
@@ -116,19 +117,22 @@ def test_subgradients_of_contact_rows_are_their_difference_quotients():
     rng = np.random.default_rng(0)
     n = p.n
 
-    def rows(x):
-        F, unit, c = np.empty(n), np.empty((n, 3), np.int64), np.empty((n, 3))
-        row, b = np.empty((n, 2), np.int64), np.empty((n, 2))
-        _rows(x, p.M @ x + p.q, p.role, p.rho, p.blocks, p.limits, p.faces, F, unit, c, row, b)
-        J = b[:, :1] * p.M[row[:, 0]] + b[:, 1:] * p.M[row[:, 1]]
+    order, starts, own, side, below, q, role, rho, blocks = p.prepared
+    M = p.M[np.ix_(order, order)]
+    contacts = Contacts(Arrow(own, side, below, starts), q, role, rho, blocks, p.limits, p.faces)
+
+    def evaluate(x):
+        F, g = np.empty(n), work(n)
+        rows(contacts, x, M @ x + q, F, g)
+        J = g.b[:, :1] * M[g.row[:, 0]] + g.b[:, 1:] * M[g.row[:, 1]]
         for i in range(n):
             for a in range(3):
-                J[i, unit[i, a]] += c[i, a]
+                J[i, g.unit[i, a]] += g.c[i, a]
         return F, J
 
     for _ in range(20):
         x = rng.normal(size=n)
-        _, J = rows(x)
+        _, J = evaluate(x)
         h = 1e-6
-        quotient = np.column_stack([(rows(x + h * e)[0] - rows(x - h * e)[0]) / (2 * h) for e in np.eye(n)])
+        quotient = np.column_stack([(evaluate(x + h * e)[0] - evaluate(x - h * e)[0]) / (2 * h) for e in np.eye(n)])
         np.testing.assert_allclose(J, quotient, atol=1e-5)

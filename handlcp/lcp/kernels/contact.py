@@ -15,14 +15,29 @@ The subgradient of row i is Σ c e_a + Σ b M_j with at most three unit vectors 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
+from handlcp.lcp.kernels.arrow import Arrow, Subgradient, arrow_order, pack
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import solve_ranked
-from handlcp.lcp.kernels.kaczmarz import Seeds, multiply_add, uniform
 
-__all__ = ["contact_kaczmarz", "contact_newton", "contact_residual", "project", "roles", "row_scales"]
+__all__ = ["Contacts", "prepare", "project", "roles", "row_scales", "rows", "work"]
+
+
+class Contacts(NamedTuple):
+    """A contact problem as kernels pass it on, unknowns in the order of its arrow M: q (n,), role (n,) of `roles`,
+    rho (n,) of `row_scales`, blocks (k, 3), limits (k,), faces.
+    """
+
+    M: Arrow
+    q: Array
+    role: Ints
+    rho: Array
+    blocks: Ints
+    limits: Array
+    faces: int
 
 
 @kernel
@@ -59,6 +74,24 @@ def row_scales(M: Array, blocks: Ints) -> Array:
     for i in range(n):
         own[i] = 1.0 / max(own[i], 1e-6 * largest) if own[i] > 0.0 else 1.0
     return own
+
+
+@kernel
+def prepare(
+    M: Array, q: Array, role: Ints, blocks: Ints
+) -> tuple[Ints, Ints, Array, Array, Array, Array, Ints, Array, Ints]:
+    """(order, starts, own, side, below) of the arrow, then (q, role, rho, blocks) of `Contacts` in that order."""
+    n = len(q)
+    order, starts = arrow_order(M, role, blocks)
+    own, side, below = pack(M, order, starts)
+    place, moved = np.empty(n + 1, np.int64), blocks.copy()
+    place[n] = -1
+    for s in range(n):
+        place[order[s]] = s
+    for k in range(len(blocks)):
+        for a in range(3):
+            moved[k, a] = place[blocks[k, a]]  # -1, no second tangent, stays -1
+    return order, starts, own, side, below, q[order], role[order], row_scales(M, blocks)[order], moved
 
 
 _TIE = 1e-12  # a projection this close to a corner, relative, is on the side it was computed on
@@ -111,21 +144,16 @@ def project(x: float, y: float, a: float, slope: float, faces: int, P: Array, D:
 
 
 @kernel
-def _rows(
-    x: Array,
-    y: Array,
-    role: Ints,
-    rho: Array,
-    blocks: Ints,
-    limits: Array,
-    faces: int,
-    F: Array,
-    unit: Ints,
-    c: Array,
-    row: Ints,
-    b: Array,
-) -> float:
-    """F (N,) and its subgradients: c (N, 3) at unit vectors `unit` (N, 3), b (N, 2) at rows of M `row` (N, 2). ‖F‖²."""
+def work(n: int) -> Subgradient:
+    """Room for n rows."""
+    return Subgradient(np.empty((n, 3), np.int64), np.empty((n, 3)), np.empty((n, 2), np.int64), np.empty((n, 2)))
+
+
+@kernel
+def rows(p: Contacts, x: Array, y: Array, F: Array, g: Subgradient) -> float:
+    """F (n,) and its subgradients g at x and y = M x + q. Returns ‖F‖²."""
+    role, rho, blocks, limits, faces = p.role, p.rho, p.blocks, p.limits, p.faces
+    unit, c, row, b = g.unit, g.c, g.row, g.b
     for i in range(len(x)):
         if role[i] == 2:
             continue
@@ -157,148 +185,3 @@ def _rows(
     for i in range(len(x)):
         total += F[i] * F[i]
     return total
-
-
-@kernel
-def contact_residual(x: Array, y: Array, role: Ints, rho: Array, blocks: Ints, limits: Array, faces: int) -> float:
-    """‖F‖_∞; infinite where anything is not a number."""
-    n = len(x)
-    F, unit, c = np.empty(n), np.empty((n, 3), np.int64), np.empty((n, 3))
-    row, b = np.empty((n, 2), np.int64), np.empty((n, 2))
-    total = _rows(x, y, role, rho, blocks, limits, faces, F, unit, c, row, b)
-    return np.max(np.abs(F)) if total < np.inf else np.inf
-
-
-@kernel
-def contact_newton(
-    M: Array,
-    q: Array,
-    role: Ints,
-    rho: Array,
-    blocks: Ints,
-    limits: Array,
-    faces: int,
-    x: Array,
-    steps: int,
-    tolerance: float,
-    rank_tolerance: float,
-) -> tuple[int, float]:
-    """Semismooth Newton on F in place, with a line search that lets ‖F‖ rise for a while (Grippo, Lampariello &
-    Lucidi 1986). Stops at ‖F‖ ≤ tolerance × max(1, largest |x|). Returns (steps, ‖F‖ over that size).
-    """
-    n = len(x)
-    y, F, dx = np.empty(n), np.empty(n), np.empty(n)
-    x1, y1, F1 = np.empty(n), np.empty(n), np.empty(n)
-    unit, c = np.empty((n, 3), np.int64), np.empty((n, 3))
-    row, b = np.empty((n, 2), np.int64), np.empty((n, 2))
-    J, col, recent = np.empty((n, n)), np.empty(n, np.int64), np.zeros(8)
-    multiply_add(M, x, q, y)
-    relative = np.inf
-    for step in range(steps + 1):
-        total = _rows(x, y, role, rho, blocks, limits, faces, F, unit, c, row, b)
-        size = 1.0
-        for i in range(n):
-            size = max(size, abs(x[i]))
-        relative = np.sqrt(total) / size
-        if not total < np.inf:
-            return step, np.inf
-        if relative <= tolerance or step == steps:
-            return step, relative
-        for i in range(n):
-            for j in range(n):
-                J[i, j] = b[i, 0] * M[row[i, 0], j]
-            if b[i, 1] != 0.0:
-                for j in range(n):
-                    J[i, j] += b[i, 1] * M[row[i, 1], j]
-            for a in range(3):
-                J[i, unit[i, a]] += c[i, a]
-            F1[i] = -F[i]
-        solve_ranked(J, F1, dx, col, rank_tolerance)
-        recent[step % 8] = total
-        ceiling, t = np.max(recent), 1.0
-        while True:
-            for i in range(n):
-                x1[i] = x[i] + t * dx[i]
-            multiply_add(M, x1, q, y1)
-            if _rows(x1, y1, role, rho, blocks, limits, faces, F1, unit, c, row, b) <= (1.0 - 1e-4 * t) * ceiling:
-                break
-            t *= 0.5
-            if t < 1e-2:
-                break
-        x[:], y[:] = x1, y1
-    return steps, relative
-
-
-@kernel
-def contact_kaczmarz(
-    M: Array,
-    MT: Array,
-    MMT: Array,
-    q: Array,
-    role: Ints,
-    rho: Array,
-    blocks: Ints,
-    limits: Array,
-    faces: int,
-    x: Array,
-    y: Array,
-    state: Seeds,
-    steps: int,
-    tolerance: float,
-) -> tuple[int, float]:
-    """Greedy randomized Kaczmarz on the rows of F, as in `kaczmarz` ((20)–(22) of the paper); O(n) a step, in place.
-
-    x and y (n,) belong together on entry and on return. Returns (steps taken, ‖F‖₂).
-    """
-    n = len(x)
-    F, g2 = np.empty(n), np.empty(n)
-    unit, c = np.empty((n, 3), np.int64), np.empty((n, 3))
-    row, b = np.empty((n, 2), np.int64), np.empty((n, 2))
-    norm = np.inf
-    for step in range(steps + 1):
-        if step % (4 * n) == 0 and step > 0:
-            multiply_add(M, x, q, y)
-        total = _rows(x, y, role, rho, blocks, limits, faces, F, unit, c, row, b)
-        norm = np.sqrt(total)
-        frobenius, best = 0.0, 0.0
-        for i in range(n):
-            p, r = row[i, 0], row[i, 1]
-            s = b[i, 0] * b[i, 0] * MMT[p, p] + b[i, 1] * b[i, 1] * MMT[r, r] + 2.0 * b[i, 0] * b[i, 1] * MMT[p, r]
-            for a in range(3):
-                k = unit[i, a]
-                s += 2.0 * c[i, a] * (b[i, 0] * M[p, k] + b[i, 1] * M[r, k])
-                for e in range(3):
-                    if unit[i, e] == k:
-                        s += c[i, a] * c[i, e]
-            g2[i] = s
-            frobenius += s
-            if F[i] * F[i] > best * s:
-                best = F[i] * F[i] / s if s > 0.0 else 0.0
-        if not norm > tolerance or step == steps or not 0.0 < best < np.inf:
-            return step, norm
-        bar = 0.5 * (best + total / frobenius) * (1.0 - 1e-12)
-        mass = 0.0
-        for i in range(n):
-            if F[i] * F[i] >= bar * g2[i] > 0.0:
-                mass += F[i] * F[i]
-        pick, chosen = uniform(state) * mass, -1
-        for i in range(n):
-            if F[i] * F[i] >= bar * g2[i] > 0.0:
-                pick -= F[i] * F[i]
-                chosen = i
-                if pick < 0.0:
-                    break
-        t = F[chosen] / g2[chosen]
-        for e in range(2):
-            f, p = t * b[chosen, e], row[chosen, e]
-            if f != 0.0:
-                for j in range(n):
-                    x[j] -= f * M[p, j]
-                    y[j] -= f * MMT[p, j]
-        for a in range(3):
-            f, k = t * c[chosen, a], unit[chosen, a]
-            if f != 0.0:
-                x[k] -= f
-                for j in range(n):
-                    y[j] -= f * MT[k, j]
-    return steps, norm

@@ -5,23 +5,29 @@ from __future__ import annotations
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["solve_ranked"]
+__all__ = ["eliminate", "solve_ranked"]
 
 
 @kernel
 def solve_ranked(A: Array, b: Array, x: Array, col: Ints, rank_tolerance: float) -> int:
+    """Solve A x = b as `eliminate` does; a pivot below this share of the largest entry of A is none."""
+    largest = 0.0
+    for i in range(len(b)):
+        for j in range(len(b)):
+            largest = max(largest, abs(A[i, j]))
+    return eliminate(A, b, x, col, rank_tolerance * largest)
+
+
+@kernel
+def eliminate(A: Array, b: Array, x: Array, col: Ints, tiny: float) -> int:
     """Solve A x = b by Gaussian elimination with partial pivoting, complete pivoting once a column gives no pivot.
 
-    A (k, k) and b (k,) are overwritten, col (k,) int is work. Unknowns without a pivot (relative to the largest entry
-    of A) are set to zero: for a consistent singular system that is one solution of many. Returns the rank.
+    A (k, k) and b (k,) are overwritten, col (k,) int is work. Unknowns without a pivot above `tiny` are set to zero:
+    for a consistent singular system that is one solution of many. Returns the rank.
     """
     k = len(b)
-    largest = 0.0
     for i in range(k):
         col[i] = i
-        for j in range(k):
-            largest = max(largest, abs(A[i, j]))
-    tiny = rank_tolerance * largest
     rank = k
     for s in range(k):
         # partial pivoting in column s
