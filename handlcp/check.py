@@ -11,7 +11,20 @@ import numpy.typing as npt
 from handlcp.errors import InputError
 from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
 
-__all__ = ["Array", "Bools", "Ints", "array", "integer", "number", "psd", "read_only", "spd", "symmetric", "unit"]
+__all__ = [
+    "Array",
+    "Bools",
+    "Ints",
+    "array",
+    "dimensions",
+    "integer",
+    "number",
+    "psd",
+    "read_only",
+    "spd",
+    "symmetric",
+    "unit",
+]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -50,6 +63,14 @@ def array(
         raise InputError(argument, f"{what} up to {largest:g} in size", f"{size.max():.3g}")
     a[size < 1.0 / largest**2] = 0.0  # their reciprocals would overflow
     return read_only(a)
+
+
+def dimensions(value: Any) -> int:
+    """How many an array of it has; -1 for lists of different lengths, which make none."""
+    try:
+        return int(np.ndim(value))
+    except ValueError:
+        return -1
 
 
 def number(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, number, psd, read_only
+from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
@@ -115,7 +115,7 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0) -> Array:
 
 def flexibility(value: Any, n: int, planar: bool) -> Array:
     """(3n, 3n) from a number, a (3,) diagonal, (n, 3, 3) blocks or the whole matrix; planar: also with 2 for 3."""
-    if np.ndim(value) == 0:
+    if dimensions(value) == 0:
         return read_only(np.eye(3 * n) * number("flexibility", value, minimum=0.0))
     shapes: list[tuple[int, ...]] = [(3,), (n, 3, 3), (3 * n, 3 * n)]
     if planar:
@@ -144,7 +144,7 @@ def flexibility(value: Any, n: int, planar: bool) -> Array:
 def offset(value: Any, preload: Any, n: int) -> Array:
     """(n, 3) initial motion of the object relative to the tips, the preload's squeeze taken off its normal part."""
     d = np.zeros((n, 3)) if value is None else array("offset", value, (n, 3)).copy()
-    d[:, 2] -= number("preload", preload) if np.ndim(preload) == 0 else array("preload", preload, (n,))
+    d[:, 2] -= number("preload", preload) if dimensions(preload) == 0 else array("preload", preload, (n,))
     return read_only(d)
 
 

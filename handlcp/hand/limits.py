@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, number, read_only
+from handlcp.check import Array, dimensions, number, read_only
 from handlcp.errors import InputError
 from handlcp.hand.joints import Coupling, JointFacts
 from handlcp.hand.stiffness import per_name
@@ -54,11 +54,9 @@ def read_torque_limits(value: Any, joints: Sequence[str], facts: Mapping[str, Jo
     if isinstance(value, Mapping):
         named = per_name(argument, value, joints, "a joint")
         given = {joint: number(f"{argument}[{joint!r}]", v, above=0.0, finite=False) for joint, v in named.items()}
-    elif isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str) and np.ndim(value):
-        if np.shape(value) != (len(joints),):
-            raise InputError(
-                argument, f"{len(joints)} values, one for each of {', '.join(joints)}", f"shape {np.shape(value)}"
-            )
+    elif isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str) and dimensions(value):
+        if dimensions(value) != 1 or len(value) != len(joints):
+            raise InputError(argument, f"{len(joints)} values, one for each of {', '.join(joints)}", repr(value))
         given = {
             j: number(f"{argument}[{j!r}]", v, above=0.0, finite=False) for j, v in zip(joints, value, strict=True)
         }

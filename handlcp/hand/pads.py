@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, psd, read_only
+from handlcp.check import Array, array, dimensions, psd, read_only
 from handlcp.errors import InputError
 from handlcp.hand.stiffness import per_name
 
@@ -52,7 +52,7 @@ def read_pads(value: Any, tips: Sequence[str]) -> Pads:
     if isinstance(value, Mapping):
         values = per_name(argument, value, tips, "a fingertip")
         return Pads(np.array([_pad(f"{argument}[{tip!r}]", values.get(tip, 0.0)) for tip in tips]))
-    if isinstance(value, (Sequence, np.ndarray)) and np.ndim(value) == 3:
+    if isinstance(value, (Sequence, np.ndarray)) and dimensions(value) == 3:
         stack = array(argument, value, (n, 3, 3))
         return Pads(np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
     return Pads(np.tile(_pad(argument, value), (n, 1, 1)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtrs
 
-from handlcp.check import Array, array, number, read_only, spd
+from handlcp.check import Array, array, dimensions, number, read_only, spd
 from handlcp.errors import InputError, UnknownName
 
 __all__ = ["JointStiffness", "per_name", "read_stiffness"]
@@ -64,7 +64,7 @@ def read_stiffness(value: Any, joints: Sequence[str]) -> JointStiffness:
                 f"only {sorted(values)}",
             )
         return JointStiffness(np.diag([_stiffness(f"{argument}[{name!r}]", values[name]) for name in joints]))
-    if value is None or isinstance(value, (int, float)) or np.ndim(value) == 0:
+    if value is None or isinstance(value, (int, float)) or dimensions(value) == 0:
         return JointStiffness(np.diag(np.full(n, _stiffness(argument, value))), uniform=True)
     if _is_vector(value):
         if len(value) != n:
@@ -91,5 +91,5 @@ def _is_vector(value: Any) -> bool:
     return (
         isinstance(value, (Sequence, np.ndarray))
         and not isinstance(value, (str, bytes))
-        and all(v is None or np.ndim(v) == 0 for v in value)
+        and all(v is None or dimensions(v) == 0 for v in value)
     )

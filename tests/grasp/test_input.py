@@ -61,6 +61,8 @@ def test_friction(mu):
         (dict(flexibility=np.array([np.eye(3), -np.eye(3)])), "flexibility[1]"),
         (dict(preload=NAN), "preload"),
         (dict(preload=(1, 2, 3)), "preload"),
+        (dict(preload=[1, [2, 3]]), "preload"),
+        (dict(flexibility=[1, [2, 3]]), "flexibility"),
         (dict(offset=(0, 0, 0)), "offset"),
         (dict(reference=(0, 0)), "reference"),
         (dict(effects=[3]), "effects[0]"),

@@ -20,6 +20,7 @@ from handlcp.hand.library import psyonic, urdf
 from .conftest import MIMIC
 
 LOPSIDED = np.eye(10) + np.triu(np.ones((10, 10)), 1)
+RAGGED = [1.0, [2.0, 3.0]]
 INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
 
 
@@ -60,6 +61,9 @@ INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
         ({"fingertips": [1, 2]}, "fingertips", UnknownName),
         ({"fingertips": ["finger_1_tip"] * 2}, "fingertips", InputError),
         ({"fingertips": ["palm"]}, "fingertips", InputError),
+        ({"joint_stiffness": RAGGED}, "joint_stiffness", InputError),
+        ({"pad_flexibility": RAGGED}, "pad_flexibility", InputError),
+        ({"torque_limits": RAGGED}, "torque_limits", InputError),
         ({"base": "wrist"}, "base", UnknownName),
         ({"base": np.zeros(3)}, "base", InputError),
         ({"package_dirs": "/no/such/folder"}, "package_dirs", InputError),
