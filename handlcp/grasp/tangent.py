@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
@@ -32,6 +32,7 @@ from handlcp.tolerances import RANK
 __all__ = ["Branch", "free_branches", "inequalities"]
 
 _MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
+_FAR = 1e6  # a row that no unit change lifts beyond 1 / _FAR is 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +52,8 @@ def free_branches(
     planar = scene.plane is not None
     limits = section.limit(scene.mu)
     rows = [c for e in effects if (c := e.coupling(scene, candidate.extra)) is not None]
-    coupling = np.array(rows).reshape(len(rows), 3 * scene.n)
-    governed = states.kind if all(scene.governed) else np.where(np.array(scene.governed), states.kind, SEPARATED)
+    coupling = np.array(rows) if rows else np.empty((0, 3 * scene.n))
+    governed = states.kind if all(scene.governed) else np.where(scene.governed_mask, states.kind, SEPARATED)
     softness = scene.units.force / scene.units.motion
     out = []
     for kind in _choices(governed, limits):
@@ -75,9 +76,9 @@ def free_branches(
 
 
 def _choices(kind: Ints, limits: Array) -> list[Ints]:
-    resting = np.flatnonzero(kind == RESTING)
-    if not len(resting):
+    if RESTING not in kind.tolist():
         return [kind]
+    resting = np.flatnonzero(kind == RESTING)
     closed = np.where(limits > 0, STICKING, GLIDING)
     patterns = itertools.product((False, True), repeat=len(resting))
     if len(resting) > _MOST_RESTING:
@@ -96,18 +97,26 @@ def _orthonormal(columns: Array) -> Array:
 
 
 def _span(D: Array) -> Array:
-    """(k, j) orthonormal basis of the span of the cone {c : D c ≥ 0}, D (rows, k); a row that cannot be judged takes
-    nothing away.
+    """(k, j) orthonormal basis of the span of the cone {c : D c ≥ 0}, D (rows, k).
+
+    One linear program finds every row that is 0 throughout: the largest Σ t with D c ≥ t, 0 ≤ t ≤ 1, has t = 1 for the
+    others, because the cone holds the sum of its members. Without an answer no row is called 0.
     """
     from scipy.optimize import linprog  # half a second of import that only degenerate, loose scenes should pay
 
     D = D[abs(D).max(axis=1) > 1e-9]
-    zero, box = np.zeros(len(D)), [(-1, 1)] * D.shape[1]
-    most = [linprog(-row, A_ub=-D, b_ub=zero, bounds=box, method="highs").fun for row in D]
-    tight = [row for row, fun in zip(D, most, strict=True) if fun is not None and fun > -1e-9]
-    if not tight:
-        return np.eye(D.shape[1])
-    _, sv, Vt = np.linalg.svd(np.array(tight))
+    rows, k = D.shape
+    found = linprog(
+        np.append(np.zeros(k), -np.ones(rows)),
+        A_ub=np.hstack([-D, np.eye(rows)]),
+        b_ub=np.zeros(rows),
+        bounds=[(-_FAR, _FAR)] * k + [(0.0, 1.0)] * rows,
+        method="highs",
+    )
+    tight = D[:0] if found.x is None else D[found.x[k:] < 0.5]
+    if not len(tight):
+        return np.eye(k)
+    _, sv, Vt = np.linalg.svd(tight)
     return Vt[int((sv > 1e-9).sum()) :].T
 
 
