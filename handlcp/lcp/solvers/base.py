@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from handlcp.check import Array
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
 
-__all__ = ["Solver"]
+__all__ = ["ContactSolver", "Solver"]
 
 
 @runtime_checkable
@@ -17,4 +18,13 @@ class Solver(Protocol):
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """A candidate for the problem in natural units, from `start` (n,) natural units, zero when None."""
+        ...
+
+
+@runtime_checkable
+class ContactSolver(Protocol):
+    """A method that knows friction as a set, the exact cone included. Most are a `Solver` as well."""
+
+    def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
+        """A candidate x (n,) in natural units, from `start` (n,) or, when None, from where the method sees fit."""
         ...

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, integer, number
+from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.newton import active_set, damped_newton
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
+from handlcp.lcp.solvers.contact_run import run_contact
 from handlcp.tolerances import RANK, SOLVE
 
 __all__ = ["SemismoothNewton"]
@@ -17,10 +19,11 @@ __all__ = ["SemismoothNewton"]
 
 @dataclass(frozen=True, slots=True)
 class SemismoothNewton:
-    """Damped semismooth Newton on the Fischer–Burmeister equations (De Luca, Facchinei & Kanzow 1996), compiled.
+    """Damped semismooth Newton on the Fischer–Burmeister equations (De Luca, Facchinei & Kanzow 1996), compiled; on
+    contact problems, cone or polygon, on the projection equations of Alart & Curnier (1991).
 
     tol : stop at a natural residual ≤ tol in natural units.
-    max_iterations : Newton steps at most.
+    max_iterations : Newton steps at most; a contact problem gets no more than 32.
 
     It descends on ½‖Φ‖², whose local minima may not solve the problem: friction makes it non-monotone.
     """
@@ -43,3 +46,7 @@ class SemismoothNewton:
         _, r1 = active_set(M, q, free, z1, w1, 4, self.tol * 1e-3, RANK)
         z, r = (z1, r1) if r1 < r else (z, r)
         return Proposal(z, steps, "converged" if r <= self.tol else f"stalled after {steps} Newton steps")
+
+    def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
+        """Run from `start` (n,); None: from where every contact sticks that starts without a gap."""
+        return run_contact(problem, 0, 0, True, self.tol, start)
