@@ -1,0 +1,195 @@
+"""The default chain: it does what it says it would, in that order, with equal seeds the same bits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.lcp import ContactProblem, Status
+from handlcp.lcp.certify import certify_contact
+from handlcp.lcp.scaling import Units
+from handlcp.lcp.solvers.continuation import Continuation
+from handlcp.lcp.solvers.starts import OtherStarts
+from handlcp.lcp.solvers.variants import in_units_of_limits
+from tests.grasp.scenes import pinch
+from tests.grasp.scenes import ring as make_ring
+from tests.lcp.problems import random_p, random_psd
+
+AUTO = hl.Auto(restarts=2)
+
+
+def ring(n, mu=0.6, seed=0, **more):
+    """A grasp of n fingers."""
+    contacts, rest = make_ring(np.random.default_rng(seed), n, mu)
+    return hl.Grasp(contacts, **(rest | more))
+
+
+SEARCHES = ("search", "all ", "no search")  # how the exact search calls itself, by what it searched
+
+
+def follows(trace, plan):
+    """Whether the trace's names are those of the plan, in order; the plan says "search" for each kind of it."""
+    plan, i = ["search" if p.startswith("search") else p for p in plan], 0
+    for line in trace:
+        name = "search" if line.startswith(SEARCHES) else line.split(": ")[0]
+        if name not in plan[i:]:
+            return False
+        i = plan.index(name, i) + (name != "search")
+    return True
+
+
+def everything(chain):
+    """(name, candidate) of all stages, as if the certifier refused them all."""
+    return list(chain)
+
+
+GRASPS = {
+    "easy": ring(4),
+    "frictionless": ring(3, mu=0.0),
+    "slippery": ring(6, mu=0.05),
+    "beyond friction": pinch(load=(0, 0, -20.0)),
+    "no squeeze": ring(4, preload=0.0, seed=3),
+}
+
+
+@pytest.mark.parametrize("faces", [4, 8, 32, "cone"])
+@pytest.mark.parametrize("name", GRASPS)
+def test_a_grasp_is_solved_as_planned(name, faces):
+    grasp = GRASPS[name]
+    chain = hl.Auto(search_seconds=0.2)
+    contact = grasp.problem(faces) if faces == "cone" else grasp.problem(faces).contact
+    plan = chain.plan(contact)
+    assert plan[0] == "NSNGRK"
+    assert plan[-2:] == ("holdability", "search, 0.2 s at most")
+    assert follows(grasp.solve(faces, chain, throw=False).trace, plan)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_lcp_is_solved_as_planned(seed):
+    rng = np.random.default_rng(seed)
+    M = rng.normal(size=(6, 6))
+    p = hl.LCP(M, rng.normal(size=6))
+    assert follows(hl.solve_lcp(p, AUTO, throw=False).trace, AUTO.plan(p))
+
+
+@pytest.mark.parametrize("faces", [4, 8, 32, "cone"])
+def test_all_stages_run_in_the_order_of_the_plan(faces):
+    p = ring(4).problem(faces)
+    chain = AUTO.contact_stages(p) if isinstance(p, ContactProblem) else AUTO.stages(p)
+    names = [name for name, _ in everything(chain)]
+    plan = AUTO.plan(p)
+    assert tuple(names) == plan[: len(names)]
+    assert len(plan) - len(names) == 2  # the proof that there is no answer, and the search
+
+
+@pytest.mark.parametrize("faces", [4, 8, "cone"])
+def test_every_stage_alone_solves_an_easy_grasp(faces):
+    p = ring(5).problem(faces)
+    if not isinstance(p, ContactProblem):
+        p = p.contact
+    missed = [name for name, s in everything(AUTO.contact_stages(p)) if certify_contact(p, s.z)[0] is not Status.SOLVED]
+    assert not missed
+
+
+def test_every_stage_alone_solves_an_easy_lcp():
+    M, q = random_p(np.random.default_rng(0), 8)
+    p = hl.LCP(M, q)
+    for name, s in everything(AUTO.stages(p)):
+        assert hl.lcp.certify(p, s.z * p.scaled.units.z)[0] is Status.SOLVED, name
+
+
+@pytest.mark.parametrize("faces", [4, 8, "cone"])
+def test_the_same_seed_gives_the_same_bits(faces):
+    p = ring(6, mu=0.05).problem(faces)
+    if not isinstance(p, ContactProblem):
+        p = p.contact
+    one, two = everything(AUTO.contact_stages(p)), everything(AUTO.contact_stages(p))
+    for (name, a), (again, b) in zip(one, two, strict=True):
+        assert name == again
+        np.testing.assert_array_equal(a.z, b.z, err_msg=name)
+
+
+def test_no_settings_no_later_stages():
+    p = hl.LCP(np.eye(2), [-1, 1])
+    assert hl.Auto(restarts=0, search_seconds=0).plan(p)[-1] == "Farkas vector"
+    assert "NSNGRK, seed 8" in hl.Auto(seed=7).plan(p)
+
+
+# ---------------------------------------------------------------- the stages that are solvers of their own
+@pytest.mark.parametrize("faces", [4, 16, "cone"])
+def test_newton_alone_solves_contact_problems(faces):
+    p = ring(4).problem(faces)
+    p = p if isinstance(p, ContactProblem) else p.contact
+    s = hl.SemismoothNewton().propose_contact(p)
+    assert certify_contact(p, s.z)[0] is Status.SOLVED
+    again = hl.SemismoothNewton().propose_contact(p, s.z)
+    assert certify_contact(p, again.z)[0] is Status.SOLVED
+
+
+@pytest.mark.parametrize("along", ["load", "squeeze", "friction"])
+def test_continuation_arrives_at_the_answer(along):
+    p = ring(4).problem("cone")
+    x = Continuation(along).propose_contact(p).z
+    assert certify_contact(p, x)[0] is Status.SOLVED
+    np.testing.assert_allclose(x, hl.NSNGRK().propose_contact(p).z, atol=1e-8)
+
+
+def test_continuation_says_where_the_path_ends():
+    """A block pushed at 1.2 of what its friction holds: the answer goes with the last of the extra squeeze."""
+    p = push(1.2)
+    s = Continuation("squeeze", 10.0).propose_contact(p)
+    assert s.outcome.startswith("the path ends at 0.9")
+    assert certify_contact(p, s.z)[0] is Status.UNDECIDED
+
+
+def test_settings_are_checked():
+    for wrong in (
+        lambda: Continuation("gravity"),  # type: ignore[arg-type]
+        lambda: Continuation(amount=-1.0),
+        lambda: Continuation(max_iterations=0),
+        lambda: OtherStarts(0),
+    ):
+        with pytest.raises(hl.InputError):
+            wrong()
+
+
+def test_units_of_limits_are_a_change_of_variables():
+    p = ring(4).problem("cone")
+    q, s = in_units_of_limits(p)
+    np.testing.assert_allclose(q.limits, 1.0)
+    x = np.random.default_rng(0).normal(size=p.n)
+    np.testing.assert_allclose(q.M @ (x / s) + q.q, s * (p.M @ x + p.q), atol=1e-12)
+    z = hl.NSNGRK().propose_contact(q).z
+    assert certify_contact(p, s * z)[0] is Status.SOLVED
+
+
+def test_other_starts_find_what_one_start_does_not():
+    """Some problems without structure that Newton's method misses from zero."""
+    found = 0
+    for i in range(20):
+        rng = np.random.default_rng([77, i])
+        M = rng.normal(size=(12, 12))
+        z = np.where(rng.random(12) < 0.5, rng.uniform(0.5, 2, 12), 0.0)
+        p = hl.LCP(M, np.where(z > 0, 0.0, rng.uniform(0.5, 2, 12)) - M @ z).scaled
+        if hl.SemismoothNewton().propose(p).outcome != "converged":
+            found += OtherStarts().propose(p).outcome.startswith("converged")
+    assert found >= 5
+
+
+def test_a_start_is_tried_first():
+    M, q = random_psd(np.random.default_rng(2), 8)
+    p = hl.LCP(M, q).scaled
+    z = hl.NSNGRK().propose(p).z
+    assert OtherStarts().propose(p, z).outcome == "converged from start 1"
+
+
+def push(share):
+    """One contact: normal force 1 from a preload, friction 0.5, pushed along x by `share` of what that holds."""
+    # unknowns r_N, r_T (2), u_T (2): y_N = r_N - 1, y_T = r_T + u, balance r_T + load = 0
+    M = np.zeros((5, 5))
+    M[0, 0] = 1.0
+    M[1:3, 1:3] = M[1:3, 3:5] = M[3:5, 1:3] = np.eye(2)
+    q = np.array([-1.0, 0, 0, 0.5 * share, 0])
+    free = np.array([False, False, False, True, True])
+    return ContactProblem(M, q, free, np.array([[0, 1, 2]]), np.array([0.5]), 0, Units.ones(5))
