@@ -18,10 +18,13 @@ ENOUGH = 1e-7
 
 
 def missed(M, q, free, z):
-    """Worst |min(z, w)| (|w| where free) with each row and unknown measured by the terms that it is made of."""
+    """Worst |min(z, w)| (|w| where free) with each row and unknown measured by the terms that it is made of.
+
+    A row whose terms all vanish has no size but that of the rounding in z, so no row counts as smaller than 1e-8.
+    """
     w = M @ z + q
     row = np.maximum(abs(M) @ abs(z), abs(q))
-    row = np.maximum(row, row.max(initial=0.0) * 1e-12) + 1e-300
+    row = np.maximum(row, row.max(initial=0.0) * 1e-8) + 1e-300
     column = np.maximum(abs(z).max(initial=0.0), 1e-300)
     r, s = w / row, z / column
     pairs = np.maximum(np.maximum(-r, -s), np.minimum(abs(r), abs(s)))
