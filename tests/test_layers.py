@@ -1,4 +1,4 @@
-"""Imports run one way: cli → show → study → scene → hand → grasp → lcp → check → errors, tolerances, version."""
+"""Imports run one way: cli → show → study → scene → hand → grasp → lcp → check → lazy, errors, tolerances, version."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import handlcp
 
 ROOT = pathlib.Path(handlcp.__file__).parent
-ORDER = ["version", "tolerances", "errors", "check", "lcp", "grasp", "hand", "scene", "study", "show", "cli"]
+ORDER = ["version", "tolerances", "errors", "lazy", "check", "lcp", "grasp", "hand", "scene", "study", "show", "cli"]
 FILES = sorted(p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ORDER)
 
 

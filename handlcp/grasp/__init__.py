@@ -7,7 +7,9 @@ from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.others import Equilibria
 from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.required import Required
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.uniqueness import Uniqueness
 
@@ -15,6 +17,7 @@ __all__ = [
     "Contact",
     "Coulomb",
     "Effect",
+    "Equilibria",
     "Explanation",
     "Friction",
     "Frictionless",
@@ -23,6 +26,7 @@ __all__ = [
     "GraspSolution",
     "PrescribedForce",
     "Pyramid",
+    "Required",
     "Residuals",
     "TotalForceBound",
     "Uniqueness",

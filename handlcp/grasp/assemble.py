@@ -4,35 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from handlcp.check import Array, Bools, read_only
+from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.grasp.candidate import Candidate, decode
 from handlcp.grasp.catalogue import called_for
 from handlcp.grasp.effects import CoulombPyramid, Effect, PrescribedForce, TotalForceBound
 from handlcp.grasp.pyramid import Cone, Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from handlcp.grasp.system import Layout, System, Unknown, layout
+from handlcp.lazy import lazy
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.contact import roles
 from handlcp.lcp.kernels.schur import schur
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
 
-__all__ = ["Candidate", "GraspContact", "GraspProblem", "assemble", "assemble_contact"]
-
-
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """A solver's answer as mechanics, SI: forces (n, 3) in contact axes, twist (6,) about the contacts' centre, and
-    the unknowns of further effects by group name.
-    """
-
-    forces: Array
-    twist: Array
-    extra: dict[str, Array]
+__all__ = ["GraspContact", "GraspProblem", "assemble", "assemble_contact"]
 
 
 class GraspProblem(LCP):
@@ -73,9 +64,9 @@ class GraspProblem(LCP):
 
     def candidate(self, z: Array) -> Candidate:
         """Forces and motion from z (n,) in natural units."""
-        return _decode(self._scene, self._system, self.effects, self.every(z))
+        return decode(self._scene, self._system, self.effects, self.every(z))
 
-    @cached_property
+    @lazy
     def contact(self) -> GraspContact:
         """The same scene and the same section with friction as a set: smaller, and what the default chain works on."""
         section: Section = Interval() if self._scene.plane is not None else Cone()
@@ -93,17 +84,20 @@ class GraspProblem(LCP):
         for name, there in here.items():
             full[at[name]] = x[there]
         if "λ" in at:
-            slip = (contact.M[here["r_T"]] @ x + contact.q[here["r_T"]]).reshape(-1, self._scene.tangents)
-            full[at["λ"]] = _multipliers(-slip, contact.faces).ravel()
+            tangential = here["r_T"]
+            raise_multipliers(
+                contact.M, contact.q, x, tangential.start, tangential.stop, self._scene.tangents, contact.faces,
+                full[at["λ"]],
+            )  # fmt: skip
         return full[: self.n]
 
 
 def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
     """Stamp the effects, then eliminate the free unknowns where their block is well conditioned."""
-    system = System(u for e in effects for u in e.unknowns(scene))
+    system = System(layout(u for e in effects for u in e.unknowns(scene)))
     for e in effects:
         e.stamp(scene, system)
-    c, n = system.free_from, len(system.q)
+    c, n = system.layout.free_from, len(system.q)
     x_units, w_units = system.sizes(scene)
     M, q, X, x0, rcond = schur(system.M, system.q, c)
     if rcond > ELIMINATE_RCOND:
@@ -127,7 +121,7 @@ def _problem(
 ) -> GraspProblem:
     p = GraspProblem.from_scaled(read_only(M), read_only(q), free, units)
     assert isinstance(p, GraspProblem)
-    p.groups, p.effects, p.eliminated, p.rcond = system.groups, effects, back is not None, rcond
+    p.groups, p.effects, p.eliminated, p.rcond = system.layout.groups, effects, back is not None, rcond
     p._system, p._scene, p._back = system, scene, back
     return p
 
@@ -155,29 +149,60 @@ class GraspContact(ContactProblem):
 
     def candidate(self, x: Array) -> Candidate:
         """Forces and motion from x (n,) in natural units."""
-        return _decode(self._scene, self._system, self.effects, x)
+        return decode(self._scene, self._system, self.effects, x)
+
+
+@dataclass(frozen=True, slots=True)
+class _Design:
+    """What the pattern of a scene decides, whatever its numbers: effects, layout, and what `ContactProblem` says of
+    roles.
+    """
+
+    effects: tuple[Effect, ...]
+    layout: Layout
+    free: Bools
+    role: Ints
+    blocks: Ints
+    rough: Ints
+
+
+# A hand in many postures, or a sweep, meets the same few patterns again and again
+_DESIGNS: dict[tuple[object, ...], _Design] = {}
+_MOST_DESIGNS = 1024
+
+
+def _design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> _Design:
+    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible)
+    if asked or (known := _DESIGNS.get(key)) is None:
+        effects = called_for(scene, section, asked, multipliers=False)
+        where = layout(u for e in effects for u in e.unknowns(scene))
+        at, axes, k = where.at, scene.tangents, len(scene.rough)
+        blocks = np.full((k, 3), -1, dtype=np.int64)
+        if k:
+            blocks[:, 0] = at["r_N"].start + scene.rough_rows
+            blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
+            if axes == 2:
+                blocks[:, 2] = blocks[:, 1] + 1
+        free = np.arange(where.size) >= at["u"].start
+        known = _Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
+        if not asked:
+            if len(_DESIGNS) >= _MOST_DESIGNS:
+                _DESIGNS.clear()
+            _DESIGNS[key] = known
+    return known
 
 
 def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact:
     """Stamp the effects with friction as a set; nothing is eliminated, nothing grows with the faces."""
-    effects = called_for(scene, section, asked, multipliers=False)
-    system = System(u for e in effects for u in e.unknowns(scene))
-    for e in effects:
+    design = _design(scene, section, asked)
+    system = System(design.layout)
+    for e in design.effects:
         e.stamp(scene, system)
-    n, at, axes = len(system.q), system.at, scene.tangents
-    k = len(scene.rough)
-    blocks = np.full((k, 3), -1, dtype=np.int64)
-    if k:
-        blocks[:, 0] = at["r_N"].start + scene.rough_rows
-        blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
-        if axes == 2:
-            blocks[:, 2] = blocks[:, 1] + 1
-    limits = section.limit(scene.mu)[list(scene.rough)]
     p = GraspContact(
-        system.M, system.q, np.arange(n) >= at["u"].start, blocks, limits, section.faces,
-        lambda: Units(*system.sizes(scene)), lambda m: _pyramid(scene, asked, system, m),
+        system.M, system.q, design.free, design.blocks, section.limit(scene.mu)[design.rough], section.faces,
+        lambda: Units(*system.sizes(scene)), lambda m: _pyramid(scene, asked, system, m), design.role,
     )  # fmt: skip
-    p.groups, p.effects, p._system, p._scene = system.groups, effects, system, scene
+    p.groups, p.effects, p._system, p._scene = design.layout.groups, design.effects, system, scene
     return p
 
 
@@ -197,35 +222,28 @@ def _pyramid(
     return p, back
 
 
-def _decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) -> Candidate:
-    f = np.zeros(3 * scene.n)
-    at, force = system.at, scene.units.force
-    if "r_N" in at:
-        f[scene.normal_index] = x[at["r_N"]] * force
-    if "r_T" in at:
-        f[scene.tangent_index] = x[at["r_T"]] * force
-    extra = {
-        g.name: x[at[g.name]] * scene.size(g.measure) for g in system.groups if g.name not in ("r_N", "r_T", "λ", "u")
-    }
-    for e in effects:
-        if isinstance(e, PrescribedForce):
-            f[3 * e.contact : 3 * e.contact + 3] = e.force
-    return Candidate(f.reshape(-1, 3), scene.twist(x[at["u"]]), extra)
-
-
 @kernel
-def _multipliers(pull: Array, faces: int) -> Array:
-    """(k, m) λ ≥ 0 with Σ λ_j n_j = pull (k, 2), or (k, 1) in a plane, on the two faces whose normals enclose it."""
-    out = np.zeros((len(pull), faces))
+def raise_multipliers(
+    M: Array, q: Array, x: Array, start: int, stop: int, axes: int, faces: int, multipliers: Array
+) -> None:
+    """Write λ ≥ 0 (k faces,) with Σ λ_j n_j = -ε_T, the slip in rows start to stop of M x + q, on the two faces whose
+    normals enclose it.
+    """
     step = 2.0 * np.pi / faces
-    for k in range(len(pull)):
+    for k in range((stop - start) // axes):
+        i = start + axes * k
+        a, b = -q[i], 0.0
+        for j in range(len(x)):
+            a -= M[i, j] * x[j]
         if faces == 2:
-            out[k, 0], out[k, 1] = max(pull[k, 0], 0.0), max(-pull[k, 0], 0.0)
+            multipliers[2 * k], multipliers[2 * k + 1] = max(a, 0.0), max(-a, 0.0)
             continue
-        angle = np.arctan2(pull[k, 1], pull[k, 0]) % (2.0 * np.pi)
+        b = -q[i + 1]
+        for j in range(len(x)):
+            b -= M[i + 1, j] * x[j]
+        angle = np.arctan2(b, a) % (2.0 * np.pi)
         first = int(angle / step)
         rest = angle - first * step
-        size = np.hypot(pull[k, 0], pull[k, 1]) / np.sin(step)
-        out[k, first % faces] = size * max(np.sin(step - rest), 0.0)
-        out[k, (first + 1) % faces] += size * max(np.sin(rest), 0.0)
-    return out
+        size = np.hypot(a, b) / np.sin(step)
+        multipliers[faces * k + first % faces] = size * max(np.sin(step - rest), 0.0)
+        multipliers[faces * k + (first + 1) % faces] += size * max(np.sin(rest), 0.0)

@@ -33,7 +33,7 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
             effects.append(CoulombPyramid(section))
         else:
             effects.append(CoulombCone(section))
-    if scene.flexibility.any():
+    if scene.flexible:
         effects.append(FingerFlexibility())
     return (*effects, *asked)
 

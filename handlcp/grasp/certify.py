@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.kernels import examine
 from handlcp.grasp.pyramid import Section
@@ -45,7 +45,7 @@ class Residuals:
     def worst(self) -> float:
         """The largest relative residual; infinite where anything is not a number."""
         values = (self.balance, self.normal, self.cone, self.slip, self.effects)
-        return max(values) if all(v == v for v in values) else np.inf
+        return max(values) if sum(values) == sum(values) else np.inf  # a sum is NaN wherever a term is
 
     @property
     def si(self) -> dict[str, float]:
@@ -75,9 +75,6 @@ class Verdict:
 def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
     """Recompute balance, contact, friction and elastic compatibility of a candidate."""
     f, u = candidate.forces, candidate.twist
-    if not (np.isfinite(f).all() and np.isfinite(u).all()):
-        nan = float("nan")
-        return Verdict(np.full_like(f, nan), Residuals(nan, nan, nan, nan, nan, nan, nan, nan, nan))
     offset = scene.offset
     for e in effects:
         if (opening := e.opening(scene, candidate.extra)) is not None:
@@ -89,5 +86,7 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
         section.faces, units.length, units.force, 1e-12 * units.motion, _GROWTH,
     )  # fmt: skip
     lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
-    others = max((e.residual(scene, f, candidate.extra, F, motion) for e in effects), default=0.0)
+    others = F  # NaN where a force or the twist is not finite: no law is worth asking then
+    if F == F:
+        others = max([e.residual(scene, f, candidate.extra, F, motion) for e in effects], default=0.0)
     return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import Verdict, judge
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.holdable import escaping_twist, load_to_balance
+from handlcp.grasp.kernels import to_world
 from handlcp.grasp.pyramid import Section
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.scene import Scene, shifted
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.states import classify
 from handlcp.grasp.tangent import free_branches
@@ -32,7 +33,7 @@ def conclude(
     trace: tuple[str, ...],
 ) -> GraspSolution:
     """The solution that the certifier's verdict allows; where it allows none, the proof that nothing holds, if any."""
-    shift = _shift(reference - scene.units.centre)
+    arm = reference - scene.units.centre
     uniqueness: Uniqueness | None = None
     certificate: Array | None = None
     if verdict.residuals.passes:
@@ -44,26 +45,28 @@ def conclude(
             if (checked := judge(scene, effects, section, smallest)).residuals.passes:
                 candidate, verdict = smallest, checked
                 states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)
-        uniqueness = describe(scene, free, shift)
+        uniqueness = describe(scene, free, arm)
         names = states.names
     else:
         status, names = Status.UNDECIDED, ("unknown",) * scene.n
         if (twist := escaping_twist(scene, section, load_to_balance(scene, effects))) is not None:
-            status, certificate = Status.NOT_HOLDABLE, read_only(shift @ twist)
+            status, certificate = Status.NOT_HOLDABLE, read_only(shifted(twist, arm))
         nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
         candidate = Candidate(nothing, np.full(6, np.nan), {})
         verdict = Verdict(nothing, verdict.residuals)
     forces = candidate.forces
     # A finger under force control follows the object: no law makes it keep a gap or a slip
-    motion = np.where(scene.governed_mask[:, None], verdict.motion, 0.0)
+    motion = verdict.motion
+    if not all(scene.governed):
+        motion = np.where(scene.governed_mask[:, None], motion, 0.0)
     return GraspSolution(
         status,
         finger_names,
         read_only(forces),
-        read_only((scene.frames @ forces[:, :, None])[:, :, 0]),
+        read_only(to_world(scene.frames, forces)),
         read_only(motion[:, 2]),
         read_only(motion[:, :2]),
-        read_only(shift @ candidate.twist),
+        read_only(shifted(candidate.twist, arm)),
         names,
         verdict.residuals,
         uniqueness,
@@ -73,20 +76,4 @@ def conclude(
         candidate.extra,
         scene=scene,
         reference=reference,
-    )
-
-
-def _shift(arm: Array) -> Array:
-    """(6, 6) that moves a small twist to a point `arm` away: u' = u + ω × arm."""
-    x, y, z = arm.tolist()
-    return np.array(
-        [
-            [1, 0, 0, 0, z, -y],
-            [0, 1, 0, -z, 0, x],
-            [0, 0, 1, y, -x, 0],
-            [0, 0, 0, 1, 0, 0],
-            [0, 0, 0, 0, 1, 0],
-            [0, 0, 0, 0, 0, 1],
-        ],
-        dtype=float,
     )

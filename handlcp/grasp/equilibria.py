@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.assemble import Candidate, assemble_contact
+from handlcp.grasp.assemble import assemble_contact
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
 from handlcp.grasp.modes import Program

@@ -8,10 +8,11 @@ from typing import Any, overload
 
 import numpy as np
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, read_only
 from handlcp.errors import NoSolutionFound
 from handlcp.grasp import arguments
-from handlcp.grasp.assemble import Candidate, GraspContact, GraspProblem, assemble, assemble_contact
+from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble, assemble_contact
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.catalogue import called_for
 from handlcp.grasp.certify import Verdict, judge
 from handlcp.grasp.conclude import conclude
@@ -72,13 +73,12 @@ class Grasp:
         normal = arguments.plane(plane, cs, positions, frames)
         if normal is not None:
             frames = arguments.in_plane(frames, normal)
-        point = array("reference", reference, (3,), *(() if normal is None else ((2,),)))
-        point = point if point.shape == (3,) else read_only(np.append(point, 0.0))
+        point = arguments.reference(reference, normal, positions)
         self._place(
             cs,
             positions,
             frames,
-            arguments.wrench(wrench, normal),
+            arguments.wrench(wrench, normal, arguments.lift(positions, point, normal)),
             point,
             arguments.flexibility(flexibility, len(cs), normal is not None),
             arguments.offset(offset, preload, len(cs)),

@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["examine", "nearest_in_polygon"]
+__all__ = ["examine", "nearest_in_polygon", "to_world"]
 
 
 @kernel
@@ -164,10 +164,29 @@ def examine(
     floor: float,
     growth: float,
 ) -> tuple[Array, tuple[float, float, float, float, float, float, float, float]]:
-    """The certifier's numbers: v (n, 3), (lost force [N], lost moment [N·m], balance, normal, cone, slip, F, max V)."""
+    """The certifier's numbers: v (n, 3), (lost force [N], lost moment [N·m], balance, normal, cone, slip, F, max V).
+
+    NaN throughout where a force or the twist is not finite.
+    """
+    if not (np.isfinite(forces).all() and np.isfinite(twist).all()):
+        nan = np.nan
+        return np.full(forces.shape, nan), (nan, nan, nan, nan, nan, nan, nan, nan)
     v, own = relative_motion(arms, frames, flexibility, offset, forces, twist)
     lost_force, lost_moment = unbalanced(arms, frames, forces, wrench)
     F, V = scales(wrench, forces, length, unit, floor, flexibility, offset, own, growth)
     normal, cone, slip = check_contacts(forces, v, limits, governed, faces, F, V)
     balance = np.sqrt(lost_force**2 + (lost_moment / length) ** 2) / F
     return v, (lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
+
+
+@kernel
+def to_world(frames: Array, vectors: Array) -> Array:
+    """(n, 3) from contact axes to world axes."""
+    n = len(vectors)
+    out = np.empty((n, 3))
+    for i in range(n):
+        for k in range(3):
+            out[i, k] = (
+                frames[i, k, 0] * vectors[i, 0] + frames[i, k, 1] * vectors[i, 1] + frames[i, k, 2] * vectors[i, 2]
+            )
+    return out

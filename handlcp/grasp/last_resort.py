@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from handlcp.check import Array
-from handlcp.grasp.assemble import Candidate, GraspContact, GraspProblem
+from handlcp.grasp.assemble import GraspContact, GraspProblem
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.equilibria import Believer, applicable, find_equilibrium, widest
 from handlcp.grasp.mode_table import PER_SECOND, mode_table

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assemble import Candidate, GraspContact
+from handlcp.grasp.assemble import GraspContact
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.every_mode import visit
 from handlcp.tolerances import RANK
 

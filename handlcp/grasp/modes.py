@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from handlcp.check import Array, number
-from handlcp.grasp.assemble import Candidate, GraspContact, assemble_contact
+from handlcp.grasp.assemble import GraspContact, assemble_contact
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.effects import PrescribedForce, TotalForceBound
 from handlcp.grasp.equilibria import Believer, applicable

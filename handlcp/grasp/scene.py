@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.natural import resolve, wrench_map
 from handlcp.grasp.units import GraspUnits
+from handlcp.lazy import lazy
 
-__all__ = ["Natural", "Scene", "cross_rows"]
+__all__ = ["Natural", "Scene", "cross_rows", "shifted"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Scene:
         """Contacts."""
         return len(self.mu)
 
-    @cached_property
+    @lazy
     def _resolved(self) -> tuple[GraspUnits, Array, Array, Natural]:
         index = _index(self.governed, self.rough, self.tangents)
         freedom = _SPATIAL if self.freedom is None else self.freedom
@@ -73,7 +74,7 @@ class Scene:
         return self._resolved[3]
 
     # ---- the object's freedom: 6 unknowns, or 3 in a plane
-    @cached_property
+    @lazy
     def freedom(self) -> Array | None:
         """(3, 6) components of wrenches and twists in a planar scene: two forces, the moment about the normal."""
         if self.plane is None:
@@ -96,7 +97,12 @@ class Scene:
         """(n_N,) entries of the stacked (x, y, z) forces that are unknown normal forces."""
         return _normal_index(self.governed)
 
-    @cached_property
+    @lazy
+    def flexible(self) -> bool:
+        """Whether any finger gives way under load."""
+        return bool(self.flexibility.any())
+
+    @lazy
     def rough(self) -> tuple[int, ...]:
         """Contacts with friction whose force is unknown."""
         return tuple(i for i, mu in enumerate(self.mu.tolist()) if mu > 0 and self.governed[i])
@@ -116,17 +122,17 @@ class Scene:
         """(n_T,) entries of the stacked (x, y, z) forces that are unknown tangential forces."""
         return _tangent_index(self.rough, self.tangents)
 
-    @cached_property
+    @lazy
     def governed_mask(self) -> Bools:
         """(n,) bool, `governed` as an array."""
         return np.array(self.governed)
 
     # ---- natural units
-    @cached_property
+    @lazy
     def twist_units(self) -> Array:
         """(dof,) SI size of one natural unit of each component of the object's motion [m or rad]."""
         u, k = self.units, 3 if self.plane is None else 2
-        return np.array([u.motion] * k + [u.motion / u.length] * (self.dof - k))
+        return np.array((u.motion,) * k + (u.motion / u.length,) * (self.dof - k))
 
     def size(self, measure: str) -> float | Array:
         """SI size of one natural unit of a "force", "motion", "twist" or "wrench"."""
@@ -192,3 +198,10 @@ def cross_rows(a: Array, b: Array) -> Array:
     ax, ay, az = a.T
     bx, by, bz = b.T
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
+def shifted(twist: Array, arm: Array) -> Array:
+    """(6,) the same small motion seen at a point `arm` (3,) away: u' = u + ω × arm."""
+    u, v, w, p, q, r = twist.tolist()
+    x, y, z = arm.tolist()
+    return np.array([u + q * z - r * y, v + r * x - p * z, w + p * y - q * x, p, q, r])

@@ -66,6 +66,9 @@ def _classify(
             kind[i] = STICKING
         elif cone:  # one face, the tangent plane at the force
             size = np.hypot(r[0], r[1])
+            if size == 0.0:  # a friction too small for a float64 acts like none
+                kind[i] = GLIDING
+                continue
             kind[i], faces[i, 0, 0], faces[i, 0, 1] = SLIDING, r[0] / size, r[1] / size
             turn[i] = slip / size
         else:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -13,7 +12,7 @@ from handlcp.check import Array
 from handlcp.grasp.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Measure", "System", "Unknown"]
+__all__ = ["Layout", "Measure", "System", "Unknown", "layout"]
 
 Measure: TypeAlias = Literal["force", "motion", "twist", "wrench"]
 
@@ -48,33 +47,38 @@ class Unknown:
 
 
 @dataclass(frozen=True, slots=True)
-class _Layout:
+class Layout:
+    """Where the unknowns go: complementary groups first, free groups last.
+
+    groups : in that order. at : the slice of each. free_from : where the free groups begin. size : unknowns in all.
+    extra : groups other than forces, friction multipliers and object motion.
+    """
+
     groups: tuple[Unknown, ...]
     at: dict[str, slice]
     free_from: int
     size: int
+    extra: tuple[Unknown, ...]
 
 
-@lru_cache(maxsize=1024)
-def _layout(unknowns: tuple[Unknown, ...]) -> _Layout:
-    groups = [u for u in unknowns if u.count and not u.free] + [u for u in unknowns if u.count and u.free]
+def layout(unknowns: Iterable[Unknown]) -> Layout:
+    """The layout of these groups; empty ones are left out."""
+    present = [u for u in unknowns if u.count]
+    groups = tuple(sorted(present, key=lambda u: u.free))
     ends = np.cumsum([g.count for g in groups]).tolist()
     at = {g.name: slice(end - g.count, end) for g, end in zip(groups, ends, strict=True)}
-    return _Layout(tuple(groups), at, sum(g.count for g in groups if not g.free), ends[-1] if ends else 0)
+    extra = tuple(g for g in groups if g.name not in ("r_N", "r_T", "λ", "u"))
+    return Layout(groups, at, sum(g.count for g in groups if not g.free), ends[-1] if ends else 0, extra)
 
 
 class System:
-    """M (N, N) and q (N,) in natural units, complementary groups first, free groups last.
+    """M (N, N) and q (N,) in natural units, as a `Layout` orders the unknowns."""
 
-    groups : the unknowns in that order. at : the slice of each group. free_from : where the free groups begin.
-    """
+    __slots__ = ("M", "at", "layout", "q")
 
-    __slots__ = ("M", "at", "free_from", "groups", "q")
-
-    def __init__(self, unknowns: Iterable[Unknown]) -> None:
-        layout = _layout(tuple(unknowns))
-        self.groups, self.at, self.free_from = layout.groups, layout.at, layout.free_from
-        self.M, self.q = np.zeros((layout.size, layout.size)), np.zeros(layout.size)
+    def __init__(self, where: Layout) -> None:
+        self.layout, self.at = where, where.at
+        self.M, self.q = np.zeros((where.size, where.size)), np.zeros(where.size)
 
     def add(self, row: str, column: str, block: Array | float) -> None:
         """M[row, column] += block, when the scene has both groups."""
@@ -103,7 +107,7 @@ class System:
     def sizes(self, scene: Scene) -> tuple[Array, Array]:
         """(N,) SI sizes of one natural unit of every x and every w."""
         x, w = np.empty(len(self.q)), np.empty(len(self.q))
-        for g in self.groups:
+        for g in self.layout.groups:
             x[self.at[g.name]], w[self.at[g.name]] = scene.size(g.measure), scene.size(g.row_measure)
         return x, w
 

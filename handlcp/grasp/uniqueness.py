@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.pyramid import Section
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.scene import Scene, shifted
 from handlcp.grasp.states import States
 from handlcp.grasp.tangent import Branch, inequalities
 
@@ -57,15 +57,15 @@ _NOTHING = read_only(np.zeros((0, 6)))
 _NOTHING_FREE = {others: Uniqueness(0, _NOTHING, True, others) for others in (False, None)}
 
 
-def describe(scene: Scene, branches: tuple[Branch, ...], to_reference: Array) -> Uniqueness:
-    """In SI; to_reference (6, 6) moves twists from the contacts' centre to the grasp's reference."""
+def describe(scene: Scene, branches: tuple[Branch, ...], arm: Array) -> Uniqueness:
+    """In SI; arm (3,) [m] leads from the contacts' centre to the grasp's reference."""
     others = None if scene.rough else False
     if not branches:
         return _NOTHING_FREE[others]
     k = 3 * scene.n
     U, s, _ = np.linalg.svd(np.hstack([b.basis[k:] for b in branches]), full_matrices=False)
     moving = U[:, s > 1e-9]
-    twists = np.array([to_reference @ scene.twist(t) for t in moving.T]).reshape(-1, 6)
+    twists = np.array([shifted(scene.twist(t), arm) for t in moving.T]).reshape(-1, 6)
     determined = all(float(abs(b.basis[:k]).max()) < 1e-9 for b in branches)
     return Uniqueness(moving.shape[1], read_only(twists), determined, others)
 

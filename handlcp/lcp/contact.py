@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 
 from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.lazy import lazy
 from handlcp.lcp.kernels.contact import prepare, roles
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
@@ -24,6 +24,7 @@ class ContactProblem:
     limits (k,) radius per unit of normal force [-]. faces: 0 the disc, ≥ 3 a regular polygon of that apothem with
     outward normals at 2πj/m, 2 an interval. units: natural sizes of every x and y, or a function that makes them.
     pyramid : how to get the same scene with an m-face pyramid as a plain `LCP`, and its z as an x, or None.
+    role : (n,) 0 free, 1 pair, 2 tangent of a friction block; None: found from free and blocks.
     """
 
     def __init__(
@@ -36,7 +37,9 @@ class ContactProblem:
         faces: int,
         units: Units | Callable[[], Units],
         pyramid: Callable[[int], tuple[LCP, Callable[[Array], Array]]] | None = None,
+        role: Ints | None = None,
     ) -> None:
+        self.role = roles(free, blocks) if role is None else role
         self.M, self.q, self.free = read_only(M), read_only(q), free
         self.blocks, self.limits, self.faces, self.pyramid = blocks, limits, faces, pyramid
         self._units = units
@@ -46,17 +49,12 @@ class ContactProblem:
         """Number of unknowns."""
         return len(self.q)
 
-    @cached_property
+    @lazy
     def units(self) -> Units:
         """Natural sizes of every x and y."""
         return self._units if isinstance(self._units, Units) else self._units()
 
-    @cached_property
-    def role(self) -> Ints:
-        """(n,) 0 free, 1 pair, 2 tangent of a friction block."""
-        return roles(self.free, self.blocks)
-
-    @cached_property
+    @lazy
     def prepared(self) -> tuple[Ints, Ints, Array, Array, Array, Array, Ints, Array, Ints]:
         """What kernels work on, in the order of the arrow that M is: see `kernels.contact.prepare`."""
         return prepare(self.M, self.q, self.role, self.blocks)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, Bools, array, read_only
 from handlcp.errors import InputError
+from handlcp.lazy import lazy
 from handlcp.lcp.scaling import Units, equilibrate
 from handlcp.tolerances import LARGEST_RAW
 
@@ -56,13 +56,13 @@ class LCP:
         self.q = read_only(q * units.w)
         return self
 
-    @cached_property
+    @lazy
     def M(self) -> Array:
         """(n, n) matrix in the user's units."""
         s = self.scaled
         return read_only(s.M * s.units.w[:, None] / s.units.z)
 
-    @cached_property
+    @lazy
     def scaled(self) -> Scaled:
         """The problem in natural units: what solvers see."""
         units = self._units or equilibrate(self.M, self.q)

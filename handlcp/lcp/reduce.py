@@ -32,7 +32,8 @@ class Reduced:
 
     def restore(self, v: Array) -> Array:
         """(n,) the mixed unknowns."""
-        return self.back_M @ v + self.back_q
+        with np.errstate(over="ignore", invalid="ignore"):  # the certifier refuses what is not finite
+            return self.back_M @ v + self.back_q
 
 
 def reduce(problem: Scaled) -> Reduced:
@@ -50,7 +51,8 @@ def reduce(problem: Scaled) -> Reduced:
     lost = U[:, ~keep].T @ right
     consistent = bool(abs(lost[:, -1]).max(initial=0.0) <= 1e-9 * max(1.0, float(abs(q).max(initial=0.0))))
     full = np.zeros((n, right.shape[1]))
-    full[S] = (Vt[keep].T / sv[keep]) @ (U[:, keep].T @ right)
+    with np.errstate(over="ignore", invalid="ignore"):
+        full[S] = (Vt[keep].T / sv[keep]) @ (U[:, keep].T @ right)
     count = int(swapped.sum())
     full[np.flatnonzero(B), count + np.arange(int(B.sum()))] = 1.0
     rows = np.vstack([full[swapped], M[B] @ full])

@@ -11,12 +11,12 @@ from handlcp.errors import InputError, NoSolutionFound, Unsupported
 from handlcp.lcp.certify import certify, certify_contact
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.infeasible import farkas_vector
+from handlcp.lcp.kernels.residual import product
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
 from handlcp.lcp.search import search
 from handlcp.lcp.solvers.auto import Auto
-from handlcp.lcp.solvers.base import Solver
-from handlcp.lcp.solvers.nsngrk import NSNGRK
+from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.status import Status
 
 __all__ = ["proposals", "solve_lcp"]
@@ -43,7 +43,7 @@ def solve_lcp(
     best: tuple[float, Array, Array, Proposal] | None = None
     status = Status.UNDECIDED
     for name, proposal in proposals(problem, solver, start):
-        z = proposal.z * units.z
+        z = product(proposal.z, units.z)
         if isinstance(problem, ContactProblem):
             status, w, residual = certify_contact(problem, proposal.z)
         else:
@@ -100,10 +100,12 @@ def proposals(
     if isinstance(problem, ContactProblem):
         if isinstance(solver, Auto):
             yield from solver.contact_stages(problem, start)
-        elif isinstance(solver, NSNGRK):
+        elif isinstance(solver, ContactSolver):
             yield type(solver).__name__, solver.propose_contact(problem, start)
         else:
-            raise Unsupported(f"{type(solver).__name__} knows no cones: use Auto() or NSNGRK(), or faces ≥ 3")
+            raise Unsupported(
+                f"{type(solver).__name__} knows no cones: use Auto(), NSNGRK() or SemismoothNewton(), or faces ≥ 3"
+            )
     elif isinstance(solver, Auto):
         yield from solver.stages(problem, start)
     else:

@@ -42,7 +42,7 @@ def solving(grasp: hl.Grasp, faces: Faces) -> Iterator[str]:
     yield "natural units and blocks of the scene"
     problem = assemble_contact(grasp.scene, section, ())
     yield "assembly: effects stamped"
-    problem.role, problem.prepared  # noqa: B018
+    problem.prepared  # noqa: B018
     yield "scaling of rows"
     _, proposal = next(proposals(problem))
     yield "solver: NSNGRK"
@@ -57,7 +57,7 @@ def solving(grasp: hl.Grasp, faces: Faces) -> Iterator[str]:
 def solving_lcp(problem: Any, faces: Faces) -> Iterator[str]:
     """`solve_lcp` on the assembled problem where the first stage answers."""
     contact = problem if faces == "cone" else problem.contact
-    contact.role, contact.prepared  # noqa: B018
+    contact.prepared  # noqa: B018
     yield "scaling of rows"
     _, proposal = next(proposals(contact))
     yield "solver: NSNGRK"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import Candidate
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.holdable import is_escape
 from handlcp.grasp.kernels import nearest_in_polygon

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import Candidate, assemble_contact
+from handlcp.grasp.assemble import assemble_contact
+from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.lcp import proposals
 

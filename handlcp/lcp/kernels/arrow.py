@@ -127,7 +127,7 @@ def multiply_arrow(M: Arrow, x: Array, q: Array, y: Array) -> None:
 
 
 class Subgradient(NamedTuple):
-    """Rows of a generalised Jacobian: Σ c[i, a] e_unit[i, a] + Σ b[i, e] M[row[i, e]] with c, unit (n, 3), b, row (n, 2)."""
+    """Rows Σ c[i, a] e_unit[i, a] + Σ b[i, e] M[row[i, e]] of a generalised Jacobian; c, unit (n, 3), b, row (n, 2)."""
 
     unit: Ints
     c: Array
@@ -157,8 +157,8 @@ def room(M: Arrow) -> Room:
 
 @kernel
 def solve_arrow(M: Arrow, J: Subgradient, rhs: Array, x: Array, R: Room, rank_tolerance: float) -> None:
-    """Solve J x = rhs, all (n,). Directions without a pivot, relative to the largest entry, stay at zero: for a consistent
-    singular system that is one solution of many. Indices of J's row i are within the block of i.
+    """Solve J x = rhs, all (n,). Directions without a pivot, relative to the largest entry, stay at zero: for a
+    consistent singular system that is one solution of many. Indices of J's row i are within the block of i.
     """
     starts, border, k = M.starts, len(M.own), len(M.below)
     tiny = rank_tolerance * _fill(M, J, rhs, R.J)
@@ -255,9 +255,7 @@ def _eliminate_block(R: Room, start: int, width: int, tiny: float) -> bool:
         if width == 3:  # most blocks: all three at once
             f, g, h = below[i, start], below[i, start + 1], below[i, start + 2]
             for t in range(padded):
-                side[border + i, t] -= (
-                    f * solved[start, t] + g * solved[start + 1, t] + h * solved[start + 2, t]
-                )
+                side[border + i, t] -= f * solved[start, t] + g * solved[start + 1, t] + h * solved[start + 2, t]
         else:
             for s in range(width):
                 f = below[i, start + s]

@@ -18,7 +18,8 @@ def contact_kaczmarz(
 ) -> tuple[int, float]:
     """Greedy randomized Kaczmarz on the rows of F, as in `kaczmarz` ((20)–(22) of the paper); O(n) a step, in place.
 
-    M (n, n), its transpose and M Mᵀ are in the order of p. x and y (n,) belong together on entry and on return. Returns (steps taken, ‖F‖₂).
+    M (n, n), its transpose and M Mᵀ are in the order of p. x and y (n,) belong together on entry and on return.
+    Returns (steps taken, ‖F‖₂).
     """
     n = len(x)
     F, g2, g = np.empty(n), np.empty(n), work(n)

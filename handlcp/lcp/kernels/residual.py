@@ -8,7 +8,13 @@ from handlcp.check import Array, Bools, Ints
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact import project
 
-__all__ = ["recompute", "recompute_contact"]
+__all__ = ["product", "recompute", "recompute_contact"]
+
+
+@kernel
+def product(a: Array, b: Array) -> Array:
+    """A b, entry by entry; what overflows is infinite, and the certifier refuses it."""
+    return a * b
 
 
 @kernel

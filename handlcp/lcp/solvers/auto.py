@@ -94,7 +94,7 @@ class Auto:
 
         def lifted(run: Callable[[], Proposal | None]) -> Proposal | None:
             p = run()
-            return p if p is None else replace(p, z=problem.lift(p.z))
+            return p if p is None else Proposal(problem.lift(p.z), p.iterations, p.outcome)
 
         if contact is not None:
             on_set = self._contact(contact, None)

@@ -27,14 +27,16 @@ def run_contact(
     """Solve from `start` (n,), natural units; None: the solution of the linear problem in which every
     contact sticks that starts without a gap.
 
-    seed : of the row sampling. most : Kaczmarz steps at most. polish : Newton's method before and between them.
+    seed : of the row sampling. most : Kaczmarz steps at most; 0: Newton's alone, whose steps are then what counts as
+    iterations. polish : Newton's method before and between them.
     """
     x = np.zeros(problem.n) if start is None else np.array(start, dtype=float)
     steps, newton, r = _run(
-        problem.M, *problem.prepared, problem.limits, problem.faces, x, start is None, seed, most, polish, min(tolerance, SOLVE) * 1e-2 if polish else tolerance, RANK,
+        problem.M, *problem.prepared, problem.limits, problem.faces,
+        x, start is None, seed, most, polish, min(tolerance, SOLVE) * 1e-2 if polish else tolerance, RANK,
     )  # fmt: skip
     outcome = "converged" if r <= tolerance else "budget spent"
-    return Proposal(x, steps, f"{outcome}, {newton} Newton steps" if polish else outcome)
+    return Proposal(x, steps if most else newton, f"{outcome}, {newton} Newton steps" if polish else outcome)
 
 
 @kernel
@@ -63,8 +65,14 @@ def _run(
         stick(p, x, rank_tolerance)
     steps, newton, r = 0, 0, np.inf
     trial = x.copy()
-    if polish:
+    if polish and not from_stick and p.faces > 2:  # a good start lies on the right faces already
+        newton, r = contact_newton(p, trial, _STEPS, tolerance, rank_tolerance)
+        if r > tolerance:
+            trial[:] = x
+    if polish and r > tolerance:
+        before = newton
         newton, r = _through_cone(p, trial, tolerance, rank_tolerance)
+        newton += before
     if polish and (r <= tolerance or most == 0):
         x = trial
     else:
