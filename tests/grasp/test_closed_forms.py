@@ -24,6 +24,18 @@ def test_a_sticking_pinch_sinks_by_its_tangential_flexibility():
     np.testing.assert_allclose(s.slip, 0, atol=1e-15)
 
 
+def test_a_planar_pinch_above_the_reference_carries_the_moment_of_its_load():
+    # 50 mm above the origin 1 N along -y has the moment (0.05, 0, 0) about it, which no finger in that plane sees
+    contacts = [hl.Contact((x, 0, 0.05), (-np.sign(x), 0, 0), hl.Coulomb(0.5)) for x in (-0.03, 0.03)]
+    plane = dict(flexibility=C, preload=1e-3, plane=(0, 0, 1))
+    s = hl.Grasp(contacts, (0, -1.0, 0, 0.05, 0, 0), **plane).solve()
+    np.testing.assert_allclose(abs(s.forces), [[0.5, 0, 10.0]] * 2, atol=1e-12)
+    np.testing.assert_allclose(s.object_displacement, [0, -0.5 * C, 0, 0, 0, 0], atol=1e-15)
+    with pytest.raises(hl.InputError) as e:
+        hl.Grasp(contacts, (0, -1.0, 0, 0, 0, 0), **plane)
+    assert e.value.argument == "wrench"
+
+
 def test_a_sideways_push_moves_force_from_one_finger_to_the_other():
     s = pinch(load=(4.0, 0, 0)).solve()  # towards the right finger
     np.testing.assert_allclose(s.normal_force, [8.0, 12.0], rtol=1e-12)
