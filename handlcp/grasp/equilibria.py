@@ -14,7 +14,7 @@ from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
 from handlcp.grasp.modes import Program
-from handlcp.grasp.pyramid import Section
+from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.scene import Scene
 from handlcp.lcp.search import Outcome
 from handlcp.lcp.solvers.nsngrk import NSNGRK
@@ -22,6 +22,8 @@ from handlcp.lcp.solvers.nsngrk import NSNGRK
 __all__ = ["Believer", "EquilibriumSearch", "applicable", "find_equilibrium", "widest"]
 
 _NARROW, _WIDE = 10.0, 1e3  # boxes, times 1 + max|d̂|
+_COARSE = 4  # faces of the pyramid that is searched before one of more than _FEW, or the cone
+_FEW = 8
 _CUTS = 8  # choices of modes cut off before the search gives up
 
 
@@ -63,7 +65,8 @@ def find_equilibrium(
     bound: float | None = None,
 ) -> EquilibriumSearch:
     """Search with forces and motions up to `bound` natural units; None: up to 1000 (1 + max|d̂|), and where that comes
-    to nothing once more in a hundredth of it, where solutions are found more easily but none cannot be proved.
+    to nothing once more in a hundredth of it, where solutions are found more easily but none cannot be proved. Before
+    a fine pyramid, or the cone, a coarse one is searched: an equilibrium of that, found sooner, is often near enough.
 
     effects : of the scene, as stamped; they must be `applicable` (ValueError otherwise). What the search finds is
     solved exactly for its modes, then by Newton's method from there (for the exact cone that is needed), and believed
@@ -73,18 +76,23 @@ def find_equilibrium(
         raise ValueError("an effect opens the contacts; search the assembled problem with handlcp.lcp.search")
     start, program = time.monotonic(), Program(scene, effects, section)
     believed = Believer(scene, effects, section)
-    wide = widest(scene, program.offset)
-    boxes = [(wide, 0.7 * seconds), (_NARROW / _WIDE * wide, seconds)] if bound is None else [(float(bound), seconds)]
+    wide = widest(scene, program.offset) if bound is None else float(bound)
+    runs = [(program, wide, 1.0)]
+    if bound is None:
+        runs = [(program, wide, 0.8), (program, _NARROW / _WIDE * wide, 1.0)]
+        if section.faces == 0 or section.faces > _FEW:
+            runs.insert(0, (Program(scene, effects, Pyramid(_COARSE)), wide, 0.4))
     outcome: Outcome = "unknown"
-    candidate, cuts, b = None, 0, boxes[0][0]
-    for b, until in boxes:
-        for points in program.visit(b, start + until, _CUTS):
+    candidate, cuts, b = None, 0, wide
+    for which, b, share in runs:
+        before = cuts
+        for points in which.visit(b, start + share * seconds, _CUTS):
             candidate = believed(points)
             if candidate is not None:
                 outcome = "solution"
                 break
             cuts += 1
-        if outcome == "unknown" and cuts == 0 and program.exhausted and b == boxes[0][0]:
+        if outcome == "unknown" and cuts == before and which is program and b == wide and program.exhausted:
             outcome = "none"
         if outcome != "unknown":
             break

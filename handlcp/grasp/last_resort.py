@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from handlcp.check import Array
 from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.candidate import Candidate
@@ -18,13 +20,14 @@ Found = tuple[Candidate | None, tuple[float, float] | None, str]
 
 def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
     """(candidate, bounds, words): a certified candidate; or the forces [N] and motions [m] within which there is none;
-    or neither, when the time was too short.
+    or neither, when the time was too short. Of the seconds half as much again may pass.
     """
     scene, effects = problem.scene, problem.effects
     if applicable(effects):
-        if (quick := _every_mode(problem, section, seconds)) is not None:
+        quick, left = _every_mode(problem, section, seconds)
+        if quick is not None:
             return quick
-        found = find_equilibrium(scene, effects, section, seconds)
+        found = find_equilibrium(scene, effects, section, left)
         words = f"search over contact modes: {found.outcome}"
         return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
     plain = None
@@ -48,20 +51,29 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
     return None, (size * units.force, size * units.motion) if result.none_exists else None, words
 
 
-def _every_mode(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found | None:
+def _every_mode(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> tuple[Found | None, float]:
     """By solving every choice of contact modes, where that is affordable and leaves no doubt. This proof has no bounds;
-    those of the mixed-integer search are stated, as far beyond them rounding could hide an answer.
+    those of the mixed-integer search are stated, as far beyond them rounding could hide an answer. Also the seconds
+    that are left after it, half of them at least.
     """
     contact = problem if isinstance(problem, GraspContact) else problem.contact
     table = mode_table(contact) if section.faces else None
     if table is None or table.choices > PER_SECOND * seconds:
-        return None
+        return None, seconds
     candidates, every = table.visit()
+    # The walk counts by its choices, not by the clock: it may have been compiled first
+    end = time.monotonic() + seconds - table.choices / PER_SECOND
     words = f"all {table.choices:,.0f} choices of contact modes:"
-    candidate = Believer(problem.scene, problem.effects, section)(candidates)
-    if candidate is not None:
-        return candidate, None, f"{words} solution"
-    if candidates or not every:
-        return None
+    believed, doubtful = Believer(problem.scene, problem.effects, section), False
+    for c in candidates:
+        if c is not None:
+            if (candidate := believed([c])) is not None:
+                return (candidate, None, f"{words} solution"), seconds
+            doubtful = True
+        if time.monotonic() > end:
+            every = False
+            break
+    if doubtful or not every:
+        return None, max(end - time.monotonic(), 0.5 * seconds)
     units, size = problem.scene.units, widest(problem.scene)
-    return None, (size * units.force, size * units.motion), f"{words} none"
+    return (None, (size * units.force, size * units.motion), f"{words} none"), seconds

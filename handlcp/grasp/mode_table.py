@@ -10,6 +10,8 @@ inverse, and no table.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,15 +55,14 @@ class Table:
         """How many choices of modes there are."""
         return float(np.prod(self.modes.astype(float)))
 
-    def visit(self) -> tuple[list[Candidate], bool]:
+    def visit(self) -> tuple[Iterator[Candidate | None], bool]:
         """What the signs of some choice of modes allow, to rounding; and whether all choices were visited. Of a choice
-        that leaves something free one member only.
+        that leaves something free one member only, when asked for (a millisecond or more); None where it has none.
         """
         arrays = self.P, self.c, self.modes, self.rank, self.A, self.B, self.X, self.Y, self.count
         motions, free, complete = visit(*arrays, _MOST, _MOST_WHOLE)
-        members = (self._member(mode) for mode in free)
-        every = [*motions, *(y for y in members if y is not None)]
-        return [self.problem.candidate(self.back0 + self.back @ y) for y in every], complete
+        every = itertools.chain(motions, (self._member(mode) for mode in free))
+        return (None if y is None else self.problem.candidate(self.back0 + self.back @ y) for y in every), complete
 
     def _member(self, mode: Ints) -> Array | None:
         """(N,) motions that satisfy one choice of modes: a point of a linear program, after the signs that are not

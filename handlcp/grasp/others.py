@@ -96,15 +96,19 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
         return _result(grasp, found, True, "without friction the laws are monotone", start)
     believed = Believer(grasp.scene, problem.effects, section)
     table = mode_table(problem) if section.faces and applicable(problem.effects) else None
-    complete, why = False, _open(problem, section, table)
+    complete, why, end = False, _open(problem, section, table), start + seconds
     passed: list[Candidate | None] = []
     if table is not None and table.choices <= PER_SECOND * seconds:
         candidates, every = table.visit()
-        passed = [believed([c]) for c in candidates]
-        complete = every and None not in passed and (not found or _contains(passed, found[0]))
-        why = f"all {table.choices:,.0f} choices of contact modes were solved" if complete else "some are degenerate"
+        end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
+        passed = [believed([c]) for c in _until(end, candidates)]
+        late = time.monotonic() > end
+        complete = every and not late and None not in passed and (not found or _contains(passed, found[0]))
+        why = "the time was too short" if late else "some are degenerate"
+        if complete:
+            why = f"all {table.choices:,.0f} choices of contact modes were solved"
     if not complete:
-        passed += [believed([c]) for c in _starts(problem, section, start + seconds)]
+        passed += [believed([c]) for c in _starts(problem, section, end)]
     for candidate in passed:
         if candidate is not None:
             _add(grasp, problem, section, found, candidate)
@@ -137,9 +141,17 @@ def _starts(problem: GraspContact, section: Section, end: float) -> Iterator[Can
             continue
         table = mode_table(assemble_contact(problem.scene, Pyramid(faces), asked))
         if table is not None and table.choices <= 0.5 * PER_SECOND * (end - time.monotonic()):
-            yield from table.visit()[0]
+            yield from _until(end, table.visit()[0])
     for candidate in seeded(problem, _RUNS):
         yield candidate
+        if time.monotonic() > end:
+            return
+
+
+def _until(end: float, candidates: Iterator[Candidate | None]) -> Iterator[Candidate]:
+    for candidate in candidates:
+        if candidate is not None:
+            yield candidate
         if time.monotonic() > end:
             return
 
