@@ -66,11 +66,20 @@ class Auto:
 
     def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a plain LCP, each computed when asked for."""
-        return _run(self._plain(problem, start))
+        if start is None and (contact := problem.contact) is not None:
+            # Most problems end here, sooner than the list of what else there is could be made
+            p = _nsngrk(self.seed, contact.n).propose_contact(contact)
+            yield _FIRST + _ON_SET, Proposal(problem.lift(p.z), p.iterations, p.outcome)
+        for name, run in self._plain(problem, start):
+            if name != _FIRST + _ON_SET and (later := run()) is not None:
+                yield name, later
 
     def contact_stages(self, problem: ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a contact problem, each computed when asked for."""
-        return _run(self._contact(problem, start))
+        yield _FIRST, _nsngrk(self.seed, problem.n).propose_contact(problem, start)
+        for name, run in self._contact(problem, start):
+            if name != _FIRST and (later := run()) is not None:
+                yield name, later
 
     def plan(self, problem: LCP | ContactProblem) -> tuple[str, ...]:
         """What would run on this problem, in order, until one answer is certified.
@@ -101,7 +110,7 @@ class Auto:
             name, first = next(on_set)
             yield name + _ON_SET, lambda: lifted(first)
         else:
-            yield "NSNGRK", lambda: _nsngrk(seed, 3 * n).propose(problem.scaled, start)
+            yield _FIRST, lambda: _nsngrk(seed, 3 * n).propose(problem.scaled, start)
         yield "Lemke", pivot
         if contact is not None:
             for name, run in on_set:
@@ -117,7 +126,7 @@ class Auto:
 
     def _contact(self, problem: ContactProblem, start: Array | None) -> Iterator[Stage]:
         n, seed, m = problem.n, self.seed, problem.faces
-        yield "NSNGRK", lambda: _nsngrk(seed, n).propose_contact(problem, start)
+        yield _FIRST, lambda: _nsngrk(seed, n).propose_contact(problem, start)
 
         stage = _Later(problem, seed)
         # A plane's interval, and contacts without friction, are the same with any faces
@@ -196,15 +205,10 @@ class _Later:
         return p if converged(p) or not len(self.problem.blocks) else self.on_limits(_NEWTON, where)
 
 
+_FIRST = "NSNGRK"
 _COVERINGS = "Lemke, other covering vectors"
 _MANY = 16  # faces beyond which pivoting costs more than the other methods: tried late
 _NEWTON = SemismoothNewton(tol=FINE)
-
-
-def _run(stages: Iterator[Stage]) -> Iterator[tuple[str, Proposal]]:
-    for name, run in stages:
-        if (p := run()) is not None:
-            yield name, p
 
 
 def _finite(answers: list[Array]) -> Array | None:

@@ -19,6 +19,9 @@ __all__ = ["run_contact"]
 
 _ON_DISC, _DISC_STEPS = 1e-2, 8  # how well the disc's answer has to be known to name a polygon's faces
 _STEPS = 12  # Newton runs that end well take half as many
+# Which contacts Newton's next step takes for sticking depends on ρ: where it fails with the stiffness of each contact,
+# other scales lead elsewhere, from there and from where Kaczmarz steps have come
+_SCALES = (0.03, 0.3, 1.0)
 
 
 def run_contact(
@@ -40,10 +43,11 @@ def run_contact(
 
 
 @kernel
-def _through_cone(p: Contacts, x: Array, tolerance: float, rank_tolerance: float) -> tuple[int, float]:
-    """Newton's method in place. A polygon is met from the answer with a disc in its place, which names the faces: from
-    there it takes two or three steps, whatever their number.
+def _newton(p: Contacts, scale: float, x: Array, tolerance: float, rank_tolerance: float) -> tuple[int, float]:
+    """Newton's method in place, with ρ times `scale`. A polygon is met from the answer with a disc in its place, which
+    names the faces: from there it takes two or three steps, whatever their number.
     """
+    p = Contacts(p.M, p.q, p.role, p.rho * scale, p.blocks, p.limits, p.faces)
     before = 0
     if p.faces > 2:
         disc = Contacts(p.M, p.q, p.role, p.rho, p.blocks, p.limits, 0)
@@ -63,28 +67,34 @@ def _run(
     x = start[order]
     if from_stick:
         stick(p, x, rank_tolerance)
-    steps, newton, r = 0, 0, np.inf
-    trial = x.copy()
-    if polish and not from_stick and p.faces > 2:  # a good start lies on the right faces already
-        newton, r = contact_newton(p, trial, _STEPS, tolerance, rank_tolerance)
-        if r > tolerance:
-            trial[:] = x
-    if polish and r > tolerance:
-        before = newton
-        newton, r = _through_cone(p, trial, tolerance, rank_tolerance)
-        newton += before
-    if polish and (r <= tolerance or most == 0):
-        x = trial
-    else:
+    taken, newton, r, best = 0, 0, np.inf, x
+    if polish:
+        best, newton, r = _polish(p, x, from_stick, tolerance, rank_tolerance)
+    if not polish or (r > tolerance and most > 0):
         full = np.empty(M.shape)
         for s in range(len(x)):
             for t in range(len(x)):
                 full[s, t] = M[order[s], order[t]]
-        steps, more, r = _steps(p, full, x, trial, r, seed, most, polish, tolerance, rank_tolerance)
-        newton += more
+        taken, more, r = _steps(p, full, x, best, r, seed, most, polish, tolerance, rank_tolerance)
+        newton, best = newton + more, x
     for s in range(len(x)):
-        start[order[s]] = x[s]
-    return steps, newton, r
+        start[order[s]] = best[s]
+    return taken, newton, r
+
+
+@kernel
+def _polish(
+    p: Contacts, x: Array, from_stick: bool, tolerance: float, rank_tolerance: float
+) -> tuple[Array, int, float]:
+    """(answer, steps, residual) of Newton's method from x, which is left alone."""
+    best, before, r = x.copy(), 0, np.inf
+    if not from_stick and p.faces > 2:  # a good start lies on the right faces already
+        before, r = contact_newton(p, best, _STEPS, tolerance, rank_tolerance)
+        if r <= tolerance:
+            return best, before, r
+        best[:] = x
+    steps, r = _newton(p, 1.0, best, tolerance, rank_tolerance)
+    return best, before + steps, r
 
 
 @kernel
@@ -93,7 +103,7 @@ def _steps(
     seed: int, most: int, polish: bool, tolerance: float, rank_tolerance: float,
 ) -> tuple[int, int, float]:  # fmt: skip
     """Kaczmarz steps and Newton's method in turn, in place, until Newton's converges; else the best of it all."""
-    n, newton, taken = len(x), 0, 0
+    n, newton, taken, k = len(x), 0, 0, 0
     MT, MMT = np.ascontiguousarray(M.T), np.dot(M, np.ascontiguousarray(M.T))
     state, y = np.full(1, seed, np.uint64), np.empty(n)
     multiply_add(M, x, p.q, y)
@@ -104,10 +114,11 @@ def _steps(
         if not polish:
             return taken, 0, r
         trial = x.copy()
-        steps, r = _through_cone(p, trial, tolerance, rank_tolerance)
+        steps, r = _newton(p, _SCALES[k % len(_SCALES)], trial, tolerance, rank_tolerance)
         newton += steps
+        k += 1
         if r < best_r:
-            best[:], best_r = trial, r
+            best, best_r = trial, r
         if r <= tolerance or done < batch:  # solved, or stalled where no row moves any more
             break
         batch *= 2
