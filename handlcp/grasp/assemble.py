@@ -66,6 +66,11 @@ class GraspProblem(LCP):
         """Forces and motion from z (n,) in natural units."""
         return decode(self._scene, self._system, self.effects, self.every(z))
 
+    def complete(self) -> None:
+        """Compute now what is otherwise computed when first asked for."""
+        self.M  # noqa: B018
+        self.contact.complete()
+
     @lazy
     def contact(self) -> GraspContact:
         """The same scene and the same section with friction as a set: smaller, and what the default chain works on."""

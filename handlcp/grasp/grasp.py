@@ -131,7 +131,9 @@ class Grasp:
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
-        return self._problem(self._section(faces))
+        problem = self._problem(self._section(faces))
+        problem.complete()
+        return problem
 
     def _problem(self, section: Section) -> GraspProblem | GraspContact:
         if isinstance(section, Cone):

@@ -59,6 +59,10 @@ class ContactProblem:
         """What kernels work on, in the order of the arrow that M is: see `kernels.contact.prepare`."""
         return prepare(self.M, self.q, self.role, self.blocks)
 
+    def complete(self) -> None:
+        """Compute now what is otherwise computed when first asked for."""
+        self.prepared, self.units  # noqa: B018
+
     def __repr__(self) -> str:
         kind = "exact cone" if self.faces == 0 else "planar" if self.faces == 2 else f"{self.faces} faces"
         return f"{type(self).__name__}(n={self.n}, {len(self.blocks)} contacts with friction, {kind})"

@@ -13,11 +13,8 @@ __all__ = ["assembled", "call_solve", "call_solve_lcp"]
 
 
 def assembled(grasp: Callable[[], hl.Grasp], faces: Faces) -> Any:
-    """The problem as `solve_lcp` gets it: for pyramids the LCP and the smaller problem with friction as a set."""
-    problem = grasp().problem(faces)
-    if faces != "cone":
-        problem.contact  # noqa: B018  made on first use
-    return problem
+    """The problem as `solve_lcp` gets it."""
+    return grasp().problem(faces)
 
 
 def call_solve(grasp: Callable[[], hl.Grasp], faces: Faces) -> Task:
