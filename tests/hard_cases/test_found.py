@@ -12,6 +12,10 @@ import handlcp as hl
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
+from handlcp.grasp.equilibria import Believer, find_equilibrium
+from handlcp.grasp.last_resort import last_resort
+from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
+from handlcp.grasp.pyramid import as_section
 from handlcp.lcp import proposals
 
 LINE = [((-0.01, 0, 0), (1, 0, 0)), ((0.01, 0, 0), (-1, 0, 0))]
@@ -74,6 +78,32 @@ def test_stalled_kaczmarz_steps_end_within_their_budget():
     case = list(apart(4, 30))[29]
     for name, proposal in proposals(assemble_contact(case.grasp().scene, hl.Pyramid(4), ())):
         assert proposal.iterations < 10**7, name
+
+
+def test_a_search_whose_time_is_over_solves_no_further_choice_of_modes(monkeypatch):
+    """Contacts at rest leave thousands of choices of modes something free: a linear program each, 5 s instead of 2."""
+    from tests.hard_cases.test_limits import FAMILIES
+
+    case = next(iter(FAMILIES["limits: all at rest"](4, 1)))
+    problem, section, asked = assemble_contact(case.grasp().scene, hl.Pyramid(4), ()), hl.Pyramid(4), []
+    monkeypatch.setattr(Table, "_member", lambda self, mode: asked.append(mode))
+    monkeypatch.setattr(Believer, "__call__", lambda self, candidates: None)
+    table = mode_table(problem)
+    assert sum(1 for _ in table.visit()[0]) > len(asked) > 1000
+    asked.clear()
+    candidate, bounds, words = last_resort(problem, section, table.choices / PER_SECOND)
+    assert (candidate, bounds, words) == (None, None, "search over contact modes: unknown")
+    assert len(asked) <= 1
+
+
+@pytest.mark.parametrize("faces", [16, "cone"])
+def test_an_equilibrium_of_a_coarse_pyramid_leads_to_one_of_a_fine_one(faces):
+    """The search of 16 faces alone, 45 million choices of modes, took as long as it had on a busy machine."""
+    from tests.hard_cases.test_no_pads import FAMILIES
+
+    case = list(FAMILIES["no pads: a mixture"](faces, 34))[33]
+    scene, section = case.grasp().scene, as_section(faces, planar=False)
+    assert find_equilibrium(scene, (), section, seconds=60.0).outcome == "solution"
 
 
 EXTREMES = [([[1e-300]], [1e150]), ([[1e-300, 0], [1, 1]], [0, 1e-300]), ([[0, 1e-300], [-1, 1e150]], [1, 1e150])]
