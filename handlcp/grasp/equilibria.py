@@ -23,7 +23,7 @@ __all__ = ["Believer", "EquilibriumSearch", "applicable", "find_equilibrium", "w
 
 _NARROW, _WIDE = 10.0, 1e3  # boxes, times 1 + max|d̂|
 _COARSE = 4  # faces of the pyramid that is searched before one of more than _FEW, or the cone
-_FEW = 8
+_FEW = 6
 _CUTS = 8  # choices of modes cut off before the search gives up
 
 
@@ -65,8 +65,9 @@ def find_equilibrium(
     bound: float | None = None,
 ) -> EquilibriumSearch:
     """Search with forces and motions up to `bound` natural units; None: up to 1000 (1 + max|d̂|), and where that comes
-    to nothing once more in a hundredth of it, where solutions are found more easily but none cannot be proved. Before
-    a fine pyramid, or the cone, a coarse one is searched: an equilibrium of that, found sooner, is often near enough.
+    to nothing once more in a hundredth of it, where solutions are found more easily but none cannot be proved. Instead
+    of that, a fine pyramid, or the cone, is searched after a coarse one, whose equilibria are found sooner and are
+    often near enough.
 
     effects : of the scene, as stamped; they must be `applicable` (ValueError otherwise). What the search finds is
     solved exactly for its modes, then by Newton's method from there (for the exact cone that is needed), and believed
@@ -81,7 +82,7 @@ def find_equilibrium(
     if bound is None:
         runs = [(program, wide, 0.8), (program, _NARROW / _WIDE * wide, 1.0)]
         if section.faces == 0 or section.faces > _FEW:
-            runs.insert(0, (Program(scene, effects, Pyramid(_COARSE)), wide, 0.4))
+            runs = [(Program(scene, effects, Pyramid(_COARSE)), wide, 0.4), (program, wide, 1.0)]
     outcome: Outcome = "unknown"
     candidate, cuts, b = None, 0, wide
     for which, b, share in runs:
