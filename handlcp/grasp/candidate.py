@@ -30,25 +30,39 @@ def decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) 
     """Forces, motion and further unknowns from x (N,), all unknowns of the system in natural units."""
     at = system.at
     normal, tangential = at.get("r_N", _NONE), at.get("r_T", _NONE)
-    forces = place_forces(
-        x, scene.normal_index, normal.start, scene.tangent_index, tangential.start, scene.n, scene.units.force
-    )
+    units, u = scene.units, at["u"].start
+    forces, twist = in_si(
+        x, scene.normal_index, normal.start, scene.tangent_index, tangential.start, scene.n, u, scene.dof,
+        units.force, units.motion, units.length,
+    )  # fmt: skip
+    if scene.freedom is not None:
+        twist = twist @ scene.freedom
     extra = {g.name: x[at[g.name]] * scene.size(g.measure) for g in system.layout.extra}
     for e in effects:
         if isinstance(e, PrescribedForce):
             forces[e.contact] = e.force
-    return Candidate(forces, scene.twist(x[at["u"]]), extra)
+    return Candidate(forces, twist, extra)
 
 
 _NONE = slice(0, 0)
 
 
 @kernel
-def place_forces(x: Array, normal: Ints, at_normal: int, tangent: Ints, at_tangent: int, n: int, unit: float) -> Array:
-    """(n, 3) SI forces in contact axes from the unknowns; `normal`, `tangent`: their entries among the 3n."""
-    f = np.zeros((n, 3))
+def in_si(
+    x: Array, normal: Ints, at_normal: int, tangent: Ints, at_tangent: int, n: int, at_motion: int, dof: int,
+    force: float, motion: float, length: float,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Forces (n, 3) [N] in contact axes and (dof,) motion [m, rad] from the unknowns x; normal, tangent: which entries
+    of the 3n force components they are.
+    """
+    f, u = np.zeros((n, 3)), np.empty(dof)
     for k in range(len(normal)):
-        f[normal[k] // 3, normal[k] % 3] = x[at_normal + k] * unit
+        f[normal[k] // 3, normal[k] % 3] = x[at_normal + k] * force
     for k in range(len(tangent)):
-        f[tangent[k] // 3, tangent[k] % 3] = x[at_tangent + k] * unit
-    return f
+        f[tangent[k] // 3, tangent[k] % 3] = x[at_tangent + k] * force
+    lengths = 3 if dof == 6 else 2
+    for k in range(dof):
+        u[k] = x[at_motion + k] * motion
+        if k >= lengths:
+            u[k] /= length
+    return f, u

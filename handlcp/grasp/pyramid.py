@@ -125,12 +125,17 @@ def _ring(m: int, shift: float) -> Array:
     return read_only(ring)
 
 
+_pyramid = lru_cache(maxsize=64)(Pyramid)  # the same few are asked for again and again
+
+
 def as_section(faces: int | str | Section, planar: bool = False) -> Section:
     """What users pass as `faces`; a planar scene has its own, whatever they pass. Raises InputError."""
     if not isinstance(faces, (Pyramid, Cone, Interval)):
         if isinstance(faces, str) and faces != "cone":
             raise InputError("faces", 'an integer ≥ 3, "cone" or a Pyramid', repr(faces))
-        section: Section = Cone() if isinstance(faces, str) else Pyramid(faces)
+        section: Section = (
+            Cone() if isinstance(faces, str) else _pyramid(faces) if type(faces) is int else Pyramid(faces)
+        )
     else:
         section = faces
     return Interval() if planar else section
