@@ -25,7 +25,7 @@ from handlcp.grasp.pyramid import Cone, Pyramid, Section, as_section
 from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.solution import GraspSolution
-from handlcp.lcp import Auto, Solver, Status, proposals
+from handlcp.lcp import Auto, ContactSolver, Solver, Status, as_chain, proposals
 
 __all__ = ["Grasp"]
 
@@ -145,7 +145,7 @@ class Grasp:
         return explain(self.scene, self._problem(self._section(faces)))
 
     def solve(
-        self, faces: int | str | Pyramid = 8, solver: Solver | Auto | None = None, throw: bool = True
+        self, faces: int | str | Pyramid = 8, solver: Solver | ContactSolver | Auto | None = None, throw: bool = True
     ) -> GraspSolution:
         """Grasp forces, slips and object motion, certified.
 
@@ -172,7 +172,7 @@ class Grasp:
                 break
         assert best is not None  # every solver proposes something
         solution = self._solution(problem.effects, section, *best, tuple(trace))
-        if solution.status is Status.UNDECIDED and (chain := _chain(solver)) is not None and chain.search_seconds > 0:
+        if solution.status is Status.UNDECIDED and (chain := as_chain(solver)) is not None and chain.search_seconds > 0:
             solution = self._search(problem, section, chain, solution, best[1])
         if throw and not solution.held:
             raise NoSolutionFound("\n  ".join((str(solution), *trace)), problem, solution)
@@ -222,7 +222,3 @@ class Grasp:
         s = self.scene
         planar = ", planar" if s.plane is not None else ""
         return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{planar})"
-
-
-def _chain(solver: Solver | Auto | None) -> Auto | None:
-    return Auto() if solver is None else solver if isinstance(solver, Auto) else None

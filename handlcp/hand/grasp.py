@@ -22,7 +22,7 @@ from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
-from handlcp.lcp import Auto, Solver
+from handlcp.lcp import Auto, ContactSolver, Solver
 
 if TYPE_CHECKING:
     from handlcp.hand.state import HandState
@@ -73,7 +73,7 @@ class HandGrasp(Grasp):
         return self.fingertips
 
     def solve(
-        self, faces: int | str | Pyramid = 8, solver: Solver | Auto | None = None, throw: bool = True
+        self, faces: int | str | Pyramid = 8, solver: Solver | ContactSolver | Auto | None = None, throw: bool = True
     ) -> HandGraspSolution:
         """As `Grasp.solve`, with torques."""
         return cast(HandGraspSolution, super().solve(faces, solver, throw))

@@ -9,8 +9,8 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
 from handlcp.lcp.scaling import Units
 from handlcp.lcp.solve import proposals, solve_lcp
-from handlcp.lcp.solvers.auto import Auto
-from handlcp.lcp.solvers.base import Solver
+from handlcp.lcp.solvers.auto import Auto, as_chain
+from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
@@ -21,6 +21,7 @@ __all__ = [
     "NSNGRK",
     "Auto",
     "ContactProblem",
+    "ContactSolver",
     "LCPSolution",
     "Lemke",
     "Proposal",
@@ -28,6 +29,7 @@ __all__ = [
     "Solver",
     "Status",
     "Units",
+    "as_chain",
     "certify",
     "is_farkas",
     "natural_residual",

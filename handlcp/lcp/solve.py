@@ -15,7 +15,7 @@ from handlcp.lcp.kernels.residual import product
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
 from handlcp.lcp.search import search
-from handlcp.lcp.solvers.auto import Auto
+from handlcp.lcp.solvers.auto import Auto, as_chain
 from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.status import Status
 
@@ -23,7 +23,10 @@ __all__ = ["proposals", "solve_lcp"]
 
 
 def solve_lcp(
-    problem: LCP | ContactProblem, solver: Solver | Auto | None = None, throw: bool = True, start: Array | None = None
+    problem: LCP | ContactProblem,
+    solver: Solver | ContactSolver | Auto | None = None,
+    throw: bool = True,
+    start: Array | None = None,
 ) -> LCPSolution:
     """The certified answer to a (mixed) linear complementarity problem.
 
@@ -62,7 +65,7 @@ def solve_lcp(
         if certificate is not None:
             status, residual, outcome = Status.INFEASIBLE, np.inf, "Farkas vector found"
             z = w = np.full(problem.n, np.nan)  # so that nobody uses them by accident
-        elif (chain := _chain(solver)) is not None and chain.search_seconds > 0:
+        elif (chain := as_chain(solver)) is not None and chain.search_seconds > 0:
             exact = search(problem, seconds=chain.search_seconds)
             trace.append(f"search over active sets: {exact.outcome}")
             if exact.z is not None:
@@ -84,16 +87,12 @@ def solve_lcp(
     return solution
 
 
-def _chain(solver: Solver | Auto | None) -> Auto | None:
-    return Auto() if solver is None else solver if isinstance(solver, Auto) else None
-
-
 def proposals(
-    problem: LCP | ContactProblem, solver: Solver | Auto | None = None, start: Array | None = None
+    problem: LCP | ContactProblem, solver: Solver | ContactSolver | Auto | None = None, start: Array | None = None
 ) -> Iterator[tuple[str, Proposal]]:
     """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next."""
     solver = Auto() if solver is None else solver
-    if not isinstance(solver, (Auto, Solver)):
+    if not isinstance(solver, (Auto, Solver, ContactSolver)):
         raise InputError(
             "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
         )
@@ -108,5 +107,7 @@ def proposals(
             )
     elif isinstance(solver, Auto):
         yield from solver.stages(problem, start)
-    else:
+    elif isinstance(solver, Solver):
         yield type(solver).__name__, solver.propose(problem.scaled, start)
+    else:
+        raise Unsupported(f"{type(solver).__name__} knows contacts only, no plain LCP: use Auto() or NSNGRK()")

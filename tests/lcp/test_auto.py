@@ -193,3 +193,9 @@ def push(share):
     q = np.array([-1.0, 0, 0, 0.5 * share, 0])
     free = np.array([False, False, False, True, True])
     return ContactProblem(M, q, free, np.array([[0, 1, 2]]), np.array([0.5]), 0, Units.ones(5))
+
+
+def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
+    """Continuation follows contact problems; elsewhere it is refused by name, not by an attribute that is missing."""
+    with pytest.raises(hl.Unsupported, match="contacts only"):
+        hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), Continuation("squeeze", 3.0))

@@ -26,7 +26,7 @@ from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
 from handlcp.lcp.solvers.variants import FINE, converged, in_units_of_limits
 
-__all__ = ["Auto"]
+__all__ = ["Auto", "as_chain"]
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
@@ -203,6 +203,11 @@ class _Later:
             return None
         p = _NEWTON.propose_contact(self.problem, where)
         return p if converged(p) or not len(self.problem.blocks) else self.on_limits(_NEWTON, where)
+
+
+def as_chain(solver: object) -> Auto | None:
+    """The chain that this stands for, the default where it is None; None for a single method."""
+    return Auto() if solver is None else solver if isinstance(solver, Auto) else None
 
 
 _FIRST = "NSNGRK"
