@@ -172,10 +172,13 @@ class Grasp:
                 break
         assert best is not None  # every solver proposes something
         solution = self._solution(problem.effects, section, *best, tuple(trace))
+        if not solution.held:
+            escapes = "nothing holds it" if solution.certificate is not None else "no proof that nothing holds it"
+            solution = replace(solution, trace=(*trace, f"holdability: {escapes}"))
         if solution.status is Status.UNDECIDED and (chain := as_chain(solver)) is not None and chain.search_seconds > 0:
             solution = self._search(problem, section, chain, solution, best[1])
         if throw and not solution.held:
-            raise NoSolutionFound("\n  ".join((str(solution), *trace)), problem, solution)
+            raise NoSolutionFound("\n  ".join((str(solution), *solution.trace)), problem, solution)
         return solution
 
     def _search(
@@ -188,7 +191,7 @@ class Grasp:
     ) -> GraspSolution:
         """The chain's last stage: an exact search, and for a proven "no" the squeeze that would help."""
         candidate, bounds, words = last_resort(problem, section, chain.search_seconds)
-        trace = (*solution.trace, words)
+        trace = (*solution.trace, f"{chain.search_stage}: {words}")
         if candidate is not None:
             verdict = judge(self.scene, problem.effects, section, candidate)
             return self._solution(problem.effects, section, candidate, verdict, solution.iterations, trace)
@@ -196,6 +199,10 @@ class Grasp:
             return replace(solution, trace=trace)
         squeeze = required_preload(self, section).value
         return replace(solution, status=Status.NO_EQUILIBRIUM, bounds=bounds, required_preload=squeeze, trace=trace)
+
+    def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
+        """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
+        return (chain or Auto()).plan(assemble_contact(self.scene, self._section(faces), self.effects))
 
     def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every contact, with which the grasp holds, to a relative tolerance."""

@@ -28,7 +28,7 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
         if quick is not None:
             return quick
         found = find_equilibrium(scene, effects, section, left)
-        words = f"search over contact modes: {found.outcome}"
+        words = f"over contact modes, {found.outcome}"
         return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
     plain = None
     if isinstance(problem, GraspProblem):
@@ -37,13 +37,13 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
         lcp, _ = problem.pyramid(section.faces)
         plain = lcp if isinstance(lcp, GraspProblem) else None
     if plain is None:
-        return None, None, "no search: an effect opens the contacts, and the exact cone has no multipliers"
+        return None, None, "impossible, an effect opens the contacts and the exact cone has no multipliers"
 
     def passes(z: Array) -> bool:
         return judge(scene, effects, section, plain.candidate(z)).residuals.passes
 
     result = search(plain, seconds=seconds, accept=passes)
-    words = f"search over active sets: {result.outcome}"
+    words = f"over active sets, {result.outcome}"
     if result.z is not None:
         return plain.candidate(result.z), None, words
     size = float(result.bound_z[~plain.free].max(initial=0.0))
@@ -63,7 +63,7 @@ def _every_mode(problem: GraspProblem | GraspContact, section: Section, seconds:
     candidates, every = table.visit()
     # The walk counts by its choices, not by the clock: it may have been compiled first
     end = time.monotonic() + seconds - table.choices / PER_SECOND
-    words = f"all {table.choices:,.0f} choices of contact modes:"
+    words = f"all {table.choices:,.0f} choices of contact modes,"
     believed, doubtful = Believer(problem.scene, problem.effects, section), False
     for c in candidates:
         if c is not None:

@@ -62,12 +62,13 @@ def solve_lcp(
     outcome = proposal.outcome
     if status is not Status.SOLVED and isinstance(problem, LCP):
         certificate = farkas_vector(problem)
+        trace.append(f"Farkas vector: {'none' if certificate is None else 'found'}")
         if certificate is not None:
             status, residual, outcome = Status.INFEASIBLE, np.inf, "Farkas vector found"
             z = w = np.full(problem.n, np.nan)  # so that nobody uses them by accident
         elif (chain := as_chain(solver)) is not None and chain.search_seconds > 0:
             exact = search(problem, seconds=chain.search_seconds)
-            trace.append(f"search over active sets: {exact.outcome}")
+            trace.append(f"{chain.search_stage}: over active sets, {exact.outcome}")
             if exact.z is not None:
                 z, outcome = exact.z * units.z, trace[-1]
                 status, w, residual = certify(problem, z)
@@ -92,7 +93,7 @@ def proposals(
 ) -> Iterator[tuple[str, Proposal]]:
     """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next."""
     solver = Auto() if solver is None else solver
-    if not isinstance(solver, (Auto, Solver, ContactSolver)):
+    if isinstance(solver, type) or not isinstance(solver, (Auto, Solver, ContactSolver)):
         raise InputError(
             "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
         )

@@ -92,7 +92,7 @@ def test_a_search_whose_time_is_over_solves_no_further_choice_of_modes(monkeypat
     assert sum(1 for _ in table.visit()[0]) > len(asked) > 1000
     asked.clear()
     candidate, bounds, words = last_resort(problem, section, table.choices / PER_SECOND)
-    assert (candidate, bounds, words) == (None, None, "search over contact modes: unknown")
+    assert (candidate, bounds, words) == (None, None, "over contact modes, unknown")
     assert len(asked) <= 1
 
 

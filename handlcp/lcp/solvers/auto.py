@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from handlcp.check import Array, integer, number
+from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
@@ -82,16 +83,24 @@ class Auto:
                 yield name, later
 
     def plan(self, problem: LCP | ContactProblem) -> tuple[str, ...]:
-        """What would run on this problem, in order, until one answer is certified.
+        """What would run on this problem, in order, until one answer is certified; `Grasp.plan` says it of a grasp.
 
-        Stages may be passed over (where Lemke's method has no answer, nothing starts from it); none is added. The end
-        of a contact problem's plan is what `Grasp.solve` does; `solve_lcp` stops before it.
+        Stages may be passed over (where Lemke's method has no answer, nothing starts from it); none is added. The
+        solution's `trace` begins its lines with these names. The end of a contact problem's plan is what `Grasp.solve`
+        does; `solve_lcp` stops before it. Raises InputError for anything but a problem.
         """
-        search = (f"search, {self.search_seconds:g} s at most",) if self.search_seconds > 0 else ()
+        if not isinstance(problem, (LCP, ContactProblem)):
+            raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
+        search = (self.search_stage,) if self.search_seconds > 0 else ()
         if isinstance(problem, ContactProblem):
             names = tuple(name for name, _ in self._contact(problem, None))
             return (*names, "holdability", *search) if hasattr(problem, "scene") else names
         return (*(name for name, _ in self._plain(problem, None)), "Farkas vector", *search)
+
+    @property
+    def search_stage(self) -> str:
+        """Name of the exact search in plans and traces."""
+        return f"search, {self.search_seconds:g} s at most"
 
     def _plain(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
         n, contact, seed = problem.n, problem.contact if start is None else None, self.seed
