@@ -9,8 +9,9 @@ narrower window further down may have been stepped over.
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,12 +39,13 @@ class Required:
     """The smallest common value that holds.
 
     value : it holds (certified); 0 when nothing more is needed; None when nothing up to `limit` was found to hold.
-    fails : the largest value tried below `value` that does not hold, value - fails ≤ tolerance · value; None when
-        value is 0.
+    fails : the largest value tried below `value` that does not hold, value - fails ≤ tolerance · value or, for a
+        tolerance finer than that, one rounding step; None when value is 0.
     proven : whether below `value` nothing can hold, because no force in the friction cones balances the load there
         (or, where value is None, at any value). Otherwise `fails` only means that no solver found an equilibrium.
     unit : "m" of squeeze or "" for a friction coefficient. limit : largest value tried. tolerance : relative.
     checked : ((value, whether it holds), …) in the order tried.
+    hint : what to change instead where value is None, "" if nothing is known.
     """
 
     value: float | None
@@ -53,12 +55,14 @@ class Required:
     limit: float
     tolerance: float
     checked: tuple[tuple[float, bool], ...]
+    hint: str = ""
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
         if self.value is None:
-            why = "no force within friction balances the load" if self.proven else f"up to {self.limit:.3g}{unit}"
-            return f"no value found that holds: {why}"
+            if self.proven:
+                return "no value found that holds: no force within friction balances the load"
+            return f"no value up to {self.limit:.3g}{unit} found that holds" + (f": {self.hint}" if self.hint else "")
         if self.value == 0.0:
             return "holds with nothing added" if self.unit else "holds without friction"
         less = "" if self.fails is None else f", {self.fails:.4g}{unit} does not"
@@ -110,8 +114,8 @@ def required_friction(
     if not _escapes(with_friction(grasp, 0.0), section):
         high = 0.0
     while high - low > 0.25 * tolerance * high:
-        middle = np.sqrt(low * high) if low > 0.0 else (high / 16 if high > 1e-9 else 0.0)
-        if middle <= low:
+        middle = math.sqrt(low * high) if low > 0.0 else (high / 16 if high > 1e-9 else 0.0)
+        if not low < middle < high:  # a tolerance finer than floats can be halved
             break
         low, high = (middle, high) if _escapes(with_friction(grasp, middle), section) else (low, middle)
     test = check or (lambda g: holds(g, section))
@@ -120,6 +124,8 @@ def required_friction(
     )
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
         return Required(high, low, True, "", most, tolerance, found.checked)
+    if found.value is None and (grasp.scene.offset[grasp.scene.governed_mask, 2] >= 0.0).all():
+        return replace(found, hint="no finger carries preload; required_preload() says how much would do")
     return found
 
 
@@ -128,7 +134,7 @@ def smallest(
 ) -> Required:
     """The first value that holds, going from `start` upwards in steps that double, then bisected from below.
 
-    The result's tolerance is relative to its value: value - fails ≤ tolerance · value.
+    The result's tolerance is relative to its value: value - fails ≤ tolerance · value, or one rounding step.
     """
     checked: list[tuple[float, bool]] = []
 
@@ -147,6 +153,8 @@ def smallest(
             break
     while high - low > tolerance * high:
         middle = 0.5 * (low + high)
+        if not low < middle < high:  # neighbouring floats: a finer tolerance would never be met
+            break
         low, high = (low, middle) if ok(middle) else (middle, high)
     return Required(high, low, False, unit, limit, tolerance, tuple(checked))
 

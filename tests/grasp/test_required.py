@@ -91,6 +91,26 @@ def test_holding_that_is_not_monotone_gives_a_value_that_holds_and_a_tolerance_l
     assert smallest(lambda x: False, 0.0, 0.01, 10.0, 1e-3, "m").fails == 10.0
 
 
+@pytest.mark.parametrize("tolerance", [1e-17, 1e-100])
+def test_a_tolerance_finer_than_floats_ends_at_neighbouring_ones(tolerance):
+    squeeze = required_preload(pinch(squeeze=0.0), 8, tolerance, check=lambda g: g.scene.offset[0, 2] <= -1.23e-4)
+    friction = required_friction(pinch(squeeze=1e-3), 8, tolerance, check=lambda g: g.scene.mu[0] >= 0.123)
+    for r, exact in ((squeeze, 1.23e-4), (friction, 0.123)):
+        assert (r.value, r.fails) == (exact, np.nextafter(exact, 0.0))
+        assert len(r.checked) < 200
+
+
+def test_a_tolerance_finer_than_floats_ends_with_real_solves():
+    r = pinch(squeeze=0.0).required_preload(8, 1e-17)
+    assert np.nextafter(r.value, 0.0) == r.fails
+
+
+def test_without_preload_the_search_for_friction_says_that_this_is_missing():
+    short = {"check": lambda g: False}
+    assert "no finger carries preload" in str(required_friction(pinch(squeeze=0.0), **short))
+    assert str(required_friction(pinch(squeeze=1e-3), **short)) == "no value up to 10 found that holds"
+
+
 def test_changed_grasps_keep_everything_else():
     g = pinch(load=(1.0, 2.0, -3.0), reference=(0.1, 0.2, 0.3), effects=[hl.PrescribedForce(0, (0, 0, 5.0))])
     more = with_preload(g, 1e-4)
@@ -122,8 +142,10 @@ def test_a_hands_grasp_stays_a_hands_grasp():
 
 
 def test_a_tolerance_has_to_be_one():
-    for bad in (0.0, -1.0, 1.0, np.nan):
+    for bad in (0.0, -1.0, 1.0, np.nan, np.inf):
         with pytest.raises(InputError, match="tolerance"):
             required_preload(pinch(), tolerance=bad)
+        with pytest.raises(InputError, match="tolerance"):
+            required_friction(pinch(), tolerance=bad)
     with pytest.raises(InputError, match="limit"):
         required_friction(pinch(), limit=0.0)
