@@ -121,9 +121,16 @@ def _solved(
         parts.append("other forces satisfy the same conditions (the smallest are given)")
     if others:
         parts.append("it can also be held in other ways (grasp.equilibria() lists them)")
-    if forces is not None and len(names) and not np.asarray(forces).any():
+    if forces is not None and len(names) and _at_rest(np.asarray(forces), states):
         return "; ".join(["in balance without any contact force", *parts])
     return "; ".join(["held", *parts])
+
+
+def _at_rest(forces: Array, states: Sequence[str]) -> bool:
+    """Whether no contact has a force. A contact is "separated" when it has none beside the scene's natural force: what
+    rounding left of it counts for nothing.
+    """
+    return all(state == "separated" or not f.any() for f, state in zip(forces, states, strict=True))
 
 
 def _loose(loose: Array, p: Array, c: Array, names: Sequence[str]) -> str:

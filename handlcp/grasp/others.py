@@ -28,7 +28,7 @@ from handlcp.lcp.kernels.lemke import lemke
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.status import Status
-from handlcp.tolerances import PIVOT
+from handlcp.tolerances import ACTIVE, PIVOT
 
 if TYPE_CHECKING:
     from handlcp.grasp.grasp import Grasp
@@ -37,7 +37,7 @@ __all__ = ["Equilibria", "equilibria", "seeded"]
 
 _COARSER = (12, 8, 6, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
 _RUNS = 8  # other seeds and starts
-_APART = 1e-6  # of the largest force: forces that differ by less are the same
+_APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,8 @@ class Equilibria:
 
 
 def _line(s: GraspSolution) -> str:
-    forces = ", ".join(f"{f:.3g}" for f in s.normal_force)
+    noise = ACTIVE * s.residuals.force_scale  # below this a contact is said not to push
+    forces = ", ".join("0" if abs(f) <= noise else f"{f:.3g}" for f in s.normal_force)
     return f"normal forces ({forces}) N, {replace(s, uniqueness=None).diagnosis}"
 
 
@@ -98,12 +99,13 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
     table = mode_table(problem) if section.faces and applicable(problem.effects) else None
     complete, why, end = False, _open(problem, section, table), start + seconds
     passed: list[Candidate | None] = []
+    noise = _APART * grasp.scene.units.force
     if table is not None and table.choices <= PER_SECOND * seconds:
         candidates, every = table.visit()
         end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
         passed = [believed([c]) for c in _until(end, candidates)]
         late = time.monotonic() > end
-        complete = every and not late and None not in passed and (not found or _contains(passed, found[0]))
+        complete = every and not late and None not in passed and (not found or _contains(passed, found[0], noise))
         why = "the time was too short" if late else "some are degenerate"
         if complete:
             why = f"all {table.choices:,.0f} choices of contact modes were solved"
@@ -115,10 +117,10 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
     return _result(grasp, found, complete, why, start)
 
 
-def _contains(candidates: list[Candidate | None], s: GraspSolution) -> bool:
+def _contains(candidates: list[Candidate | None], s: GraspSolution, noise: float) -> bool:
     """Whether the answer that is known is among them, as it must be; of a family any member may be."""
     determined = s.uniqueness is not None and s.uniqueness.forces_determined
-    return not determined or any(c is not None and _close(c.forces, s.forces) for c in candidates)
+    return not determined or any(c is not None and _close(c.forces, s.forces, noise) for c in candidates)
 
 
 def _open(problem: GraspContact, section: Section, table: Table | None) -> str:
@@ -162,12 +164,13 @@ def _add(
     """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
     there is an equilibrium as well (what one choice of modes allows is convex).
     """
-    if any(_close(candidate.forces, s.forces) for s in found):
+    noise = _APART * grasp.scene.units.force
+    if any(_close(candidate.forces, s.forces, noise) for s in found):
         return
     verdict = judge(grasp.scene, problem.effects, section, candidate)
     made = grasp._solution(problem.effects, section, candidate, verdict, 0, ("another equilibrium",))
     for s in found:
-        if _close(made.forces, s.forces):
+        if _close(made.forces, s.forces, noise):
             return
         loose = [x for x in (s, made) if x.uniqueness is not None and not x.uniqueness.forces_determined]
         if loose and judge(grasp.scene, problem.effects, section, _halfway(grasp, s, made)).residuals.passes:
@@ -175,8 +178,9 @@ def _add(
     found.append(made)
 
 
-def _close(a: Array, b: Array) -> bool:
-    return float(abs(a - b).max()) <= _APART * max(float(abs(a).max()), float(abs(b).max()))
+def _close(a: Array, b: Array, noise: float) -> bool:
+    """Within `noise` [N] too: where no force is needed, what rounding leaves of it differs by all of its size."""
+    return float(abs(a - b).max()) <= max(_APART * float(abs(a).max()), _APART * float(abs(b).max()), noise)
 
 
 def _halfway(grasp: Grasp, a: GraspSolution, b: GraspSolution) -> Candidate:

@@ -212,3 +212,29 @@ def test_seconds_are_checked(bad):
 def test_the_statement_prints_whatever_is_known():
     u = pinch().solve().uniqueness
     assert len({str(replace(u, others=o)) for o in (None, True, False)}) == 3
+
+
+@pytest.mark.parametrize("faces", [4, 8, "cone"])
+def test_where_no_force_is_needed_rounding_makes_no_equilibria(faces):
+    """Fingertips only off to one side: the object follows or they slip, and nothing pushes."""
+    angles = 2 * np.pi * np.arange(3) / 3
+    contacts = [
+        hl.Contact((0.03 * np.cos(a), 0.03 * np.sin(a), 0), (-np.cos(a), -np.sin(a), 0), hl.Coulomb(0.5))
+        for a in angles
+    ]
+    found = hl.Grasp(contacts, flexibility=1e-4, offset=[[1e-3, 0, 0]] * 3).equilibria(faces)
+    assert len(found) == 1
+    (only,) = found
+    assert abs(only.forces).max() < 1e-9
+    assert only.uniqueness.others is not True
+    assert "normal forces (0, 0, 0) N, in balance without any contact force" in str(found)
+
+
+def test_rounding_is_measured_against_the_scene_not_the_forces():
+    """The same in a plane, in newtons, micronewtons and meganewtons."""
+    for unit in (1.0, 1e-6, 1e6):
+        a = np.deg2rad([90, 210, 330])
+        contacts = [hl.Contact(x, -x, hl.Coulomb(1.5)) for x in np.column_stack([np.cos(a), np.sin(a)])]
+        g = hl.Grasp(contacts, flexibility=1e-3 / unit, offset=[[1e-3, 0, 0]] * 3)
+        assert len(g.equilibria()) == 1
+        assert g.solve().diagnosis.startswith("in balance without any contact force; no finger pushes")
