@@ -14,11 +14,26 @@ from handlcp.check import Array
 from handlcp.lcp.status import Status
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["describe_motion", "diagnose"]
+__all__ = ["Within", "describe_motion", "diagnose"]
 
 _SHARE = 1e-3  # a shift or a swing below this share of the other goes unmentioned
 _NEAR = 1e-3  # of the grasp's size: a contact this near to an axis is on it
 _MOST = 4  # names listed
+
+
+class Within(tuple[float, float]):
+    """(force [N], motion [m]) up to which there is no equilibrium; `cause`: words for what stands in the way, if known.
+
+    A pair like any other: the words only ride along to the sentence.
+    """
+
+    cause: str
+
+    def __new__(cls, bounds: tuple[float, float], cause: str = "") -> Within:
+        """A pair with its cause."""
+        made = super().__new__(cls, bounds)
+        made.cause = cause
+        return made
 
 
 def diagnose(
@@ -44,8 +59,9 @@ def diagnose(
     offset (n, 3) m, contact axes: says which contacts carry no preload. escape (6,): the certificate of NOT_HOLDABLE.
     loose (k, 6), forces_determined: what a SOLVED solution leaves free; others: whether other equilibria are known.
     required_preload: squeeze [m] on every contact that would hold (NO_EQUILIBRIUM), if known. bounds: forces [N] and
-    motions [m] within which NO_EQUILIBRIUM was proven.
+    motions [m] within which NO_EQUILIBRIUM was proven, with a cause where they are a `Within`.
     """
+    names = _distinct(names)
     p, c = np.asarray(positions, dtype=float).reshape(-1, 3), np.asarray(reference, dtype=float)
     if status is Status.SOLVED:
         return _solved(names, p, c, forces, states, loose, forces_determined, others)
@@ -69,6 +85,7 @@ def describe_motion(
     twist (6,) m, rad about `reference` (3,) m. A motion is a translation when no contact notices its turn, and a turn
     about an axis when the points of that axis stay where they are, both within a thousandth.
     """
+    names = _distinct(names)
     u, omega = np.asarray(twist[:3], dtype=float), np.asarray(twist[3:], dtype=float)
     arms = positions - reference
     centre = arms.mean(axis=0) if len(arms) else np.zeros(3)
@@ -106,9 +123,13 @@ def _solved(
     groups = {s: [n for n, state in zip(names, states, strict=True) if state == s] for s in dict.fromkeys(states)}
     idle = set(groups.get("separated", ()))
     parts = []
-    if sliding := groups.get("sliding"):
+    slippery = _slippery(names, forces, states)
+    if sliding := [n for n in groups.get("sliding", ()) if n not in slippery]:
         every = len(sliding) == len(names) > 1
         parts.append("all fingers slide" if every else f"{_listed(sliding)} {_plural(sliding, 'slides', 'slide')}")
+    if slippery:
+        who = "all fingers" if len(slippery) == len(names) > 1 else _listed(slippery)
+        parts.append(f"{who} {_plural(slippery, 'pushes', 'push')} without friction")
     if idle:
         apart = [n for n in names if n in idle]
         few = f"{_listed(apart)} {_plural(apart, 'does', 'do')} not push"
@@ -124,6 +145,17 @@ def _solved(
     if forces is not None and len(names) and _at_rest(np.asarray(forces), states):
         return "; ".join(["in balance without any contact force", *parts])
     return "; ".join(["held", *parts])
+
+
+def _slippery(names: Sequence[str], forces: Array | None, states: Sequence[str]) -> list[str]:
+    """Who pushes without friction: what has friction slides only against a force on its limit. Such a contact is called
+    sliding even at rest, as nothing keeps it from it.
+    """
+    if forces is None:
+        return []
+    f = np.asarray(forces, dtype=float)
+    smooth = np.hypot(f[:, 0], f[:, 1]) <= ACTIVE * f[:, 2]
+    return [n for n, state, s in zip(names, states, smooth.tolist(), strict=True) if state == "sliding" and s]
 
 
 def _at_rest(forces: Array, states: Sequence[str]) -> bool:
@@ -164,7 +196,21 @@ def _no_equilibrium(
     if required is not None:
         more = "" if len(bare) == len(names) else " more"
         return f"{cannot}: {cause}; {_enough(required)} m{more} on each finger would hold it"
-    return f"{cannot}: {cause}" if cause else cannot
+    known = bounds.cause if isinstance(bounds, Within) else ""
+    if cause or known:
+        return f"{cannot}: {'; '.join(c for c in (cause, known) if c)}"
+    return cannot if offset is None else f"{cannot}, although {_every(names)} carries preload"
+
+
+def _every(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else "every finger"
+
+
+def _distinct(names: Sequence[str]) -> Sequence[str]:
+    """Names that several fingers have, with each one's number: "finger 1 (a)"."""
+    if len(set(names)) == len(names):
+        return names
+    return [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
 
 
 def _size(p: Array) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.diagnosis import describe_motion, diagnose
+from handlcp.grasp.diagnosis import Within, describe_motion, diagnose
 from tests.grasp.scenes import pinch
 
 PAIR = np.array([[-0.01, 0, 0], [0.01, 0, 0]])
@@ -140,3 +140,40 @@ def test_many_names_are_cut_short():
         states=[*["sliding"] * 7, "sticking"],
     )
     assert text == "held; fingers 1, 2, 3, 4 and 3 more slide"
+
+
+def test_fingers_without_friction_are_not_said_to_slide():
+    contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Frictionless()) for p in PAIR]
+    text = hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().diagnosis
+    assert text == "held; all fingers push without friction; the object can still move in 5 directions"
+    one = diagnose(
+        hl.Status.SOLVED,
+        ("finger 1", "finger 2", "finger 3"),
+        np.vstack([PAIR, [0, 0.01, 0]]),
+        reference=ZERO,
+        forces=np.array([[0, 0, 2.0], [1.0, 0, 2.0], [0, 0, 0]]),
+        states=("sliding", "sliding", "separated"),
+    )
+    assert one == "held; finger 2 slides; finger 1 pushes without friction; finger 3 does not push"
+
+
+def test_no_contact_force_is_measured_against_the_scene():
+    """A contact is separated when its force is nothing beside the scene's; rounding does not make it one."""
+    noise = {"forces": np.full((2, 3), 1e-16), "states": ("separated",) * 2}
+    assert diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **noise).startswith("in balance without any")
+    held = {"forces": np.full((2, 3), 1e-16), "states": ("sticking",) * 2}
+    assert diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **held) == "held; all fingers stick"
+
+
+def test_fingers_of_one_name_are_told_apart():
+    contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Coulomb(0.5), name="a") for p in PAIR]
+    text = hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().diagnosis
+    assert text.endswith("the object can still spin about the line through finger 1 (a) and finger 2 (a)")
+
+
+def test_where_no_cause_is_known_the_preload_is_ruled_out():
+    assert no_equilibrium((1e-6, 1e-6)).endswith("do not create them, although every finger carries preload")
+    assert no_equilibrium((1e-6, 1e-6), bounds=Within((1.0, 2.0), "so it is")).endswith("motions of 2 m): so it is")
+    assert no_equilibrium((1e-6, 0), bounds=Within((1.0, 2.0), "so it is")).endswith(
+        "finger 2 carries no preload; so it is"
+    )
