@@ -14,7 +14,7 @@ from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["escaping_twist", "is_escape", "load_to_balance"]
+__all__ = ["escaping_twist", "is_escape", "jammed", "least_total", "load_to_balance"]
 
 
 def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
@@ -62,6 +62,34 @@ def is_escape(scene: Scene, section: Section, load: Array, twist: Array) -> bool
     resisting = float(np.minimum(W.T @ twist, 0.0).sum()) if W.size else 0.0
     size = float(np.sqrt(load @ load) * np.sqrt(twist @ twist))
     return float(load @ twist) > CERTIFY * size and float(load @ twist) > -1e3 * resisting
+
+
+def least_total(scene: Scene, section: Section, load: Array) -> float | None:
+    """Least sum of the unknown normal forces [N] with which forces within friction balance the load (dof,), natural
+    units; None where none do.
+    """
+    from scipy.optimize import linprog
+
+    W = _generators(scene, section)
+    if not W.size:
+        return None
+    lp = linprog(np.ones(W.shape[1]), A_eq=W, b_eq=-load, method="highs")  # each generator has a normal force of one
+    return None if lp.x is None else float(lp.fun) * scene.units.force
+
+
+def jammed(scene: Scene) -> bool:
+    """Whether rigid fingers overlap the object wherever it goes: no small motion of it opens all gaps."""
+    if scene.flexible or not len(scene.normal_index):
+        return False
+    from scipy.optimize import linprog
+
+    G, d = scene.natural.G[:, : scene.natural.split], scene.natural.d[: scene.natural.split]
+    # The widest least gap g: gaps Gᵀu + d ≥ g
+    A = np.column_stack([-G.T, np.ones(len(d))])
+    size = float(abs(d).max())
+    free: list[tuple[float | None, float | None]] = [(None, None)] * scene.dof
+    lp = linprog(np.append(np.zeros(scene.dof), -1.0), A_ub=A, b_ub=d, bounds=[*free, (None, size)], method="highs")
+    return lp.x is not None and float(lp.x[-1]) < -CERTIFY * size
 
 
 def _generators(scene: Scene, section: Section) -> Array:

@@ -8,7 +8,10 @@ from handlcp.check import Array
 from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
+from handlcp.grasp.diagnosis import Within
+from handlcp.grasp.effects import TotalForceBound
 from handlcp.grasp.equilibria import Believer, applicable, find_equilibrium, widest
+from handlcp.grasp.holdable import jammed, least_total, load_to_balance
 from handlcp.grasp.mode_table import PER_SECOND, mode_table
 from handlcp.grasp.pyramid import Section
 from handlcp.lcp.search import search
@@ -19,9 +22,28 @@ Found = tuple[Candidate | None, tuple[float, float] | None, str]
 
 
 def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
-    """(candidate, bounds, words): a certified candidate; or the forces [N] and motions [m] within which there is none;
-    or neither, when the time was too short. Of the seconds half as much again may pass.
+    """(candidate, bounds, words): a certified candidate; or the forces [N] and motions [m] within which there is none
+    (with the cause, where one is known); or neither, when the time was too short. Of the seconds half as much again may
+    pass.
     """
+    candidate, bounds, words = _found(problem, section, seconds)
+    return candidate, None if bounds is None else Within(bounds, _cause(problem, section)), words
+
+
+def _cause(problem: GraspProblem | GraspContact, section: Section) -> str:
+    """What stands in the way of any equilibrium, as far as a linear program can tell."""
+    scene, effects = problem.scene, problem.effects
+    for e in effects:
+        if isinstance(e, TotalForceBound):
+            bound = f"the total normal force is bounded to {e.limit:.4g} N"
+            least = least_total(scene, section, load_to_balance(scene, effects))
+            short = least is not None and least > 1.001 * e.limit  # so that the two numbers differ in print
+            return f"{bound}, and balance needs {least:.4g} N" if short else bound
+    return "rigid fingers cannot give way to the squeeze" if applicable(effects) and jammed(scene) else ""
+
+
+def _found(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
+    """The search that suits the effects."""
     scene, effects = problem.scene, problem.effects
     if applicable(effects):
         quick, left = _every_mode(problem, section, seconds)

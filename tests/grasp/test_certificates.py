@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
-from handlcp.grasp.holdable import is_escape
+from handlcp.grasp.holdable import is_escape, jammed, least_total
 from handlcp.grasp.kernels import nearest_in_polygon
 from tests.grasp.scenes import cube_example, pinch, ring
 
@@ -188,3 +188,32 @@ def test_undecided_carries_its_trace_and_claims_nothing():
     with pytest.raises(hl.NoSolutionFound, match="3 Kaczmarz steps") as e:
         g.solve(solver=hl.NSNGRK(polish=False, max_iterations=3))
     assert e.value.problem.n == 36
+
+
+@pytest.mark.parametrize("faces", [4, 8])
+def test_a_bound_on_the_total_force_below_what_the_load_needs_is_named(faces):
+    """Friction 0.5 holds 1 N with 2 N in all; more in a pyramid, where the load lies between two edges."""
+    g = pinch(mu=0.5, load=(0, 0, -1.0), effects=[hl.TotalForceBound(1e-3)])
+    s = g.solve(faces, throw=False)
+    assert s.status is hl.Status.NO_EQUILIBRIUM
+    least = 2 / np.cos(np.pi / faces)
+    assert least_total(g.scene, hl.Pyramid(faces), g.scene.natural.w) == pytest.approx(least)
+    assert s.diagnosis.endswith(f"the total normal force is bounded to 0.001 N, and balance needs {least:.4g} N")
+
+
+def test_no_total_force_balances_what_cannot_be_held():
+    g = pinch(mu=0.0, load=(0, 0, -1.0))
+    assert least_total(g.scene, PYRAMID, g.scene.natural.w) is None
+
+
+def test_rigid_fingers_that_overlap_the_object_are_named():
+    squeezed = [hl.Contact((x, 0, 0), (-np.sign(x), 0, 0), hl.Coulomb(0.5)) for x in (-0.01, 0.01)]
+    g = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0), preload=1e-3)
+    s = g.solve(throw=False)
+    assert s.status is hl.Status.NO_EQUILIBRIUM
+    assert s.diagnosis.endswith(": rigid fingers cannot give way to the squeeze")
+    touching = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0))
+    aside = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0), preload=[1e-3, -1e-3])
+    soft = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0), preload=1e-3, flexibility=1e-4)
+    assert jammed(g.scene)
+    assert not any(jammed(x.scene) for x in (touching, aside, soft))
