@@ -27,11 +27,15 @@ def recompute(
     """
     n = len(q)
     w, size, worst = np.empty(n), 1.0, 0.0
+    some, k = np.empty(n, np.int64), 0  # most multipliers are zero
+    for j in range(n):
+        if z[j] != 0.0:
+            some[k] = j
+            k += 1
     for i in range(n):
         total = q[i]
-        for j in range(n):
-            if z[j] != 0.0:
-                total += M[i, j] * z[j]
+        for t in range(k):
+            total += M[i, some[t]] * z[some[t]]
         w[i] = total
         zs, ws = z[i] / z_unit[i], total / w_unit[i]
         if not (abs(zs) < np.inf and abs(ws) < np.inf):
