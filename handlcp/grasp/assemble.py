@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.grasp.candidate import Candidate, decode
-from handlcp.grasp.catalogue import called_for
-from handlcp.grasp.effects import CoulombPyramid, Effect, PrescribedForce, TotalForceBound
+from handlcp.grasp.candidate import Candidate, decode, encode
+from handlcp.grasp.catalogue import asked_for, called_for
+from handlcp.grasp.effects import CoulombPyramid, Effect
 from handlcp.grasp.pyramid import Cone, Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import Layout, System, Unknown, layout
@@ -76,7 +76,7 @@ class GraspProblem(LCP):
         """The same scene and the same section with friction as a set: smaller, and what the default chain works on."""
         section: Section = Interval() if self._scene.plane is not None else Cone()
         friction = [e for e in self.effects if isinstance(e, CoulombPyramid)]
-        asked = tuple(e for e in self.effects if isinstance(e, (TotalForceBound, PrescribedForce)))
+        asked = asked_for(self.effects)
         return assemble_contact(self._scene, friction[0].pyramid if friction else section, asked)
 
     def lift(self, x: Array) -> Array:
@@ -155,6 +155,10 @@ class GraspContact(ContactProblem):
     def candidate(self, x: Array) -> Candidate:
         """Forces and motion from x (n,) in natural units."""
         return decode(self._scene, self._system, self.effects, x)
+
+    def natural(self, candidate: Candidate) -> Array:
+        """(n,) x with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        return encode(self._scene, self._system, candidate)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Candidate", "decode"]
+__all__ = ["Candidate", "decode", "encode"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,18 @@ def decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) 
         if isinstance(e, PrescribedForce):
             forces[e.contact] = e.force
     return Candidate(forces, twist, extra)
+
+
+def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
+    """(N,) natural units, from forces and motion; zero for all other unknowns."""
+    x, at = np.zeros(len(system.q)), system.at
+    forces = candidate.forces.ravel() / scene.units.force
+    twist = candidate.twist if scene.freedom is None else scene.freedom @ candidate.twist
+    parts = {"r_N": forces[scene.normal_index], "r_T": forces[scene.tangent_index], "u": twist / scene.twist_units}
+    for name, part in parts.items():
+        if name in at:
+            x[at[name]] = part
+    return x
 
 
 _NONE = slice(0, 0)

@@ -16,7 +16,7 @@ from handlcp.grasp.effects import (
 from handlcp.grasp.pyramid import Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 
-__all__ = ["absent", "called_for"]
+__all__ = ["absent", "asked_for", "called_for"]
 
 
 def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multipliers: bool) -> tuple[Effect, ...]:
@@ -36,6 +36,14 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
     if scene.flexible:
         effects.append(FingerFlexibility())
     return (*effects, *asked)
+
+
+_FROM_DATA = (ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility)
+
+
+def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """Those of a scene's effects that were asked for by name; its data call for the others, whatever the section."""
+    return tuple(e for e in effects if not isinstance(e, _FROM_DATA))
 
 
 def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect], str], ...]:

@@ -6,13 +6,12 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from handlcp.check import Array
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.catalogue import asked_for
 from handlcp.grasp.certify import judge
-from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
+from handlcp.grasp.effects import Effect
 from handlcp.grasp.modes import Program
 from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.scene import Scene
@@ -106,8 +105,7 @@ class Believer:
 
     def __init__(self, scene: Scene, effects: tuple[Effect, ...], section: Section) -> None:
         self.scene, self.effects, self.section = scene, effects, section
-        asked = tuple(e for e in effects if isinstance(e, (PrescribedForce, TotalForceBound)))
-        self.problem = assemble_contact(scene, section, asked)
+        self.problem = assemble_contact(scene, section, asked_for(effects))
 
     def __call__(self, candidates: Iterable[Candidate]) -> Candidate | None:
         for candidate in candidates:
@@ -117,10 +115,5 @@ class Believer:
         return None
 
     def _newton(self, c: Candidate) -> Candidate:
-        s, problem = self.scene, self.problem
-        forces = c.forces.ravel() / s.units.force
-        twist = (c.twist if s.freedom is None else s.freedom @ c.twist) / s.twist_units
-        x = np.zeros(problem.n)
-        for group, value in (("r_N", forces[s.normal_index]), ("r_T", forces[s.tangent_index]), ("u", twist)):
-            x[[label.startswith(f"{group}[") for label in problem.labels]] = value
-        return problem.candidate(NSNGRK(max_iterations=0).propose_contact(problem, x).z)
+        start = self.problem.natural(c)
+        return self.problem.candidate(NSNGRK(max_iterations=0).propose_contact(self.problem, start).z)

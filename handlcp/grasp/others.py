@@ -17,8 +17,8 @@ import numpy as np
 from handlcp.check import Array, number
 from handlcp.grasp.assemble import GraspContact, assemble_contact
 from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.catalogue import asked_for
 from handlcp.grasp.certify import judge
-from handlcp.grasp.effects import PrescribedForce, TotalForceBound
 from handlcp.grasp.equilibria import Believer, applicable
 from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
@@ -136,7 +136,7 @@ def _open(problem: GraspContact, section: Section, table: Table | None) -> str:
 
 def _starts(problem: GraspContact, section: Section, end: float) -> Iterator[Candidate]:
     """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
-    asked = tuple(e for e in problem.effects if isinstance(e, (PrescribedForce, TotalForceBound)))
+    asked = asked_for(problem.effects)
     coarser = _COARSER if applicable(problem.effects) and section.faces != 2 else ()
     for faces in coarser:
         if faces == section.faces:

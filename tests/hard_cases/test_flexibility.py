@@ -18,26 +18,25 @@ def uniform(faces, k):
         yield backwards(f"{i}: {1e-4 * scale:.0e} m/N", rng, p, R, 0.5, fingers(rng, n) * scale, faces)
 
 
-def apart(faces, k):
-    """Neighbours that differ by 1e8 in the hand, each bent by forces of some newtons of its own."""
+def spread(faces, k, family, travel, what=None):
+    """Hands whose fingers differ by 1e8; `what` all of them do."""
     for i in range(k):
-        rng = np.random.default_rng([2, i])
+        rng = np.random.default_rng([family, i])
         n = int(rng.integers(3, 7))
         size = np.repeat(10.0 ** (rng.permutation(np.linspace(-4, 4, n)) / 2), 3)
         p, R = around(rng, n)
         E = fingers(rng, n) * np.outer(size, size)
-        yield backwards(f"{i}", rng, p, R, 0.6, E, faces, travel=1e-5)
+        yield backwards(f"{i}", rng, p, R, 0.6, E, faces, None if what is None else [what] * n, travel=travel)
+
+
+def apart(faces, k):
+    """Neighbours that differ by 1e8 in the hand, each bent by forces of some newtons of its own."""
+    return spread(faces, k, 2, 1e-5)
 
 
 def stuck_apart(faces, k):
     """The same, where every finger sticks and the object moves by what the stiffest allows."""
-    for i in range(k):
-        rng = np.random.default_rng([3, i])
-        n = int(rng.integers(3, 7))
-        size = np.repeat(10.0 ** (rng.permutation(np.linspace(-4, 4, n)) / 2), 3)
-        p, R = around(rng, n)
-        E = fingers(rng, n) * np.outer(size, size)
-        yield backwards(f"{i}", rng, p, R, 0.6, E, faces, ["stick"] * n, travel=1e-8)
+    return spread(faces, k, 3, 1e-8, "stick")
 
 
 FAMILIES = {"flexibility: uniform": uniform, "flexibility: apart": apart, "flexibility: stuck apart": stuck_apart}

@@ -23,7 +23,7 @@ class SemismoothNewton:
     contact problems, cone or polygon, on the projection equations of Alart & Curnier (1991).
 
     tol : stop at a natural residual ≤ tol in natural units.
-    max_iterations : Newton steps at most; a contact problem gets no more than 20.
+    max_iterations : Newton steps at most; a contact problem gets no more than 32.
 
     It descends on ½‖Φ‖², whose local minima may not solve the problem: friction makes it non-monotone.
     """
