@@ -7,6 +7,8 @@ s = g.solve()
 print(s)
 """
 
+from typing import TYPE_CHECKING, Any
+
 from handlcp.errors import (
     HandLCPError,
     InputError,
@@ -18,6 +20,7 @@ from handlcp.errors import (
     URDFError,
 )
 from handlcp.grasp import (
+    Accuracy,
     Contact,
     Coulomb,
     Equilibria,
@@ -30,8 +33,11 @@ from handlcp.grasp import (
     Pyramid,
     Required,
     Residuals,
+    Solutions,
     TotalForceBound,
     Uniqueness,
+    solve_many,
+    wrench_from_fingertip_forces,
 )
 from handlcp.hand import (
     Audit,
@@ -39,6 +45,8 @@ from handlcp.hand import (
     Cylinder,
     Doubt,
     Ellipsoid,
+    GraspStream,
+    GraspUpdate,
     Hand,
     HandGrasp,
     HandGraspSolution,
@@ -52,11 +60,16 @@ from handlcp.hand import (
 from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
 from handlcp.version import VERSION
 
+if TYPE_CHECKING:
+    from handlcp.study.accuracy import AccuracyCost, accuracy_cost
+
 __version__ = VERSION
 
 __all__ = [
     "LCP",
     "NSNGRK",
+    "Accuracy",
+    "AccuracyCost",
     "Audit",
     "Auto",
     "Box",
@@ -71,6 +84,8 @@ __all__ = [
     "Grasp",
     "GraspProblem",
     "GraspSolution",
+    "GraspStream",
+    "GraspUpdate",
     "Hand",
     "HandGrasp",
     "HandGraspSolution",
@@ -88,6 +103,7 @@ __all__ = [
     "Residuals",
     "SceneFileError",
     "SemismoothNewton",
+    "Solutions",
     "Sphere",
     "Status",
     "TorqueCheck",
@@ -96,7 +112,22 @@ __all__ = [
     "Uniqueness",
     "UnknownName",
     "Unsupported",
+    "accuracy_cost",
     "audit_urdf",
     "example_hand",
     "solve_lcp",
+    "solve_many",
+    "wrench_from_fingertip_forces",
 ]
+
+_STUDIES = {"AccuracyCost": "handlcp.study.accuracy", "accuracy_cost": "handlcp.study.accuracy"}
+
+
+def __getattr__(name: str) -> Any:
+    """Studies are imported when first asked for, so that a solve need not wait for them."""
+    if name not in _STUDIES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    value = globals()[name] = getattr(import_module(_STUDIES[name]), name)
+    return value

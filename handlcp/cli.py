@@ -8,6 +8,8 @@ from __future__ import annotations
 import json as jsonlib
 import os
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -140,6 +142,58 @@ def paper(json: Json = False) -> None:
 
 
 @app.command()
+def accuracy(
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML).")],
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write every setting into this file, one a line.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw error against time (png, svg, pdf).")] = None,
+    seconds: Annotated[float, typer.Option("--seconds", help="What the study may take, compilation aside.")] = 60.0,
+) -> None:
+    """What accuracy costs in this scene: methods, faces, tolerances, effects left out, against the exact cone.
+
+    Exit status 0, 1 if nothing holds the object exactly (there is nothing to compare with), 2 bad input.
+    """
+    from handlcp import scene as scenes
+    from handlcp.errors import NoSolutionFound
+    from handlcp.show import accuracy_table, work_precision
+    from handlcp.study.accuracy import accuracy_cost
+
+    file = scenes.load(scene)
+    if plot is not None:
+        work_precision.checked(plot)
+    if csv is not None and not csv.absolute().parent.is_dir():
+        raise InputError("csv", "a file in a folder that exists", repr(str(csv)))
+    grasp = file.build()
+    try:
+        with _progress() as progress:
+            cost = accuracy_cost(grasp, seconds=seconds, progress=progress)
+    except NoSolutionFound as error:
+        if json:
+            _json({"title": file.title, "status": error.solution.status.name, "diagnosis": error.solution.diagnosis})
+        else:
+            Console(stderr=True).print(Text(f"Nothing to compare with: {error.solution.diagnosis}."))
+        raise typer.Exit(1) from None
+    if csv is not None:
+        cost.to_csv(csv)
+    if plot is not None:
+        work_precision.save((file.title, cost), plot)
+    if json:
+        _json({"title": file.title} | cost.as_dict())
+        return
+    out = Console()
+    if file.title:
+        out.print(Text(file.title, style="bold"), end="\n\n")
+    for table in accuracy_table.all_tables(cost):
+        out.print(table)
+    out.print(Text(f"{cost}."))
+    for note in cost.notes:
+        out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
+    for path in (csv, plot):
+        if path is not None:
+            out.print(Text(f"Written: {path}", style="dim"))
+
+
+@app.command()
 def hands(json: Json = False) -> None:
     """List the hands to use by name, with their joints and fingertips."""
     from handlcp.hand import HANDS, example_hand
@@ -195,6 +249,25 @@ def _keep_stdout() -> None:
     os.dup2(nowhere, 1)
     os.close(nowhere)
     sys.stdout = open(ours, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int, str], None]]:
+    """A bar on stderr, where that is a terminal, drawn between steps only: a thread that draws would disturb times."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    console = Console(stderr=True)
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
+    with Progress(
+        *columns, console=console, auto_refresh=False, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("", total=None)
+
+        def show(done: int, total: int, text: str) -> None:
+            bar.update(task, completed=done, total=total, description=text)
+            bar.refresh()
+
+        yield show
 
 
 def _faces(text: str) -> Any:

@@ -9,6 +9,7 @@ __all__ = [
     "ACTIVE",
     "CERTIFY",
     "ELIMINATE_RCOND",
+    "GROWTH",
     "LARGEST",
     "LARGEST_RAW",
     "PIVOT",
@@ -25,6 +26,10 @@ SOLVE = 1e-10
 # What a certifier accepts as SOLVED: the worst residual relative to the scene. Two decades above SOLVE, because the
 # certifier measures other quantities than the solver (physics instead of the scaled complementarity problem).
 CERTIFY = 1e-8
+
+# Residuals are measured against the size of the answer where that exceeds the problem's own (rounding grows with the
+# numbers), up to this many times: huge cancelling forces must not excuse a wrong answer.
+GROWTH = 1e3
 
 # A contact is called "on the limit", "touching" or "at rest" within this share of the scene's force or displacement.
 ACTIVE = 1e-7

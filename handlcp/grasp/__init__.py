@@ -1,12 +1,15 @@
 """The mechanics: contacts, friction laws, effects, and grasps assembled from them. Imports lcp, knows no robot."""
 
+from handlcp.grasp.achieved import Accuracy
 from handlcp.grasp.assemble import GraspProblem
 from handlcp.grasp.certify import Residuals
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
 from handlcp.grasp.explain import Explanation
+from handlcp.grasp.fingertips import wrench_from_fingertip_forces
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.many import Solutions, solve_many
 from handlcp.grasp.others import Equilibria
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.required import Required
@@ -14,6 +17,7 @@ from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.uniqueness import Uniqueness
 
 __all__ = [
+    "Accuracy",
     "Contact",
     "Coulomb",
     "Effect",
@@ -28,6 +32,9 @@ __all__ = [
     "Pyramid",
     "Required",
     "Residuals",
+    "Solutions",
     "TotalForceBound",
     "Uniqueness",
+    "solve_many",
+    "wrench_from_fingertip_forces",
 ]

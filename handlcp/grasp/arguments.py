@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,15 @@ from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.first import NOWHERE, start_at
 from handlcp.grasp.scene import cross_rows
+from handlcp.grasp.solution import GraspSolution
 from handlcp.tolerances import UNIT_NORMAL
 
-__all__ = ["contacts", "effects", "flexibility", "in_plane", "lift", "offset", "plane", "reference", "wrench"]
+__all__ = [
+    "contacts", "effects", "flexibility", "frames", "in_plane", "lift", "moved", "offset", "plane", "reference",
+    "start", "wrench",
+]  # fmt: skip
 
 
 def contacts(value: Any) -> tuple[Contact, ...]:
@@ -169,3 +175,36 @@ def effects(value: Any, n: int) -> tuple[Effect, ...]:
             raise InputError(f"effects[{k}]", "each effect once", f"a second {e!r}")
         seen.add(key)
     return out
+
+
+def frames(value: Any, n: int) -> Array:
+    """(n, 3, 3) rotations, columns x, y, z."""
+    R = array("frames", value, (n, 3, 3))
+    miss = float(abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max())
+    if miss > UNIT_NORMAL or (np.linalg.det(R) < 0).any():
+        raise InputError(
+            "frames", "rotations, columns x, y and z of unit length", f"RᵀR off by {miss:.3g}, or a mirror"
+        )
+    return R
+
+
+def moved(contacts: tuple[Contact, ...], positions: Array, frames: Array) -> tuple[Contact, ...]:
+    """The contacts, at other places."""
+    out = []
+    for c, p, R in zip(contacts, positions, frames, strict=True):
+        there = copy.copy(c)
+        there.position, there.rotation = read_only(p.copy()), read_only(R.copy())
+        out.append(there)
+    return tuple(out)
+
+
+def start(value: Any, n: int) -> Array:
+    """Where to start, from a `GraspSolution` of n contacts; None, or one without an answer: nowhere."""
+    if value is None:
+        return NOWHERE
+    if not isinstance(value, GraspSolution) or len(value.forces) != n:
+        contacts = f"one of {len(value.forces)} contacts" if isinstance(value, GraspSolution) else repr(value)[:80]
+        raise InputError("start", f"a GraspSolution of {n} contacts, or None", contacts)
+    if not value.held or value.reference is None:
+        return NOWHERE
+    return start_at(value.forces, value.object_displacement, value.reference)

@@ -23,7 +23,7 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
 
-__all__ = ["GraspContact", "GraspProblem", "assemble", "assemble_contact"]
+__all__ = ["Design", "GraspContact", "GraspProblem", "assemble", "assemble_contact", "assemble_section", "design"]
 
 
 class GraspProblem(LCP):
@@ -79,6 +79,10 @@ class GraspProblem(LCP):
         asked = asked_for(self.effects)
         return assemble_contact(self._scene, friction[0].pyramid if friction else section, asked)
 
+    def natural(self, candidate: Candidate) -> Array:
+        """(n,) z with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        return self.lift(self.contact.natural(candidate))
+
     def lift(self, x: Array) -> Array:
         """(n,) z of this problem from x of `contact`, natural units: the multipliers follow from the slip.
 
@@ -111,6 +115,13 @@ def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
         )
     mixed = np.arange(n) >= c
     return _problem(system.M, system.q, mixed, Units(x_units, w_units), scene, system, effects, None, rcond)
+
+
+def assemble_section(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspProblem | GraspContact:
+    """The problem as `Grasp.problem` gives it: friction with a multiplier a face, or as a set on the exact cone."""
+    if isinstance(section, Cone):
+        return assemble_contact(scene, section, asked)
+    return assemble(scene, called_for(scene, section, asked, multipliers=True))
 
 
 def _problem(
@@ -162,7 +173,7 @@ class GraspContact(ContactProblem):
 
 
 @dataclass(frozen=True, slots=True)
-class _Design:
+class Design:
     """What the pattern of a scene decides, whatever its numbers: effects, layout, and what `ContactProblem` says of
     roles.
     """
@@ -176,11 +187,12 @@ class _Design:
 
 
 # A hand in many postures, or a sweep, meets the same few patterns again and again
-_DESIGNS: dict[tuple[object, ...], _Design] = {}
+_DESIGNS: dict[tuple[object, ...], Design] = {}
 _MOST_DESIGNS = 1024
 
 
-def _design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> _Design:
+def design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> Design:
+    """The design of this scene, with friction as a set."""
     key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible)
     if asked or (known := _DESIGNS.get(key)) is None:
         effects = called_for(scene, section, asked, multipliers=False)
@@ -193,7 +205,7 @@ def _design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> _Desig
             if axes == 2:
                 blocks[:, 2] = blocks[:, 1] + 1
         free = np.arange(where.size) >= at["u"].start
-        known = _Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
+        known = Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
         if not asked:
             if len(_DESIGNS) >= _MOST_DESIGNS:
                 _DESIGNS.clear()
@@ -203,15 +215,15 @@ def _design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> _Desig
 
 def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact:
     """Stamp the effects with friction as a set; nothing is eliminated, nothing grows with the faces."""
-    design = _design(scene, section, asked)
-    system = System(design.layout)
-    for e in design.effects:
+    known = design(scene, section, asked)
+    system = System(known.layout)
+    for e in known.effects:
         e.stamp(scene, system)
     p = GraspContact(
-        system.M, system.q, design.free, design.blocks, section.limit(scene.mu)[design.rough], section.faces,
-        lambda: Units(*system.sizes(scene)), lambda m: _pyramid(scene, asked, system, m), design.role,
+        system.M, system.q, known.free, known.blocks, section.limit(scene.mu)[known.rough], section.faces,
+        lambda: Units(*system.sizes(scene)), lambda m: _pyramid(scene, asked, system, m), known.role,
     )  # fmt: skip
-    p.groups, p.effects, p._system, p._scene = design.layout.groups, design.effects, system, scene
+    p.groups, p.effects, p._system, p._scene = known.layout.groups, known.effects, system, scene
     return p
 
 

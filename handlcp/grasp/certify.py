@@ -12,13 +12,9 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.kernels import examine
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
-from handlcp.tolerances import CERTIFY
+from handlcp.tolerances import CERTIFY, GROWTH
 
 __all__ = ["Residuals", "Verdict", "judge"]
-
-_GROWTH = (
-    1e3  # forces up to this many times the load are measured against themselves, larger ones get no further excuse
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +79,7 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
     limits = section.limit(scene.mu)
     v, values = examine(
         scene.arms, scene.frames, scene.flexibility, offset, f, u, scene.wrench, limits, scene.governed_mask,
-        section.faces, units.length, units.force, 1e-12 * units.motion, _GROWTH,
+        section.faces, units.length, units.force, 1e-12 * units.motion, GROWTH,
     )  # fmt: skip
     lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then

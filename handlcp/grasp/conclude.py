@@ -8,6 +8,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import Verdict, judge
 from handlcp.grasp.effects import Effect
+from handlcp.grasp.first import Found
 from handlcp.grasp.holdable import escaping_twist, load_to_balance
 from handlcp.grasp.kernels import to_world
 from handlcp.grasp.pyramid import Section
@@ -18,7 +19,7 @@ from handlcp.grasp.tangent import free_branches
 from handlcp.grasp.uniqueness import Uniqueness, describe, minimum_norm
 from handlcp.lcp import Status
 
-__all__ = ["conclude"]
+__all__ = ["conclude", "conclude_first"]
 
 
 def conclude(
@@ -54,7 +55,6 @@ def conclude(
         nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
         candidate = Candidate(nothing, np.full(6, np.nan), {})
         verdict = Verdict(nothing, verdict.residuals)
-    forces = candidate.forces
     # A finger under force control follows the object: no law makes it keep a gap or a slip
     motion = verdict.motion
     if not all(scene.governed):
@@ -62,8 +62,8 @@ def conclude(
     return GraspSolution(
         status,
         finger_names,
-        read_only(forces),
-        read_only(to_world(scene.frames, forces)),
+        read_only(candidate.forces),
+        read_only(to_world(scene.frames, candidate.forces)),
         read_only(motion[:, 2]),
         read_only(motion[:, :2]),
         read_only(shifted(candidate.twist, arm)),
@@ -74,6 +74,31 @@ def conclude(
         iterations,
         trace,
         candidate.extra,
+        scene=scene,
+        reference=reference,
+    )
+
+
+def conclude_first(
+    scene: Scene, reference: Array, finger_names: tuple[str, ...], found: Found, trace: tuple[str, ...]
+) -> GraspSolution:
+    """The same for an answer of the first stage that the certifier passes and that leaves nothing free."""
+    motion = found.motion
+    return GraspSolution(
+        Status.SOLVED,
+        finger_names,
+        found.forces,
+        found.forces_world,
+        motion[:, 2],
+        motion[:, :2],
+        read_only(shifted(found.twist, reference - found.centre)),
+        found.states,
+        found.residuals,
+        describe(scene, (), reference),
+        None,
+        found.iterations,
+        trace,
+        {},
         scene=scene,
         reference=reference,
     )

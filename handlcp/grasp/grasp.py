@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
-from typing import Any, overload
+from typing import Any, Self, overload
 
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.errors import NoSolutionFound
+from handlcp.errors import InputError
 from handlcp.grasp import arguments
-from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble, assemble_contact
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.catalogue import called_for
-from handlcp.grasp.certify import Verdict, judge
-from handlcp.grasp.conclude import conclude
+from handlcp.grasp.accuracy import solve_to
+from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble_contact, assemble_section
+from handlcp.grasp.changed import changed
+from handlcp.grasp.conclude import conclude, conclude_first
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.explain import Explanation, explain
-from handlcp.grasp.last_resort import last_resort
+from handlcp.grasp.first import Found
 from handlcp.grasp.others import Equilibria, equilibria
-from handlcp.grasp.pyramid import Cone, Pyramid, Section, as_section
+from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.solution import GraspSolution
-from handlcp.lcp import Auto, ContactSolver, Solver, Status, as_chain, proposals
+from handlcp.grasp.solving import solve, stage_line
+from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
 
@@ -131,74 +130,55 @@ class Grasp:
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
-        problem = self._problem(self._section(faces))
+        problem = assemble_section(self.scene, self._section(faces), self.effects)
         problem.complete()
         return problem
 
-    def _problem(self, section: Section) -> GraspProblem | GraspContact:
-        if isinstance(section, Cone):
-            return assemble_contact(self.scene, section, self.effects)
-        return assemble(self.scene, called_for(self.scene, section, self.effects, multipliers=True))
-
     def explain(self, faces: int | str | Pyramid = 8) -> Explanation:
         """Which effects are on and off, why, and what each costs in unknowns."""
-        return explain(self.scene, self._problem(self._section(faces)))
+        return explain(self.scene, assemble_section(self.scene, self._section(faces), self.effects))
 
     def solve(
-        self, faces: int | str | Pyramid = 8, solver: Solver | ContactSolver | Auto | None = None, throw: bool = True
+        self,
+        faces: int | str | Pyramid | None = None,
+        solver: Solver | ContactSolver | Auto | None = None,
+        throw: bool = True,
+        accuracy: float | None = None,
+        start: GraspSolution | None = None,
     ) -> GraspSolution:
         """Grasp forces, slips and object motion, certified.
 
-        faces : see `problem`. solver : `Auto()` when None. Raises NoSolutionFound (with problem and solution) unless
-        SOLVED, or returns what came when `throw` is False; InputError for bad arguments.
+        faces : see `problem`; None: 8, or what `accuracy` takes. solver : `Auto()` when None. accuracy : the largest
+        error of the forces that will do, beside those on the exact cone, as a share of the largest force; the cheapest
+        setting that keeps it is taken, and the solution's `accuracy` says which and what error it estimates.
+        start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
+        friction allows several equilibria, it also says which one to look for.
+        Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
+        InputError for bad arguments, faces and accuracy both among them.
         """
-        section = self._section(faces)
-        problem: GraspProblem | GraspContact
-        if solver is None or isinstance(solver, Auto):
-            # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
-            problem = assemble_contact(self.scene, section, self.effects)
-        else:
-            problem = self._problem(section)
-        trace: list[str] = []
-        best: tuple[Candidate, Verdict, int] | None = None
-        for name, proposal in proposals(problem, solver):
-            candidate = problem.candidate(proposal.z)
-            verdict = judge(self.scene, problem.effects, section, candidate)
-            worst = verdict.residuals.worst
-            trace.append(f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {worst:.1e}")
-            if best is None or worst < best[1].residuals.worst:
-                best = candidate, verdict, proposal.iterations
-            if verdict.residuals.passes:
-                break
-        assert best is not None  # every solver proposes something
-        solution = self._solution(problem.effects, section, *best, tuple(trace))
-        if not solution.held:
-            escapes = "nothing holds it" if solution.certificate is not None else "no proof that nothing holds it"
-            solution = replace(solution, trace=(*trace, f"holdability: {escapes}"))
-        if solution.status is Status.UNDECIDED and (chain := as_chain(solver)) is not None and chain.search_seconds > 0:
-            solution = self._search(problem, section, chain, solution, best[1])
-        if throw and not solution.held:
-            raise NoSolutionFound("\n  ".join((str(solution), *solution.trace)), problem, solution)
-        return solution
+        if accuracy is not None:
+            if faces is not None:
+                raise InputError("accuracy", "None where faces are given: it chooses them", repr(accuracy))
+            return solve_to(self, accuracy, solver, throw)
+        section = self._section(8 if faces is None else faces)
+        return solve(self, section, solver, throw, arguments.start(start, self.scene.n))
 
-    def _search(
-        self,
-        problem: GraspProblem | GraspContact,
-        section: Section,
-        chain: Auto,
-        solution: GraspSolution,
-        verdict: Verdict,
-    ) -> GraspSolution:
-        """The chain's last stage: an exact search, and for a proven "no" the squeeze that would help."""
-        candidate, bounds, words = last_resort(problem, section, chain.search_seconds)
-        trace = (*solution.trace, f"{chain.search_stage}: {words}")
-        if candidate is not None:
-            verdict = judge(self.scene, problem.effects, section, candidate)
-            return self._solution(problem.effects, section, candidate, verdict, solution.iterations, trace)
-        if bounds is None:
-            return replace(solution, trace=trace)
-        squeeze = required_preload(self, section).value
-        return replace(solution, status=Status.NO_EQUILIBRIUM, bounds=bounds, required_preload=squeeze, trace=trace)
+    def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
+        """The same grasp with other numbers; None: as they are.
+
+        wrench : the whole load about `reference`, weight included. offset, preload : together they replace the offset,
+        and a preload alone is that of tips without offset. All as in `Grasp`. Raises InputError.
+        """
+        scene, n = self.scene, self.scene.n
+        changes: dict[str, Array] = {}
+        if wrench is not None:
+            lift = arguments.lift(scene.positions, self.reference, scene.plane)
+            changes["wrench"] = arguments.wrench(wrench, scene.plane, lift)
+        if flexibility is not None:
+            changes["flexibility"] = arguments.flexibility(flexibility, n, scene.plane is not None)
+        if offset is not None or preload is not None:
+            changes["offset"] = arguments.offset(offset, 0.0 if preload is None else preload, n)
+        return changed(self, **changes)
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
@@ -223,7 +203,19 @@ class Grasp:
         return as_section(faces, planar=self.scene.plane is not None)
 
     def _solution(self, *parts: Any) -> GraspSolution:
-        return conclude(self.scene, self.reference, self.names, *parts)
+        return self._complete(conclude(self.scene, self.reference, self.names, *parts))
+
+    def _answered(self, section: Section, found: Found) -> GraspSolution:
+        """The solution from an answer of the first stage that passes."""
+        trace = (stage_line("NSNGRK", found.proposal, found.residuals.worst),)
+        if found.unique:
+            return self._complete(conclude_first(self.scene, self.reference, self.names, found, trace))
+        effects = found.kind.design.effects
+        return self._solution(effects, section, found.candidate, found.verdict, found.iterations, trace)
+
+    def _complete(self, solution: GraspSolution) -> GraspSolution:
+        """What a hand adds to it: nothing here."""
+        return solution
 
     def __repr__(self) -> str:
         s = self.scene

@@ -12,14 +12,13 @@ import copy
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from handlcp.check import number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
+from handlcp.grasp.changed import changed
 from handlcp.grasp.friction import Coulomb
 from handlcp.grasp.holdable import escaping_twist, load_to_balance
 from handlcp.grasp.pyramid import Section, as_section
@@ -172,38 +171,18 @@ def with_preload(grasp: Grasp, extra: float) -> Grasp:
     """The same grasp with `extra` [m] more squeeze of every contact whose force is not prescribed."""
     offset = grasp.scene.offset.copy()
     offset[grasp.scene.governed_mask, 2] -= extra
-    return _changed(grasp, offset=read_only(offset))
+    return changed(grasp, offset=read_only(offset))
 
 
 def with_friction(grasp: Grasp, mu: float) -> Grasp:
     """The same grasp with the coefficient `mu` at every contact that has friction."""
     law, contacts = Coulomb(mu), []
     for c in grasp.contacts:
-        changed = copy.copy(c)
+        other = copy.copy(c)
         if c.mu > 0:
-            changed.friction, changed.mu = law, law.mu
-        contacts.append(changed)
-    return _changed(grasp, contacts=tuple(contacts))
-
-
-def _changed(grasp: Grasp, **changes: Any) -> Grasp:
-    """A copy, of a subclass and with its further attributes, too, placed anew."""
-    s = grasp.scene
-    moment = s.moment - np.cross(grasp.reference, s.force)
-    data = {
-        "contacts": grasp.contacts,
-        "positions": s.positions,
-        "frames": s.frames,
-        "wrench": read_only(np.append(s.force, moment)),
-        "reference": grasp.reference,
-        "flexibility": s.flexibility,
-        "offset": s.offset,
-        "effects": grasp.effects,
-        "plane": s.plane,
-    }
-    made = copy.copy(grasp)
-    made._place(**(data | changes))
-    return made
+            other.friction, other.mu = law, law.mu
+        contacts.append(other)
+    return changed(grasp, contacts=tuple(contacts))
 
 
 def _escapes(grasp: Grasp, section: Section) -> bool:

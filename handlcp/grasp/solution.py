@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from handlcp.check import Array
+from handlcp.grasp.achieved import Accuracy
 from handlcp.grasp.certify import Residuals
 from handlcp.grasp.diagnosis import diagnose
 from handlcp.grasp.scene import Scene
@@ -35,6 +36,7 @@ class GraspSolution:
     iterations : steps of the method that gave the answer. trace : one line per stage that ran.
     extra : unknowns of further effects by name, SI.
     bounds : for NO_EQUILIBRIUM the forces [N] and motions [m] up to which it was proven; None otherwise.
+    accuracy : what was asked for with `solve(accuracy=...)`, and what was reached; None otherwise.
     required_preload : for NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one was found.
     scene, reference : what was solved, for `diagnosis`.
     """
@@ -55,6 +57,7 @@ class GraspSolution:
     extra: dict[str, Array] = field(default_factory=dict)
     bounds: tuple[float, float] | None = None
     required_preload: float | None = None
+    accuracy: Accuracy | None = None
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
 

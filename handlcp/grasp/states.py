@@ -41,7 +41,7 @@ def classify(scene: Scene, section: Section, forces: Array, motion: Array, resid
     planar = scene.plane is not None
     limits = section.limit(scene.mu)
     slow = ACTIVE * max(residuals.motion_scale, scene.units.motion)
-    kind, faces, turn = _classify(
+    kind, faces, turn = classify_contacts(
         forces, motion, limits, section.normals, section.faces == 0, planar, ACTIVE * residuals.force_scale, slow
     )
     if not all(scene.governed):
@@ -50,7 +50,7 @@ def classify(scene: Scene, section: Section, forces: Array, motion: Array, resid
 
 
 @kernel
-def _classify(
+def classify_contacts(
     forces: Array, motion: Array, limits: Array, normals: Array, cone: bool, planar: bool, weak: float, slow: float
 ) -> tuple[Ints, Array, Array]:
     n, m = len(forces), normals.shape[1]

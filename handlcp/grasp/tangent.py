@@ -57,7 +57,7 @@ def free_branches(
     softness = scene.units.force / scene.units.motion
     out = []
     for kind in _choices(governed, limits):
-        A, rank = _tangent(
+        A, rank = tangent_system(
             scene.natural.every, scene.flexibility, softness, kind, states.faces, states.turn, limits, planar, coupling
         )
         if rank == len(A):
@@ -156,7 +156,7 @@ def inequalities(
 
 
 @kernel
-def _tangent(
+def tangent_system(
     G: Array,
     E: Array,
     softness: float,

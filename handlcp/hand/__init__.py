@@ -6,7 +6,9 @@ from handlcp.hand.hand import Hand
 from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
 from handlcp.hand.state import HandState
+from handlcp.hand.stream import GraspStream
 from handlcp.hand.torques import TorqueCheck, TorqueRow
+from handlcp.hand.update import GraspUpdate
 
 __all__ = [
     "HANDS",
@@ -15,6 +17,8 @@ __all__ = [
     "Cylinder",
     "Doubt",
     "Ellipsoid",
+    "GraspStream",
+    "GraspUpdate",
     "Hand",
     "HandGrasp",
     "HandGraspSolution",

@@ -55,6 +55,7 @@ class HandGrasp(Grasp):
     state : the posture. fingertips : n names. target : the object, or None for contacts given one by one.
     jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints.
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
+    gravity : (3,) [m/s²] that weighs the fingers; zero unless that was asked for.
     """
 
     state: HandState
@@ -62,6 +63,7 @@ class HandGrasp(Grasp):
     target: Object | None
     jacobian: Array
     gravity_torque: Array
+    gravity: Array
 
     def __init__(self, *_: Any, **__: Any) -> None:
         """Not called: a hand's grasp is made from a posture."""
@@ -73,13 +75,17 @@ class HandGrasp(Grasp):
         return self.fingertips
 
     def solve(
-        self, faces: int | str | Pyramid = 8, solver: Solver | ContactSolver | Auto | None = None, throw: bool = True
+        self,
+        faces: int | str | Pyramid | None = None,
+        solver: Solver | ContactSolver | Auto | None = None,
+        throw: bool = True,
+        accuracy: float | None = None,
+        start: GraspSolution | None = None,
     ) -> HandGraspSolution:
         """As `Grasp.solve`, with torques."""
-        return cast(HandGraspSolution, super().solve(faces, solver, throw))
+        return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
 
-    def _solution(self, *parts: Any) -> HandGraspSolution:
-        solution = super()._solution(*parts)
+    def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand = self.state.hand
         torque = solution.forces.reshape(-1) @ self.jacobian
         total = read_only(torque + self.gravity_torque)
@@ -167,9 +173,13 @@ def grasp(
     )
     made.state, made.target, made.jacobian = state, obj, read_only(jacobian)
     made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
+    made.gravity = g if finger_weight else _WEIGHTLESS
     weigh = hand.kinematics.gravity_torque(state.q, g) if finger_weight else np.zeros(hand.nv)
     made.gravity_torque = read_only(weigh)
     return made
+
+
+_WEIGHTLESS = read_only(np.zeros(3))
 
 
 def _frictions(friction: Any, names: list[str]) -> list[Friction]:

@@ -15,14 +15,16 @@ __all__ = ["Pads", "read_pads"]
 
 
 class Pads:
-    """Flexibility of n pads; `blocks` (n, 3, 3) [m/N], symmetric positive semidefinite, in tip axes."""
+    """Flexibility of n pads: `blocks` (n, 3, 3) [m/N], symmetric positive semidefinite, in tip axes. `isotropic`: each
+    is the same in all directions.
+    """
 
-    __slots__ = ("_every", "_isotropic", "_repeated", "blocks")
+    __slots__ = ("_every", "_repeated", "blocks", "isotropic")
 
     def __init__(self, blocks: Array) -> None:
         self.blocks = read_only(blocks)
         first = blocks[:, 0, 0]
-        self._isotropic = bool((blocks == first[:, None, None] * np.eye(3)).all())
+        self.isotropic = bool((blocks == first[:, None, None] * np.eye(3)).all())
         self._repeated, self._every = first.repeat(3), tuple(range(len(blocks)))
 
     def add_to(self, E: Array, rotations: Array, tips: Sequence[int]) -> None:
@@ -30,7 +32,7 @@ class Pads:
         axes into those of E. Pads that are the same in all directions need no turning.
         """
         m = len(tips)
-        if self._isotropic:
+        if self.isotropic:
             pads = (
                 self._repeated
                 if m == len(self.blocks) and tips == self._every

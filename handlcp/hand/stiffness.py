@@ -34,6 +34,13 @@ class JointStiffness:
         else:
             self._root = 1.0 / np.sqrt(diagonal)
 
+    @property
+    def factor(self) -> Array:
+        """(nv, nv) lower L with K = L Lᵀ; inf on the diagonal of a rigid joint."""
+        if self._factor is not None:
+            return np.ascontiguousarray(self._factor)
+        return np.diag(np.sqrt(np.diagonal(self.matrix)))
+
     def compliance(self, J: Array) -> Array:
         """J K⁻¹ Jᵀ = B Bᵀ, symmetric to the last bit; J (m, nv), result (m, m)."""
         B = J * self._root if self._root is not None else dtrtrs(self._factor, J.T, lower=1)[0].T

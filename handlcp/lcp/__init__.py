@@ -14,11 +14,13 @@ from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
+from handlcp.lcp.solvers.printed import AsPrinted
 from handlcp.lcp.status import Status
 
 __all__ = [
     "LCP",
     "NSNGRK",
+    "AsPrinted",
     "Auto",
     "ContactProblem",
     "ContactSolver",

@@ -9,11 +9,9 @@ from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.residual import recompute, recompute_contact
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.status import Status
-from handlcp.tolerances import CERTIFY
+from handlcp.tolerances import CERTIFY, GROWTH
 
 __all__ = ["certify", "certify_contact", "is_farkas", "natural_residual"]
-
-_GROWTH = 1e3  # a solution this many units large is measured against its own size; a larger one gets no further excuse
 
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
@@ -23,7 +21,7 @@ def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
     cancelling multipliers must not excuse a wrong answer. Not finite anywhere: infinite.
     """
     units = problem.scaled.units
-    return recompute(problem.M, problem.q, problem.free, units.z, units.w, z, _GROWTH)
+    return recompute(problem.M, problem.q, problem.free, units.z, units.w, z, GROWTH)
 
 
 def certify(problem: LCP, z: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
@@ -39,7 +37,7 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
     and the distance of x_T from the projection of x_T - y_T, over the size of x clipped to [1, 1000].
     """
     y, residual = recompute_contact(
-        problem.M, problem.q, problem.role, problem.blocks, problem.limits, problem.faces, x, _GROWTH
+        problem.M, problem.q, problem.role, problem.blocks, problem.limits, problem.faces, x, GROWTH
     )
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
 

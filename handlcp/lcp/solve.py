@@ -89,9 +89,15 @@ def solve_lcp(
 
 
 def proposals(
-    problem: LCP | ContactProblem, solver: Solver | ContactSolver | Auto | None = None, start: Array | None = None
+    problem: LCP | ContactProblem,
+    solver: Solver | ContactSolver | Auto | None = None,
+    start: Array | None = None,
+    first: Proposal | None = None,
 ) -> Iterator[tuple[str, Proposal]]:
-    """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next."""
+    """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next.
+
+    first : what the chain's first stage proposes on a contact problem, where the caller knows that already.
+    """
     solver = Auto() if solver is None else solver
     if isinstance(solver, type) or not isinstance(solver, (Auto, Solver, ContactSolver)):
         raise InputError(
@@ -99,7 +105,7 @@ def proposals(
         )
     if isinstance(problem, ContactProblem):
         if isinstance(solver, Auto):
-            yield from solver.contact_stages(problem, start)
+            yield from solver.contact_stages(problem, start, first)
         elif isinstance(solver, ContactSolver):
             yield type(solver).__name__, solver.propose_contact(problem, start)
         else:

@@ -13,5 +13,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
-    """Compile with numba; the machine code is cached on disk, so only the first process ever pays for it."""
-    return cast(F, numba.njit(cache=True, error_model="numpy")(function))
+    """Compile with numba; cached on disk, so that only the first process ever pays for it. Threads run them side by
+    side.
+    """
+    return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True)(function))

@@ -7,6 +7,8 @@ The analytic subgradient of row i is g_i = a e_i + b M_i with a = z_i/ρ - 1, b 
     z ← z - t g_i,  t = φ_i / |g_i|²
 
 changes z along row i of M, and w = M z + q by -t (a M e_i + b M Mᵀ e_i): with M Mᵀ in hand a step costs O(n).
+
+Two rules choose the row: the paper's greedy one, and for comparison the oldest randomized one, all rows alike.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import numpy.typing as npt
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["kaczmarz", "multiply_add"]
+__all__ = ["Seeds", "greedy_row", "kaczmarz", "multiply_add", "uniform", "uniform_kaczmarz"]
 
 Seeds = npt.NDArray[np.uint64]
 
@@ -50,6 +52,82 @@ def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
 
 
 @kernel
+def greedy_row(p2: Array, g2: Array, best: float, total: float, frobenius: float, state: Seeds) -> int:
+    """A row of set (22), drawn with probability |φ|² / Σ|φ|² over the set.
+
+    p2, g2 (n,) are φ_i² and |g_i|², `total` and `frobenius` their sums, `best` is max p2 / g2.
+    """
+    n = len(p2)
+    # threshold (21) times ‖Φ‖²; ties of the last bit must not empty the set
+    bar = 0.5 * (best + total / frobenius) * (1.0 - 1e-12)
+    mass = 0.0
+    for i in range(n):
+        if p2[i] >= bar * g2[i]:
+            mass += p2[i]
+    pick, chosen = uniform(state) * mass, -1
+    for i in range(n):
+        if p2[i] >= bar * g2[i] and p2[i] > 0.0:
+            pick -= p2[i]
+            chosen = i
+            if pick < 0.0:
+                break
+    return chosen
+
+
+@kernel
+def any_row(p2: Array, g2: Array, state: Seeds) -> int:
+    """Any row with a residual and a subgradient, each as likely as the others; -1 where there is none."""
+    n, many = len(p2), 0
+    for i in range(n):
+        many += p2[i] > 0.0 and g2[i] > 0.0
+    pick, chosen = uniform(state) * many, -1
+    for i in range(n):
+        if p2[i] > 0.0 and g2[i] > 0.0:
+            pick -= 1.0
+            chosen = i
+            if pick < 0.0:
+                break
+    return chosen
+
+
+@kernel
+def linearise(
+    two_diagonal: Array, rows: Array, free: Bools, z: Array, w: Array, phi: Array, a: Array, b: Array, p2: Array,
+    g2: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Write φ, a, b, φ² and |g|² of every row; (Σ φ², Σ |g|², max φ² / |g|²)."""
+    total, frobenius, best, best_size = 0.0, 0.0, 0.0, 1.0
+    for i in range(len(z)):
+        if free[i]:
+            f, c, d = w[i], 0.0, 1.0
+        else:
+            s, rho = z[i] + w[i], np.sqrt(z[i] * z[i] + w[i] * w[i])
+            if rho > 0.0:
+                # ρ - s, which cancels where z and w are both positive, equals -2 z w / (ρ + s)
+                f = -2.0 * z[i] * w[i] / (rho + s) if s > 0.0 else rho - s
+                c, d = z[i] / rho - 1.0, w[i] / rho - 1.0
+            else:
+                f, c, d = 0.0, _CORNER, _CORNER
+        square, size = f * f, c * c + d * (two_diagonal[i] * c + d * rows[i])
+        total += square
+        frobenius += size
+        if square * best_size > best * size:
+            best, best_size = square, size
+        phi[i], a[i], b[i], p2[i], g2[i] = f, c, d, square, size
+    return total, frobenius, best / best_size
+
+
+@kernel
+def project(M: Array, MT: Array, MMT: Array, i: int, t: float, a: float, b: float, z: Array, w: Array) -> None:
+    """Z ← z - t (a e_i + b M_i), and w along with it."""
+    ta, tb = t * a, t * b
+    for j in range(len(z)):
+        z[j] -= tb * M[i, j]
+        w[j] -= ta * MT[i, j] + tb * MMT[i, j]
+    z[i] -= ta
+
+
+@kernel
 def kaczmarz(
     M: Array,
     MT: Array,
@@ -64,39 +142,20 @@ def kaczmarz(
     stride: int,
     history: Array,
 ) -> tuple[int, float, int]:
-    """Take up to `steps` steps in place; stop at ‖Φ(z)‖₂ ≤ tolerance.
+    """Take up to `steps` greedy steps in place; stop at ‖Φ(z)‖₂ ≤ tolerance.
 
-    MT (n, n) is Mᵀ and MMT (n, n) is M Mᵀ, all contiguous, so that every loop below runs along a row; z and w (n,)
-    belong together on entry and on return. Every `stride` steps (0: never) a row (step, ‖Φ‖) goes into `history`.
+    MT (n, n) is Mᵀ and MMT (n, n) is M Mᵀ, all contiguous, so that every loop runs along a row; z and w (n,) belong
+    together on entry and on return. Every `stride` steps (0: never) a row (step, ‖Φ‖) goes into `history`.
     Returns (steps taken, ‖Φ‖₂, rows of history written).
     """
     n = len(q)
     a, b, p2, g2, phi = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    two_diagonal, rows = np.empty(n), np.empty(n)
-    for i in range(n):
-        two_diagonal[i], rows[i] = 2.0 * M[i, i], MMT[i, i]
+    two_diagonal, rows = 2.0 * np.diag(M), np.diag(MMT).copy()
     norm, written = np.inf, 0
     for step in range(steps + 1):
         if step % (4 * n) == 0 and step > 0:  # w drifts by rounding: renewed at O(n) a step in the mean
             multiply_add(M, z, q, w)
-        total, frobenius, best = 0.0, 0.0, 0.0
-        for i in range(n):
-            if free[i]:
-                phi[i], a[i], b[i] = w[i], 0.0, 1.0
-            else:
-                s, rho = z[i] + w[i], np.sqrt(z[i] * z[i] + w[i] * w[i])
-                if rho > 0.0:
-                    # ρ - s, which cancels where z and w are both positive, equals -2 z w / (ρ + s)
-                    phi[i] = -2.0 * z[i] * w[i] / (rho + s) if s > 0.0 else rho - s
-                    a[i], b[i] = z[i] / rho - 1.0, w[i] / rho - 1.0
-                else:
-                    phi[i], a[i], b[i] = 0.0, _CORNER, _CORNER
-            g2[i] = a[i] * a[i] + b[i] * (two_diagonal[i] * a[i] + b[i] * rows[i])
-            p2[i] = phi[i] * phi[i]
-            total += p2[i]
-            frobenius += g2[i]
-            if p2[i] > best * g2[i]:
-                best = p2[i] / g2[i]
+        total, frobenius, best = linearise(two_diagonal, rows, free, z, w, phi, a, b, p2, g2)
         norm = np.sqrt(total)
         if stride > 0 and step % stride == 0 and written < len(history):
             history[written, 0], history[written, 1] = step, norm
@@ -104,24 +163,43 @@ def kaczmarz(
         # NaN stops, too, and so does a row of zeros that no step can mend
         if not norm > tolerance or step == steps or not best < np.inf:
             return step, norm, written
-        # threshold (21) times ‖Φ‖², set (22); ties of the last bit must not empty the set
-        bar = 0.5 * (best + total / frobenius) * (1.0 - 1e-12)
-        mass = 0.0
-        for i in range(n):
-            if p2[i] >= bar * g2[i]:
-                mass += p2[i]
-        # a row of the set with probability |φ|² / Σ|φ|²
-        pick, chosen = uniform(state) * mass, -1
-        for i in range(n):
-            if p2[i] >= bar * g2[i] and p2[i] > 0.0:
-                pick -= p2[i]
-                chosen = i
-                if pick < 0.0:
-                    break
-        t = phi[chosen] / g2[chosen]
-        ta, tb = t * a[chosen], t * b[chosen]
-        for j in range(n):
-            z[j] -= tb * M[chosen, j]
-            w[j] -= ta * MT[chosen, j] + tb * MMT[chosen, j]
-        z[chosen] -= ta
+        i = greedy_row(p2, g2, best, total, frobenius, state)
+        project(M, MT, MMT, i, phi[i] / g2[i], a[i], b[i], z, w)
+    return steps, norm, written
+
+
+@kernel
+def uniform_kaczmarz(
+    M: Array,
+    MT: Array,
+    MMT: Array,
+    q: Array,
+    free: Bools,
+    z: Array,
+    w: Array,
+    state: Seeds,
+    steps: int,
+    tolerance: float,
+    stride: int,
+    history: Array,
+) -> tuple[int, float, int]:
+    """As `kaczmarz`, with every row that has a residual equally likely to be the next."""
+    n = len(q)
+    a, b, p2, g2, phi = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    two_diagonal, rows = 2.0 * np.diag(M), np.diag(MMT).copy()
+    norm, written = np.inf, 0
+    for step in range(steps + 1):
+        if step % (4 * n) == 0 and step > 0:
+            multiply_add(M, z, q, w)
+        total, _, _ = linearise(two_diagonal, rows, free, z, w, phi, a, b, p2, g2)
+        norm = np.sqrt(total)
+        if stride > 0 and step % stride == 0 and written < len(history):
+            history[written, 0], history[written, 1] = step, norm
+            written += 1
+        if not norm > tolerance or step == steps:
+            return step, norm, written
+        i = any_row(p2, g2, state)
+        if i < 0:
+            return step, norm, written
+        project(M, MT, MMT, i, phi[i] / g2[i], a[i], b[i], z, w)
     return steps, norm, written

@@ -75,9 +75,11 @@ class Auto:
             if name != _FIRST + _ON_SET and (later := run()) is not None:
                 yield name, later
 
-    def contact_stages(self, problem: ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
-        """(method, candidate) for a contact problem, each computed when asked for."""
-        yield _FIRST, _nsngrk(self.seed, problem.n).propose_contact(problem, start)
+    def contact_stages(
+        self, problem: ContactProblem, start: Array | None = None, first: Proposal | None = None
+    ) -> Iterator[tuple[str, Proposal]]:
+        """(method, candidate) for a contact problem, each computed when asked for; `first` where it is known."""
+        yield _FIRST, first or _nsngrk(self.seed, problem.n).propose_contact(problem, start)
         for name, run in self._contact(problem, start):
             if name != _FIRST and (later := run()) is not None:
                 yield name, later

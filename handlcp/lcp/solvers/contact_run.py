@@ -34,7 +34,7 @@ def run_contact(
     iterations. polish : Newton's method before and between them.
     """
     x = np.zeros(problem.n) if start is None else np.array(start, dtype=float)
-    steps, newton, r = _run(
+    steps, newton, r = run(
         problem.M, *problem.prepared, problem.limits, problem.faces,
         x, start is None, seed, most, polish, min(tolerance, SOLVE) * 1e-2 if polish else tolerance, RANK,
     )  # fmt: skip
@@ -57,7 +57,7 @@ def _newton(p: Contacts, scale: float, x: Array, tolerance: float, rank_toleranc
 
 
 @kernel
-def _run(
+def run(
     M: Array, order: Ints, starts: Ints, own: Array, side: Array, below: Array, q: Array, role: Ints, rho: Array,
     blocks: Ints, limits: Array, faces: int,
     start: Array, from_stick: bool, seed: int, most: int, polish: bool, tolerance: float, rank_tolerance: float,

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from handlcp.check import Array, Bools, integer, number
-from handlcp.errors import InputError
+from handlcp.errors import InputError, Unsupported
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.kaczmarz import kaczmarz, multiply_add
+from handlcp.lcp.kernels.kaczmarz import Seeds, kaczmarz, multiply_add, uniform_kaczmarz
 from handlcp.lcp.kernels.newton import active_set, damped_newton, size
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
@@ -30,6 +31,8 @@ class NSNGRK:
     polish : end with exact active-set and semismooth Newton steps, and go back to more Kaczmarz steps, twice as many
         each time, when they don't help. False: the paper's method alone.
     stride : record (step, ‖Φ‖) every so many steps in the result's `history`; 0: not at all.
+    sampling : "greedy", the paper's; "uniform": any row with a residual, all equally likely. That is there to be
+        compared with, by `study.convergence`, so it goes with polish=False only, and not with the exact cone.
 
     The paper's analytic subgradient is used instead of forward differences (n times cheaper, and exact).
     """
@@ -39,6 +42,7 @@ class NSNGRK:
     seed: int = 0
     polish: bool = True
     stride: int = 0
+    sampling: Literal["greedy", "uniform"] = "greedy"
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -48,64 +52,64 @@ class NSNGRK:
             object.__setattr__(self, name, integer(name, getattr(self, name), 0))
         if not isinstance(self.polish, bool):
             raise InputError("polish", "True or False", repr(self.polish))
+        if self.sampling not in ("greedy", "uniform"):
+            raise InputError("sampling", '"greedy" or "uniform"', repr(self.sampling))
+        if self.sampling == "uniform" and self.polish:
+            raise InputError("sampling", '"greedy", or polish=False as well', repr(self.sampling))
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None."""
         M, n = problem.M, len(problem.q)
         z = np.zeros(n) if start is None else np.array(start, dtype=float)
         history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
-        steps, ok, written = _run(
-            M,
-            np.ascontiguousarray(M.T),
-            M @ M.T,
-            problem.q,
-            problem.free,
-            z,
-            self.seed,
-            self.max_iterations,
-            self.tol,
-            self.polish,
-            self.stride,
-            history,
-            RANK,
-        )
+        MT, MMT = np.ascontiguousarray(M.T), M @ M.T
+        state, most = np.full(1, self.seed, np.uint64), self.max_iterations
+        if self.polish:
+            steps, ok, written = _polished(
+                M, MT, MMT, problem.q, problem.free, z, state, most, self.tol, self.stride, history, RANK
+            )
+        else:
+            run = kaczmarz if self.sampling == "greedy" else uniform_kaczmarz
+            w = np.empty(n)
+            multiply_add(M, z, problem.q, w)
+            steps, norm, written = run(
+                M, MT, MMT, problem.q, problem.free, z, w, state, most, self.tol, self.stride, history
+            )
+            ok = norm <= self.tol
         outcome = "converged" if ok else f"{steps} Kaczmarz steps spent"
         return Proposal(z, steps, outcome, history[:written] if self.stride else None)
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The same method on the rows of a contact problem, from `start` (n,); None: where every contact sticks."""
+        if self.sampling == "uniform":
+            raise Unsupported("uniform sampling is there for plain complementarity problems: greedy, or faces ≥ 3")
         return run_contact(problem, self.seed, self.max_iterations, self.polish, self.tol, start)
 
 
 @kernel
-def _run(
+def _polished(
     M: Array,
     MT: Array,
     MMT: Array,
     q: Array,
     free: Bools,
     z: Array,
-    seed: int,
+    state: Seeds,
     most: int,
     tolerance: float,
-    polish: bool,
     stride: int,
     history: Array,
     rank_tolerance: float,
 ) -> tuple[int, bool, int]:
-    """Kaczmarz steps in place, with Newton's in between when `polish`. (steps, converged, history rows)."""
+    """Kaczmarz steps in place, with Newton's in between. (steps, converged, history rows)."""
     n = len(q)
-    state = np.full(1, seed, np.uint64)
     w = np.empty(n)
     multiply_add(M, z, q, w)
-    if not polish:
-        steps, norm, written = kaczmarz(M, MT, MMT, q, free, z, w, state, most, tolerance, stride, history)
-        return steps, norm <= tolerance, written
     taken, written, batch = 0, 0, n
     zt, wt = np.empty(n), np.empty(n)
     best, best_z = np.inf, z.copy()
     while True:
-        done, norm, rows = kaczmarz(
+        done, _norm, rows = kaczmarz(
             M, MT, MMT, q, free, z, w, state, min(batch, most - taken), tolerance, stride, history[written:]
         )
         for k in range(written, written + rows):

@@ -1,0 +1,40 @@
+"""From readings of force and torque sensors in the fingertips to the load on the object."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from handlcp.check import Array, array, read_only
+from handlcp.grasp import arguments
+from handlcp.grasp.scene import cross_rows
+
+if TYPE_CHECKING:
+    from handlcp.grasp.grasp import Grasp
+
+__all__ = ["wrench_from_fingertip_forces"]
+
+
+def wrench_from_fingertip_forces(
+    grasp: Grasp, forces: Any, torques: Any = None, *, positions: Any = None, frames: Any = None
+) -> Array:
+    """(6,) the wrench [N, N·m] about the grasp's reference that the world applies to the object, its weight included.
+
+    forces : (n, 3) N of each finger on the object, as read. torques : (n, 3) N·m likewise, None: not measured.
+    positions, frames : where the readings are taken, (n, 3) [m] and (n, 3, 3) with the sensor's axes in columns, world
+        axes; None: at the contact points, in contact axes.
+
+    The object rests, so w = -Σ (R f; p × R f + R τ): the equilibrium w + G r = 0 (model; paper, equation (1)) read
+    backwards. `grasp.replace(wrench=w)` is the grasp under that load, and `GraspStream.update(wrench=w)` follows it.
+    Raises InputError for wrong shapes and numbers not finite.
+    """
+    scene = grasp.scene
+    n = scene.n
+    f = array("forces", forces, (n, 3))
+    t = np.zeros((n, 3)) if torques is None else array("torques", torques, (n, 3))
+    p = scene.positions if positions is None else array("positions", positions, (n, 3))
+    R = scene.frames if frames is None else arguments.frames(frames, n)
+    push = (R @ f[:, :, None])[:, :, 0]
+    twist = (R @ t[:, :, None])[:, :, 0] + cross_rows(p - grasp.reference, push)
+    return read_only(-np.concatenate([push.sum(axis=0), twist.sum(axis=0)]))

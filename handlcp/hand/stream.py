@@ -1,0 +1,164 @@
+"""A grasp followed in real time: posture, load and contacts move a little, and each answer starts at the last."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array, array, integer, read_only
+from handlcp.errors import InputError
+from handlcp.grasp import arguments
+from handlcp.grasp.answer import answer
+from handlcp.grasp.changed import changed
+from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
+from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.pyramid import Pyramid, as_section
+from handlcp.hand.grasp import HandGrasp
+from handlcp.hand.posture import contact_jacobian, flexibility
+from handlcp.hand.update import GraspUpdate
+
+__all__ = ["GraspStream"]
+
+
+class GraspStream:
+    """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.
+
+    grasp : where it begins; a `HandGrasp` also follows its posture. faces : as in `Grasp.solve`. seed : of the solver.
+
+    Buffers, the layout of the problem and Pinocchio's data are made once; the flexibility is computed anew only when
+    posture or contacts move; every answer starts at the last, and begins afresh where that leads nowhere. The time of
+    an update is bounded: it takes the solver's first stage and no later one, and is UNDECIDED where that fails;
+    `stream.grasp.solve()` asks all of them. A stream belongs to one thread.
+
+    Raises InputError for a grasp with effects asked for by name, which `grasp.solve(start=...)` follows.
+    """
+
+    def __init__(self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0) -> None:
+        if not isinstance(grasp, Grasp):
+            raise InputError("grasp", "a Grasp", repr(grasp)[:80])
+        if grasp.effects:
+            named = ", ".join(type(e).__name__ for e in grasp.effects)
+            raise InputError("grasp", "one without effects asked for by name; grasp.solve(start=...) follows it", named)
+        scene, n = grasp.scene, grasp.scene.n
+        section = as_section(faces, planar=scene.plane is not None)
+        self._kind = kind_of(scene, section)
+        self._seed = integer("seed", seed, 0)
+        self._first, self._numbers, self._start = grasp, np.empty(self._kind.scene_width), NOWHERE
+        pack(scene, section, self._numbers)
+        ends = np.cumsum([3 * n, 9 * n, 9 * n * n, 3 * n, 3, 3]).tolist()
+        p, R, E, d, f, m = np.split(self._numbers, ends)[:6]  # views: what is written there is what is solved
+        self._positions, self._frames = p.reshape(n, 3), R.reshape(n, 3, 3)
+        self._flexibility, self._offset, self._force, self._moment = E.reshape(3 * n, 3 * n), d.reshape(n, 3), f, m
+        self._posture = _Posture(grasp) if isinstance(grasp, HandGrasp) else None
+        self._lift = arguments.lift(scene.positions, grasp.reference, scene.plane)
+
+    def update(
+        self, q: Any = None, *, wrench: Any = None, offset: Any = None, positions: Any = None, frames: Any = None
+    ) -> GraspUpdate:
+        """The answer after a change; what is None stays as it was.
+
+        q : (nv,) joint positions [rad, m], or a mapping by joint name. The contact points stay where they are, and so
+        do gaps and preloads, unless they are passed, too. wrench : (6,) the whole load about the grasp's reference,
+        weight included [N, N·m]. offset : (n, 3) [m] as in `Grasp`. positions (n, 3) [m], frames (n, 3, 3) : of the
+        contacts, world axes; x and y tangents, z into the object.
+        Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
+        """
+        first, n = self._first, self._kind.n
+        # All is checked before any of it is taken over
+        posture = None if q is None else self._checked(q)
+        load = None if wrench is None else arguments.wrench(wrench, first.scene.plane, self._lift)
+        shift = None if offset is None else array("offset", offset, (n, 3))
+        points = None if positions is None else self._spatial("positions", array("positions", positions, (n, 3)))
+        axes = None if frames is None else self._spatial("frames", arguments.frames(frames, n))
+        if load is not None:
+            x, y, z = first.reference.tolist()
+            a, b, c = load[:3].tolist()
+            self._force[:] = load[:3]
+            self._moment[:] = load[3:]
+            self._moment += (y * c - z * b, z * a - x * c, x * b - y * a)
+        if shift is not None:
+            self._offset[:] = shift
+        if points is not None:
+            self._positions[:] = points
+        if axes is not None:
+            self._frames[:] = axes
+        if self._posture is not None and (posture is not None or points is not None or axes is not None):
+            self._posture.move(posture, self._positions, self._frames, self._flexibility)
+        row = np.empty(self._kind.answer_width)
+        answer(self._numbers, self._kind.pattern, self._start, self._seed, row)
+        found = Found(self._kind, row)
+        passes = found.passes
+        self._start = found.start if passes else NOWHERE
+        joints = None if self._posture is None else self._posture.torques(found.forces)
+        return GraspUpdate(first, found, passes, joints)
+
+    @property
+    def grasp(self) -> Grasp:
+        """The grasp as it is now, for all that a `Grasp` can do."""
+        load = read_only(np.append(self._force, self._moment - np.cross(self._first.reference, self._force)))
+        now = changed(
+            self._first,
+            contacts=arguments.moved(self._first.contacts, self._positions, self._frames),
+            positions=read_only(self._positions.copy()),
+            frames=read_only(self._frames.copy()),
+            flexibility=read_only(self._flexibility.copy()),
+            offset=read_only(self._offset.copy()),
+            wrench=load,
+        )
+        if self._posture is not None:
+            self._posture.describe(now)
+        return now
+
+    def _checked(self, q: Any) -> Array:
+        if self._posture is None:
+            raise InputError("q", "None for a grasp without a hand", repr(q)[:80])
+        return self._posture.hand.kinematics.posture("q", q)
+
+    def _spatial(self, argument: str, value: Array) -> Array:
+        if self._first.scene.plane is not None:
+            raise InputError(argument, "None in a planar scene, whose contacts stay", f"shape {value.shape}")
+        return value
+
+
+class _Posture:
+    """The hand's part: Jacobian and flexibility at the contacts, weight of the fingers."""
+
+    def __init__(self, grasp: HandGrasp) -> None:
+        hand = self.hand = grasp.state.hand
+        self.q, self.jacobian, self.gravity = grasp.state.q, grasp.jacobian, grasp.gravity
+        self.weight = grasp.gravity_torque
+        kinematics = hand.kinematics
+        self._model, self._data = kinematics.model, kinematics.model.createData()
+        self._tips = hand.tip_numbers("fingers", grasp.fingertips)
+        self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
+        self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
+        self._factor = hand.stiffness.factor
+
+    def move(self, q: Array | None, positions: Array, frames: Array, E: Array) -> None:
+        """Take the hand to q (None: it stays) and write the flexibility at the contacts into E."""
+        model, data, hand = self._model, self._data, self.hand
+        if q is not None:
+            self.q = q
+            if self.gravity.any():
+                self.weight = hand.kinematics.gravity_torque(q, self.gravity)
+        pin.computeJointJacobians(model, data, hand.kinematics.configuration(self.q))
+        if hand.pads.isotropic:
+            pads = hand.pads.blocks[list(self._tips)]
+        else:
+            pin.updateFramePlacements(model, data)
+            turn = np.array([frames[i].T @ data.oMf[hand.tips.frames[t]].rotation for i, t in enumerate(self._tips)])
+            pads = turn @ hand.pads.blocks[list(self._tips)] @ turn.transpose(0, 2, 1)
+        self.jacobian = contact_jacobian(data.J.T, self._support, self._coupling, positions, frames)
+        flexibility(self.jacobian, self._factor, pads, E)
+
+    def torques(self, forces: Array) -> Array:
+        """(nv,) τ = Jᵀ f, and g(q) where the fingers' weight counts [N·m]."""
+        return np.asarray(forces.reshape(-1) @ self.jacobian + self.weight)
+
+    def describe(self, grasp: Grasp) -> None:
+        """Tell a copy of the grasp where the hand is now."""
+        assert isinstance(grasp, HandGrasp)
+        grasp.state = self.hand.at(self.q)
+        grasp.jacobian, grasp.gravity_torque = read_only(self.jacobian), read_only(self.weight)

@@ -1,0 +1,205 @@
+"""How NSNGRK converges, drawn: rates in natural units, and what the paper's stop rule sees of metres and newtons."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from handlcp.errors import InputError, Unsupported
+from handlcp.show.overlay import INK
+from handlcp.show.study_axes import SMALL, TEXT, panel
+from handlcp.show.units import percent
+from handlcp.study.convergence import Convergence, Run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["draw", "save"]
+
+WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches
+FORMATS = (".png", ".svg", ".pdf", ".jpg")
+HEAD = 12.5  # points
+NATURAL, UNIFORM, GIVEN = "#0072B2", "#B87800", "#D55E00"  # Okabe and Ito's, the orange darker: it is read, too
+LINES: dict[str, Any] = {"linewidth": 0.9, "alpha": 0.8}
+DASHED = (0, (4, 2.5))
+AFTER = 3.0  # the right half shows so many times the steps to the stop rule
+ROW = 0.054  # of the left panel's height: a line of text
+
+Mark = tuple[str, float]
+
+
+def save(result: Convergence, path: Any, title: str = "", printed: Mark | None = None) -> Path:
+    """Draw and write a file; see `draw`. Raises InputError for a format or a place that will not do."""
+    file = Path(path)
+    if file.suffix.lower() not in FORMATS:
+        raise InputError("plot", "a file name that ends in " + ", ".join(FORMATS), repr(str(path)))
+    figure = draw(result, title, printed)
+    try:
+        figure.savefig(file, dpi=DPI, facecolor="white")
+    except OSError as error:
+        raise InputError("plot", "a file that can be written", f"{str(path)!r}: {error.strerror or error}") from None
+    return file
+
+
+def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> Figure:
+    """The figure. title : of the scene. printed : a name and a value to mark beside the disputed one.
+
+    Left, natural units: ‖Φ‖ over steps, greedy and uniform, every seed a line; dashed, what conditioning predicts.
+    Right, the user's units: ‖Φ‖ meets the stop rule, and the value on which seeds disagree most does not settle on the
+    answer; in natural units it does. Raises Unsupported when matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
+    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=100)
+    figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
+    kinds = f"Kaczmarz steps alone, no exact ending; a line is one seed, {len(result.select())} of each kind"
+    met = any(r.stop is not None for r in result.select("given"))
+    what = f"{kinds}; dots: where the stop rule ends a run." if met else f"{kinds}."
+    figure.text(0.012, 0.908, what, fontsize=TEXT, color=INK, va="top")
+    steps = _shown(result)
+    _rates(figure.add_axes((0.075, 0.115, 0.415, 0.665)), result)
+    _residuals(figure.add_axes((0.585, 0.505, 0.255, 0.275)), result, steps, met)
+    _values(figure.add_axes((0.585, 0.115, 0.255, 0.275)), result, steps, met, printed)
+    return figure
+
+
+# ---- natural units
+def _rates(ax: Any, result: Convergence) -> None:
+    greedy, uniform = result.select(), result.select(sampling="uniform")
+    settled = all(r.converged for r in (*greedy, *uniform))
+    title = "every run converges, linearly" if settled else "linear once the active set settles"
+    panel(ax, f"Natural units: {title}", "steps, in thousands", "‖Φ‖")
+    ax.set_yscale("log")
+    for runs, colour in ((uniform, UNIFORM), (greedy, NATURAL)):
+        for run in runs:
+            ax.plot(run.history[:, 0] / 1e3, run.history[:, 1], color=colour, **LINES)
+    quick = max(float(r.history[-1, 0]) for r in greedy)
+    last = max(quick, *(float(r.history[-1, 0]) for r in uniform))
+    _dashed(ax, greedy[0], greedy[0].bound, (0.5 * quick, last), NATURAL)
+    slow = [("uniform sampling:", UNIFORM)]
+    if all(r.converged for r in uniform):
+        bound = result.bound(sampling="uniform")
+        _dashed(ax, uniform[0], 2.0 * uniform[0].bound, (0.2 * last, 0.9 * last), INK)
+        slow += [
+            (f"{_digit(result.rate(sampling='uniform'))} steps a digit;", UNIFORM),
+            (f"conditioning predicts {_digit(2.0 * bound)} (dashed),", INK),
+            (f"{_digit(bound)} at most", INK),
+        ]
+    else:
+        slow.append(("not there after so many steps", UNIFORM))
+    fast = [
+        ("greedy sampling:", NATURAL),
+        (f"{_digit(result.rate())} steps a digit;", NATURAL),
+        (f"its bound: {_digit(result.bound())} (dashed)", NATURAL),
+    ]
+    ax.set_xlim(0.0, 1.02 * last / 1e3)
+    _lines(ax, 0.985, 0.985, slow, "right")
+    _lines(ax, 0.03 + (quick / last if quick < 0.5 * last else 0.0), 0.025 + ROW * len(fast), fast, "left")
+
+
+def _dashed(ax: Any, run: Run, rate: float, ends: tuple[float, float], colour: str) -> None:
+    """A line of that rate through the middle of the run."""
+    k, norm = run.history[len(run.history) // 2]
+    x = np.array(ends)
+    ax.plot(x / 1e3, norm * np.exp(-rate * (x - k)), color=colour, linewidth=1.3, linestyle=DASHED, zorder=5)
+
+
+def _digit(rate: float) -> str:
+    """Steps that gain a digit, two figures of it, such as "15 000"."""
+    steps = np.log(10.0) / rate
+    size = 10.0 ** max(np.floor(np.log10(steps)) - 1.0, 0.0)
+    return f"{round(steps / size) * size:,.0f}".replace(",", " ")
+
+
+def _lines(ax: Any, x: float, y: float, lines: Sequence[tuple[str, str]], side: str) -> None:
+    """Lines of text, each of its colour, from (x, y) down, shares of the panel."""
+    for k, (text, colour) in enumerate(lines):
+        ax.text(x, y - k * ROW, text, transform=ax.transAxes, fontsize=SMALL, color=colour, ha=side, va="top", zorder=8)
+
+
+# ---- the user's units
+def _shown(result: Convergence) -> float:
+    """How many steps the right half shows."""
+    stops = [r.stop for r in result.select("given") if r.stop is not None]
+    return AFTER * float(np.median(stops)) if stops else float(result.select("given")[0].history[-1, 0])
+
+
+def _residuals(ax: Any, result: Convergence, steps: float, met: bool) -> None:
+    panel(ax, f"As given, in metres and newtons: {'it stops' if met else 'no end'}", "", "‖Φ‖")
+    ax.set_yscale("log")
+    for run in result.select("given"):
+        k, norm = run.history[run.history[:, 0] <= steps].T
+        ax.plot(k, norm, color=GIVEN, **LINES)
+    ax.axhline(result.stop, color=INK, linewidth=1.1, linestyle=DASHED, zorder=2)
+    ax.set_xlim(0.0, steps)
+    ax.tick_params(labelbottom=False)
+    across = ax.get_yaxis_transform()
+    ax.text(
+        1.03,
+        result.stop,
+        f"stop rule\n‖Φ‖ < {_power(result.stop)}",
+        transform=across,
+        fontsize=SMALL,
+        color=INK,
+        va="center",
+    )
+
+
+def _power(x: float) -> str:
+    e = round(np.log10(x))
+    return f"$10^{{{e}}}$" if abs(x / 10.0**e - 1.0) < 1e-9 else f"{x:.1g}"
+
+
+def _values(ax: Any, result: Convergence, steps: float, met: bool, printed: Mark | None) -> None:
+    i, given, natural = result.disputed, result.select("given"), result.select("natural")
+    name = result.names[i]
+    panel(ax, f"{'… but where? ' if met else ''}{name}, seed by seed", "steps", result.quantity)
+    for run in natural:
+        _value(ax, run, i, steps, NATURAL)
+    for run in given:
+        _value(ax, run, i, steps, GIVEN)
+        if run.stop is not None:
+            ax.plot([run.stop], [run.stopped[i]], "o", markersize=4.5, color=GIVEN, markeredgecolor="white", zorder=6)
+    ends = np.array([r.stopped[i] for r in given])
+    answer = float(result.answer[i])
+    marks = [*ends.tolist(), answer, *([] if printed is None else [printed[1]])]
+    low, high = min(marks), max(marks)
+    ax.set_ylim(low - 0.25 * (high - low), high + 0.15 * (high - low))
+    ax.set_xlim(0.0, steps)
+    spread = result.spread("given")
+    apart = f"seeds {percent(spread)} apart" if spread > 1e-3 else f"{np.median(ends):.3g}"
+    together = f"all end at {answer:.3g}" if all(r.converged for r in natural) else f"certified: {answer:.3g}"
+    labels = [
+        (answer, f"natural units:\n{together}", NATURAL),
+        (float(np.median(ends)), f"as given:\n{apart}", GIVEN),
+    ]
+    if printed is not None:
+        ax.plot([steps], [printed[1]], "D", markersize=5, color=INK, clip_on=False, zorder=7)
+        labels.append((printed[1], f"{printed[0]}: {printed[1]:.3g}", INK))
+    _beside(ax, labels)
+
+
+def _value(ax: Any, run: Run, i: int, steps: float, colour: str) -> None:
+    k = np.append(run.looks[run.looks < steps], steps)
+    ax.plot(k, np.interp(k, run.looks, run.values[:, i]), color=colour, **LINES)
+
+
+def _beside(ax: Any, labels: list[tuple[float, str, str]]) -> None:
+    """Write labels at the right edge, each as near its height as the others and the panel's top let it be."""
+    low, high = ax.get_ylim()
+    labels = sorted(labels)
+    tall = [0.02 + 0.13 * (1 + text.count("\n")) for _, text, _ in labels]
+    bottom = [(value - low) / (high - low) - 0.5 * t for (value, _, _), t in zip(labels, tall, strict=True)]
+    for k in range(1, len(labels)):
+        bottom[k] = max(bottom[k], bottom[k - 1] + tall[k - 1])
+    ceiling = 1.0
+    for k in reversed(range(len(labels))):
+        bottom[k] = min(bottom[k], ceiling - tall[k])
+        ceiling = bottom[k]
+    for y, (_, text, colour) in zip(bottom, labels, strict=True):
+        ax.text(1.05, y, text, transform=ax.transAxes, fontsize=SMALL, color=colour, va="bottom", linespacing=1.15)

@@ -1,0 +1,7 @@
+"""What accuracy costs in one scene: time against error, method by method, and the error of leaving an effect out."""
+
+from handlcp.study.accuracy.cost import accuracy_cost
+from handlcp.study.accuracy.methods import METHODS
+from handlcp.study.accuracy.result import AccuracyCost, FaceLaw, LeftOut, Reference, Row
+
+__all__ = ["METHODS", "AccuracyCost", "FaceLaw", "LeftOut", "Reference", "Row", "accuracy_cost"]

@@ -1,0 +1,184 @@
+"""What accuracy costs in one scene: methods × faces × tolerances × effects left out, against the exact cone."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Callable, Iterable, Sequence
+from datetime import datetime
+from typing import Any
+
+from handlcp.check import integer, number
+from handlcp.errors import InputError, UnknownName
+from handlcp.grasp import Grasp, GraspSolution
+from handlcp.grasp.pyramid import MOST_FACES
+from handlcp.study.accuracy.left_out import compare, variants
+from handlcp.study.accuracy.measure import Bench, Errors, Setting
+from handlcp.study.accuracy.methods import METHODS, Method
+from handlcp.study.accuracy.plan import FACES, TOLERANCES, settings
+from handlcp.study.accuracy.result import NOT_RUN, AccuracyCost, Conditions, LeftOut, Reference, Row
+from handlcp.version import VERSION
+
+__all__ = ["Progress", "accuracy_cost"]
+
+Progress = Callable[[int, int, str], None]  # settings done, all of them, what is next
+
+_SHARE = 0.5  # of what a method's budget has left, the most that one setting may take
+_FEWEST = 100  # steps: a run that would be cut shorter, and shorter than twice the last one's, says nothing
+
+
+def accuracy_cost(
+    grasp: Grasp,
+    *,
+    methods: Iterable[str] | None = None,
+    faces: Iterable[int] | None = None,
+    tolerances: Iterable[float] | None = None,
+    left_out: bool = True,
+    repeats: int = 5,
+    seconds: float = 60.0,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> AccuracyCost:
+    """Time and error of this scene's methods and settings, and the error of leaving an effect out.
+
+    methods : names among `METHODS`; None: all. faces : of pyramids; None: 3 … 128. tolerances : None: 1e-1 … 1e-12.
+        Methods run with all faces at a tight tolerance, and with all tolerances at 8 and 16 faces; where both lists
+        are given, with every pair. left_out : whether to solve the scene without each of its effects, too.
+    repeats : timed runs of a setting; very short ones are repeated more often, long ones as often as time allows.
+    seconds : for all timed runs; compilation and effects left out come on top, the latter half a second each at most
+        where a search finds nothing. Settings that do not fit are rows, too: "not run: budget".
+    seed : of all methods that draw. progress : called before each setting with (settings done, all, what is next).
+
+    Errors are measured against `grasp.solve("cone")`, certified. Where that is one equilibrium of several, rows that
+    reach another are marked, not scored. Raises NoSolutionFound where the scene has no answer; InputError.
+    """
+    chosen, sides, tols = _checked(grasp, methods, faces, tolerances)
+    integer("repeats", repeats, 1, 10_000)
+    seconds = number("seconds", seconds, above=0.0)
+    integer("seed", seed, 0)
+    if not isinstance(left_out, bool):
+        raise InputError("left_out", "True or False", repr(left_out))
+    if progress is not None and not callable(progress):
+        raise InputError("progress", "a function of (done, total, text), or None", repr(progress))
+    begun = datetime.now().astimezone()
+    exact = grasp.solve("cone")
+    bench = Bench(grasp, exact, repeats, seed)
+    pyramids = grasp.scene.plane is None and len(grasp.scene.rough) > 0
+    cells = settings(chosen, sides, tols, pyramids)
+    simpler = list(variants(grasp)) if left_out else []
+    clock = _Clock(progress, sum(map(len, cells.values())) + len(simpler))
+    for own in cells.values():
+        bench.run(own[0], 0.0, 1)  # compiles
+    effects = tuple(_left_out(grasp, exact, bench.errors, clock, v) for v in simpler)
+    clock.start(seconds)
+    rows: list[Row] = []
+    for k, (method, own) in enumerate(cells.items()):
+        rows += _run(bench, method, own, clock, clock.left / (len(cells) - k))
+    took = time.perf_counter() - clock.begun
+    where = Conditions(
+        VERSION, platform.python_version(), f"{platform.system()} {platform.machine()}", os.cpu_count() or 1,
+        begun.isoformat(timespec="seconds"), repeats, seed, seconds, took,
+    )  # fmt: skip
+    return AccuracyCost(_reference(grasp, exact, bench.errors), tuple(rows), effects, where, _notes(exact, rows))
+
+
+class _Clock:
+    """What is left of the budget, and how far the study is."""
+
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self.progress, self.done, self.total = progress, 0, total
+        self.begun = self.end = 0.0
+        self.say("compiling")
+
+    def say(self, text: str) -> None:
+        if self.progress is not None:
+            self.progress(self.done, self.total, text)
+
+    def next(self, text: str) -> None:
+        self.say(text)
+        self.done += 1
+
+    def start(self, seconds: float) -> None:
+        self.begun = time.perf_counter()
+        self.end = self.begun + seconds
+
+    @property
+    def left(self) -> float:
+        return max(self.end - time.perf_counter(), 0.0)
+
+
+def _run(bench: Bench, method: Method, own: Sequence[Setting], clock: _Clock, slice_: float) -> list[Row]:
+    """One method's rows. No single run may take more than a share of what the slice has left: its steps are cut to
+    that, and where nothing useful would be left it isn't started. Repeats share what is left evenly.
+    """
+    end, rows = time.perf_counter() + slice_, []
+    step, known, fewest = 0.0, 1.0, 0  # seconds a step, as far as it is known, at so many unknowns
+    for k, s in enumerate(own):
+        clock.next(f"{method.name}, {s.faces} faces" if s.faces else method.name)
+        allowed = _SHARE * (end - time.perf_counter())
+        n = bench.unknowns(s) if allowed > 0.0 else 0
+        most = method.most
+        if step > 0.0 and allowed > 0.0:
+            most = int(min(most, allowed / (step * (n / known) ** method.growth)))
+        if allowed <= 0.0 or most < fewest:
+            rows.append(s.row(NOT_RUN))
+            continue
+        row = bench.run(s, (end - time.perf_counter()) / (len(own) - k), most)
+        rows.append(row)
+        if row.seconds is not None and row.iterations:
+            step, known = row.seconds / row.iterations, float(n)
+            fewest = min(_FEWEST, method.most, 2 * row.iterations)
+    return rows
+
+
+def _left_out(
+    grasp: Grasp, exact: GraspSolution, errors: Errors, clock: _Clock, variant: tuple[str, str, Grasp]
+) -> LeftOut:
+    effect, instead, without = variant
+    clock.next(f"without {effect}")
+    return compare(grasp, exact, errors, effect, instead, without)
+
+
+def _reference(grasp: Grasp, exact: GraspSolution, errors: Errors) -> Reference:
+    free = exact.uniqueness
+    return Reference(
+        exact.names,
+        tuple(map(tuple, exact.forces.tolist())),
+        tuple(map(tuple, exact.slip.tolist())),
+        None if errors.torques is None else tuple(errors.torques.tolist()),
+        errors.motion_scale,
+        exact.residuals.worst,
+        free is None or free.forces_determined,
+    )
+
+
+def _notes(exact: GraspSolution, rows: Sequence[Row]) -> tuple[str, ...]:
+    notes = []
+    if exact.uniqueness is not None and not exact.uniqueness.forces_determined:
+        notes.append("the scene does not determine its forces: errors are distances from the smallest that will do")
+    if any(r.status == "another equilibrium" for r in rows):
+        notes.append("the scene has more than one equilibrium, and some settings reach another than the reference")
+    return tuple(notes)
+
+
+def _checked(
+    grasp: Any, methods: Any, faces: Any, tolerances: Any
+) -> tuple[tuple[Method, ...], tuple[tuple[int, ...], bool], tuple[tuple[float, ...], bool]]:
+    if not isinstance(grasp, Grasp):
+        raise InputError("grasp", "a Grasp, or a HandGrasp", type(grasp).__name__)
+    names = tuple(METHODS) if methods is None else _several("methods", methods, "method names")
+    if unknown := [str(n) for n in names if n not in METHODS]:
+        raise UnknownName("methods", "a method", unknown, METHODS)
+    sides = FACES if faces is None else _several("faces", faces, "numbers of faces")
+    tols = TOLERANCES if tolerances is None else _several("tolerances", tolerances, "tolerances")
+    sides = tuple(sorted({integer("faces", m, 3, MOST_FACES) for m in sides}))
+    tols = tuple(sorted({number("tolerances", t, above=0.0) for t in tols}, reverse=True))
+    chosen = tuple(m for m in METHODS.values() if m.name in names)
+    return chosen, (sides, faces is not None), (tols, tolerances is not None)
+
+
+def _several(argument: str, value: Any, what: str) -> tuple[Any, ...]:
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable) or not (found := tuple(value)):
+        raise InputError(argument, f"a list of {what}, not empty", repr(value))
+    return found

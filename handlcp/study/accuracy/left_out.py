@@ -1,0 +1,95 @@
+"""The scene without one of its effects: what a simpler model would get wrong here."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp import Contact, Frictionless, Grasp, GraspSolution
+from handlcp.grasp.changed import changed
+from handlcp.hand import HandGrasp
+from handlcp.lcp import Auto
+from handlcp.study.accuracy.measure import Errors
+from handlcp.study.accuracy.result import CERTIFIED, LeftOut
+
+__all__ = ["UNDETERMINED", "compare", "variants"]
+
+UNDETERMINED = "forces not determined"
+_SEARCH = 0.5  # seconds of search in scenes that may have no answer
+
+
+def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
+    """(effect, what is put in its place, the grasp without it) for each effect that this scene has.
+
+    Blocks of a positive semidefinite E set to zero in pairs of rows and columns leave it positive semidefinite.
+    """
+    scene = grasp.scene
+    E, n = scene.flexibility, scene.n
+    normal = np.arange(3 * n) % 3 == 2
+    same_kind = normal[:, None] == normal
+    same_finger = np.kron(np.eye(n, dtype=bool), np.ones((3, 3), bool))
+    if E[~same_kind].any():
+        yield (
+            "normal–tangential coupling",
+            "a push moves no fingertip sideways",
+            _with(grasp, np.where(same_kind, E, 0)),
+        )
+    if E[~same_finger].any():
+        yield "coupling between fingers", "fingers that share no joint", _with(grasp, np.where(same_finger, E, 0))
+    if len(scene.rough) and E[~normal][:, ~normal].any():
+        stiff = np.where(normal[:, None] & normal, E, 0)
+        yield "tangential flexibility", "fingertips that give way along the normal only", _with(grasp, stiff)
+    if isinstance(grasp, HandGrasp):
+        joints = _joints_alone(grasp)
+        pads = np.where(same_finger, E - joints, 0)  # what is left where joints do nothing is rounding
+        pads = np.where(abs(pads) > 1e-12 * abs(E).max(initial=0.0), pads, 0)
+        if pads.any():
+            yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints)
+        if joints.any():
+            rest = "soft fingertips" if pads.any() else "rigid fingers"
+            yield "joint compliance", f"stiff joints, {rest}", _with(grasp, pads)
+    elif E.any():
+        yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
+    if scene.offset.any():
+        yield "preload and gaps", "fingers that just touch", changed(grasp, offset=read_only(np.zeros((n, 3))))
+    if (scene.mu > 0).any():
+        yield "friction", "smooth fingertips", changed(grasp, contacts=tuple(_smooth(c) for c in grasp.contacts))
+    for e in grasp.effects:
+        yield e.title, "none", changed(grasp, effects=tuple(x for x in grasp.effects if x is not e))
+    if isinstance(grasp, HandGrasp) and grasp.gravity_torque.any():
+        light = copy.copy(grasp)
+        light.gravity_torque = read_only(np.zeros_like(grasp.gravity_torque))
+        yield "finger weight", "fingers without weight", light
+
+
+def compare(
+    grasp: Grasp, reference: GraspSolution, errors: Errors, effect: str, instead: str, without: Grasp
+) -> LeftOut:
+    """Solve the grasp without the effect on the exact cone, from the reference, so that the nearest equilibrium comes
+    out should there be several, and compare.
+    """
+    solution = without.solve("cone", Auto(search_seconds=_SEARCH), throw=False, start=reference)
+    if not solution.held:
+        return LeftOut(effect, instead, solution.status.name.lower().replace("_", " "))
+    determined = solution.uniqueness is None or solution.uniqueness.forces_determined
+    known = reference.uniqueness is None or reference.uniqueness.forces_determined
+    status = CERTIFIED if determined or not known else UNDETERMINED
+    return LeftOut(effect, instead, status, **errors(solution.forces, solution.slip, without))
+
+
+def _with(grasp: Grasp, flexibility: Array) -> Grasp:
+    return changed(grasp, flexibility=read_only(np.ascontiguousarray(flexibility, dtype=float)))
+
+
+def _smooth(contact: Contact) -> Contact:
+    made = copy.copy(contact)
+    made.friction, made.mu = Frictionless(), 0.0
+    return made
+
+
+def _joints_alone(grasp: HandGrasp) -> Array:
+    """(3n, 3n) J K⁻¹ Jᵀ, the share of the joints [m/N]."""
+    return grasp.state.hand.stiffness.compliance(grasp.jacobian)

@@ -1,0 +1,252 @@
+"""What a study of accuracy and cost came to: plain numbers, written as JSON or CSV and read back."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp.errors import InputError
+from handlcp.study.accuracy.words import ROUNDING, microseconds, share
+
+__all__ = ["NOT_RUN", "OTHER", "AccuracyCost", "Conditions", "FaceLaw", "LeftOut", "Reference", "Row"]
+
+CERTIFIED, LOOSE, SPENT, FAILED = "certified", "loose", "budget spent", "not converged"
+OTHER, NOT_RUN = "another equilibrium", "not run: budget"
+
+_DISTINCT = 0.9  # share of another's time that is certainly less
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One method with one setting. None: there is no such number.
+
+    section : "inscribed" or "circumscribed" pyramid of `faces`, or "exact" (cone, planar scene, no friction: None).
+    tolerance : at which the method stops, in its own measure; None where it has none.
+    status : "certified" (the certifier's, for the row's own section), "loose" (the method stopped content, the
+        certifier isn't), "budget spent", "not converged", "not run: budget"; of `grasp.solve()` also "not holdable",
+        "no equilibrium", "undecided"; "another equilibrium": an answer, but Newton's method leads from it to an
+        equilibrium that is not the reference, so that its errors compare two different things.
+    unknowns : what the method sees. seconds : median; low, high: quartiles; runs : how many.
+    iterations : of the method's own kind. residual : the certifier's worst, relative.
+    force_error : max |f_i - f*_i| over max |f*_i|. slip_error : max |s_i - s*_i| over the scene's motion scale.
+    torque_error : max |τ - τ*| over max |τ*|; None without a hand. All against the exact cone. outcome : the method's
+        own words.
+    """
+
+    method: str
+    section: str
+    faces: int | None
+    tolerance: float | None
+    status: str
+    unknowns: int | None = None
+    seconds: float | None = None
+    seconds_low: float | None = None
+    seconds_high: float | None = None
+    runs: int = 0
+    iterations: int | None = None
+    residual: float | None = None
+    force_error: float | None = None
+    slip_error: float | None = None
+    torque_error: float | None = None
+    outcome: str = ""
+
+    @property
+    def comparable(self) -> bool:
+        """Whether there are a time and a force error, of the equilibrium that the reference is."""
+        return self.seconds is not None and self.force_error is not None and self.status != OTHER
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """The scene without one effect, solved exactly: what is wrong then.
+
+    effect, instead : what was left out, and what was put in its place. status : "certified", "forces not determined"
+    (the smallest are taken), or why there is no answer ("not holdable", "no equilibrium", "undecided").
+    force_error, slip_error, torque_error : as in `Row`; None: there is no such number.
+    """
+
+    effect: str
+    instead: str
+    status: str
+    force_error: float | None = None
+    slip_error: float | None = None
+    torque_error: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """The certified equilibrium on the exact cone that errors are measured against.
+
+    forces (n, 3) N and slip (n, 2) m in contact axes; torques (nv,) N·m, None without a hand; motion_scale [m]: what
+    slip errors are a share of.
+    """
+
+    names: tuple[str, ...]
+    forces: tuple[tuple[float, ...], ...]
+    slip: tuple[tuple[float, ...], ...]
+    torques: tuple[float, ...] | None
+    motion_scale: float
+    residual: float
+    forces_determined: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """Where and how times were taken. budget, seconds : what the study was allowed to take, and took [s]."""
+
+    handlcp: str
+    python: str
+    machine: str
+    processors: int
+    date: str
+    repeats: int
+    seed: int
+    budget: float
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class FaceLaw:
+    """force error ≈ factor · m^-exponent, least squares over the pyramids of `faces` in logarithms."""
+
+    section: str
+    exponent: float
+    factor: float
+    faces: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class AccuracyCost:
+    """What accuracy costs in one scene; made by `accuracy_cost`.
+
+    rows : one a setting. left_out : one an effect. notes : what to know before trusting the errors.
+    """
+
+    reference: Reference
+    rows: tuple[Row, ...]
+    left_out: tuple[LeftOut, ...]
+    conditions: Conditions
+    notes: tuple[str, ...] = ()
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Those that have rows, in their order."""
+        return tuple(dict.fromkeys(r.method for r in self.rows))
+
+    def of(self, method: str) -> tuple[Row, ...]:
+        """The rows of one method."""
+        return tuple(r for r in self.rows if r.method == method)
+
+    def front(self, method: str) -> tuple[Row, ...]:
+        """Its best settings, fastest first: no other of this method is about as fast and nearer to the exact forces.
+
+        Times that differ by less than a tenth count as equal: they are no more certain than that.
+        """
+        out: list[Row] = []
+        for r in sorted((r for r in self.of(method) if r.comparable), key=_error_and_time):
+            if not out or _time_and_error(r)[0] < _DISTINCT * _time_and_error(out[-1])[0]:
+                out.append(r)
+        return tuple(reversed(out))
+
+    def cheapest(self, error: float, method: str | None = None) -> Row | None:
+        """The fastest setting whose force error is at most `error`, of one method or of all; None: there is none."""
+        met = [r for r in self.rows if r.comparable and method in (None, r.method) and _time_and_error(r)[1] <= error]
+        return min(met, key=_time_and_error, default=None)
+
+    def pyramids(self, section: str = "inscribed") -> tuple[tuple[int, float], ...]:
+        """(faces, force error) of exactly solved pyramids, by faces."""
+        found: dict[int, float] = {}
+        for r in self.rows:
+            if r.section == section and r.faces and r.status == CERTIFIED and r.force_error is not None:
+                found.setdefault(r.faces, r.force_error)
+        return tuple(sorted(found.items()))
+
+    def law(self, section: str = "inscribed") -> FaceLaw | None:
+        """How the error falls with the faces; None with fewer than three pyramids whose errors exceed rounding."""
+        points = [(m, e) for m, e in self.pyramids(section) if e > ROUNDING]
+        if len(points) < 3:
+            return None
+        m, e = np.array(points).T
+        slope, height = np.polyfit(np.log(m), np.log(e), 1)
+        return FaceLaw(section, float(-slope), float(np.exp(height)), tuple(int(x) for x in m))
+
+    def __str__(self) -> str:
+        """One sentence: what 8 faces cost, or the number nearest to it, and what the cone costs."""
+        parts, cone = [], min((r for r in self.rows if _solved(r, "exact")), key=_time_and_error, default=None)
+        flat = [r for r in self.rows if _solved(r, "inscribed")]
+        if flat:
+            faces = min((r.faces or 0 for r in flat), key=lambda m: (abs(m - 8), m))
+            best = min((r for r in flat if r.faces == faces), key=_time_and_error)
+            time, error = _time_and_error(best)
+            parts.append(f"{faces} faces: {_error(error)} in {microseconds(time)} ({best.method})")
+        if cone is not None:
+            time, error = _time_and_error(cone)
+            kind = "the cone" if any(r.section != "exact" for r in self.rows) else "no pyramids here"
+            exact = "exact" if error < ROUNDING else _error(error)
+            parts.append(f"{kind}: {exact} in {microseconds(time)} ({cone.method})")
+        return "; ".join(parts) or "nothing was certified within the budget"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values; SI units."""
+        laws = [law for law in map(self.law, ("inscribed", "circumscribed")) if law is not None]
+        return {"summary": str(self)} | asdict(self) | {"face_laws": [asdict(law) for law in laws]}
+
+    def to_json(self) -> str:
+        """One object; no NaN."""
+        return json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> AccuracyCost:
+        """What `to_json` wrote. Raises InputError for anything else."""
+        try:
+            d = json.loads(text)
+            r = d["reference"]
+            torques = None if r["torques"] is None else tuple(r["torques"])
+            names, forces, slip = tuple(r["names"]), tuple(map(tuple, r["forces"])), tuple(map(tuple, r["slip"]))
+            return cls(
+                Reference(**r | {"names": names, "forces": forces, "slip": slip, "torques": torques}),
+                tuple(Row(**row) for row in d["rows"]),
+                tuple(LeftOut(**row) for row in d["left_out"]),
+                Conditions(**d["conditions"]),
+                tuple(d["notes"]),
+            )
+        except (ValueError, KeyError, TypeError) as error:
+            raise InputError(
+                "text", "JSON that AccuracyCost.to_json wrote", f"{type(error).__name__}: {error}"
+            ) from None
+
+    def to_csv(self, path: Any) -> Path:
+        """Write `rows`, one a line under their names; an empty cell is None. Raises InputError for a place that will
+        not do.
+        """
+        file = Path(path)
+        try:
+            with file.open("w", newline="", encoding="utf-8") as out:
+                writer = csv.DictWriter(out, [f.name for f in fields(Row)])
+                writer.writeheader()
+                writer.writerows(asdict(r) for r in self.rows)
+        except OSError as error:
+            raise InputError("csv", "a file that can be written", f"{str(path)!r}: {error.strerror or error}") from None
+        return file
+
+
+def _error(error: float) -> str:
+    return "no force error" if error < ROUNDING else f"{share(error)} force error"
+
+
+def _time_and_error(r: Row) -> tuple[float, float]:
+    return (np.inf if r.seconds is None else r.seconds, np.inf if r.force_error is None else r.force_error)
+
+
+def _error_and_time(r: Row) -> tuple[float, float]:
+    time, error = _time_and_error(r)
+    return (error if error > ROUNDING else 0.0), time
+
+
+def _solved(r: Row, section: str) -> bool:
+    return r.status == CERTIFIED and r.section == section and r.comparable

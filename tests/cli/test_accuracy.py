@@ -1,0 +1,79 @@
+"""`handlcp accuracy` from the outside."""
+
+from __future__ import annotations
+
+import csv
+import json
+import pathlib
+
+import pytest
+from typer.testing import CliRunner
+
+from handlcp.cli import app
+from handlcp.study.accuracy import METHODS
+
+ROOT = pathlib.Path(__file__).parents[2]
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+
+
+def run(*arguments, width="80"):
+    words = [str(a) for a in ("accuracy", *arguments)]
+    return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
+
+
+def test_a_scene_prints_tables_and_one_sentence_and_exits_0(tmp_path):
+    done = run(CUBE, "--seconds", "1", "--csv", tmp_path / "rows.csv", "--plot", tmp_path / "cost.png")
+    assert done.exit_code == 0, done.output
+    for part in (
+        "Time for a force error of at most",
+        "Faces of the friction pyramid",
+        "An effect left out",
+        "; the cone: ",
+    ):
+        assert part in " ".join(done.stdout.split())
+    assert max(map(len, done.stdout.splitlines())) <= 80 + len(str(tmp_path))
+    assert done.stderr == "", "no bar without a terminal"
+    with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as file:
+        assert {line["method"] for line in csv.DictReader(file)} == set(METHODS)
+    assert (tmp_path / "cost.png").stat().st_size > 50_000
+
+
+def test_json_is_one_object_and_nothing_else():
+    done = run(CUBE, "--seconds", "0.5", "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+    assert {r["method"] for r in found["rows"]} == set(METHODS)
+    assert found["conditions"]["budget"] == 0.5
+    assert "friction" in {e["effect"] for e in found["left_out"]}
+    assert found["reference"]["residual"] < 1e-8
+
+
+def test_a_scene_that_does_not_hold_exits_1_and_says_why(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(pathlib.Path(CUBE).read_text().replace("friction = 0.8", "friction = 0.01"))
+    done = run(file, "--seconds", "1")
+    assert done.exit_code == 1
+    assert done.stdout == ""
+    assert "Nothing to compare with: " in done.stderr
+    found = run(file, "--json")
+    assert found.exit_code == 1
+    assert json.loads(found.stdout)["status"] == "NOT_HOLDABLE"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("nothing_here.toml",),
+        (CUBE, "--seconds", "0"),
+        (CUBE, "--seconds", "-1"),
+        (CUBE, "--plot", "cost.doc"),
+        (CUBE, "--plot", "nowhere/cost.png"),
+        (CUBE, "--csv", "nowhere/rows.csv"),
+        (),
+    ],
+)
+def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "rror" in done.stderr

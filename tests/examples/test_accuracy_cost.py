@@ -1,0 +1,44 @@
+"""The script behind the README's figures, with a tiny budget."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import pathlib
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from handlcp.scene import load
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("accuracy_cost", EXAMPLES / "accuracy_cost.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_it_prints_its_tables_writes_its_pictures_and_measures_what_mechanics_asks_for(script, tmp_path):
+    few = {"methods": ["cone, Newton", "Lemke"], "faces": [4, 8], "tolerances": [1e-9], "repeats": 1, "left_out": False}
+    costs, found = script.what_accuracy_costs(seconds=1.0, **few), script.how_it_converges(range(2))
+    said = io.StringIO()
+    paths = script.write(costs, found, tmp_path, Console(file=said, width=100))
+    assert [p.name for p in paths] == ["accuracy_cost.png", "convergence.png"]
+    assert all(p.stat().st_size > 20_000 for p in paths)
+    (_, hand), (_, cube) = costs
+    # Five fingers hold 0.3 kg alike; the hand hangs, so that +z is down
+    frames = load(EXAMPLES / "ball_five_fingers.toml").build().scene.frames
+    down = np.einsum("ij,ij->i", frames[:, 2], np.array(hand.reference.forces))
+    np.testing.assert_allclose(-down, 0.3 * 9.81 / 5, rtol=1e-3)
+    # On the cube 8 inscribed faces give the forces of Table 6, which are not those on the cone
+    np.testing.assert_allclose(found.answer, [0.934263, 0.934263, 3.96422], rtol=2e-6)
+    exact = np.array(cube.reference.forces)
+    error = dict(cube.pyramids())[8]
+    assert error * abs(exact).max() >= abs(exact[:, 2] - found.answer).max() > 0.02
+    assert "finger 1 by" in said.getvalue()
+    assert "Example 3" in said.getvalue()

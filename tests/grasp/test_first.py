@@ -1,0 +1,146 @@
+"""The first stage in one compiled call equals its steps one by one, to the bit; warm starts end where cold ones do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.assemble import assemble_contact
+from handlcp.grasp.certify import judge
+from handlcp.grasp.conclude import conclude
+from handlcp.grasp.first import find
+from handlcp.grasp.pyramid import as_section
+from handlcp.lcp import NSNGRK
+from handlcp.lcp.status import Status
+
+from .scenes import cube_example, pinch, ring
+
+SECTIONS = (4, 8, hl.Pyramid(6, inscribed=False), "cone")
+
+
+def planar():
+    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0.001), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
+    return hl.Grasp(contacts, (0.2, -1.0, 0.001), flexibility=1e-4, preload=2e-4)
+
+
+def scenes():
+    rng = np.random.default_rng(5)
+    for n, mu, shared in ((2, 0.6, False), (3, 0.5, True), (4, 0.0, True), (5, 0.6, True), (5, 0.3, False)):
+        contacts, more = ring(rng, n, mu, shared=shared)
+        yield hl.Grasp(contacts, **more)
+    contacts, more = ring(rng, 3)
+    rough = [hl.Contact(c.position, c.normal, hl.Frictionless() if k else None) for k, c in enumerate(contacts)]
+    yield hl.Grasp(rough, **more)
+    yield from (planar(), pinch(), cube_example())
+    yield hl.Grasp(pinch().contacts, (0, 0, -0.1, 0, 0, 0))  # rigid fingers
+
+
+GRASPS = tuple(scenes())
+
+
+@pytest.mark.parametrize("faces", SECTIONS, ids=str)
+def test_one_compiled_call_gives_the_bits_of_its_steps(faces):
+    several = 0
+    for g in GRASPS:
+        section = as_section(faces, planar=g.scene.plane is not None)
+        found = find(g.scene, section, 0)
+        problem = assemble_contact(g.scene, section, ())
+        p = NSNGRK(max_iterations=problem.n).propose_contact(problem)
+        candidate = problem.candidate(p.z)
+        verdict = judge(g.scene, problem.effects, section, candidate)
+        np.testing.assert_array_equal(found.proposal.z, p.z)
+        assert (found.outcome, found.iterations) == (p.outcome, p.iterations)
+        np.testing.assert_array_equal(found.forces, candidate.forces)
+        np.testing.assert_array_equal(found.twist, candidate.twist)
+        np.testing.assert_array_equal(found.motion, verdict.motion)
+        assert found.residuals == verdict.residuals
+        assert found.passes == verdict.residuals.passes
+        if found.passes:
+            slow = conclude(g.scene, g.reference, g.names, problem.effects, section, candidate, verdict, 0, ())
+            assert found.states == slow.contact_state or not found.unique
+            free = slow.uniqueness
+            assert found.unique == (not free.loose_motions and free.forces_determined) or not found.unique
+            several += found.unique
+    assert several >= 3
+
+
+def test_a_grasp_that_nothing_else_is_asked_of_is_solved_in_that_call():
+    g = GRASPS[3]
+    s = g.solve()
+    assert s.status is Status.SOLVED
+    assert len(s.trace) == 1
+    assert not s.forces.flags.writeable
+    assert s.residuals.worst < 1e-12
+
+
+def test_from_the_last_answer_a_little_further_on_it_takes_no_more_steps():
+    """Loads that turn slowly: warm starts reach the answer of cold ones, in fewer Newton steps."""
+    rng = np.random.default_rng(2)
+    contacts, more = ring(rng, 5, mu=0.4)
+    wrench = np.array(more.pop("wrench"))
+    base = hl.Grasp(contacts, wrench, **more)
+    warm_steps, cold_steps, last = 0, 0, base.solve("cone")
+    for k in range(1, 15):
+        c, s = np.cos(0.05 * k), np.sin(0.05 * k)
+        turned = wrench * 1.0
+        turned[:2] = c * wrench[0] - s * wrench[1], s * wrench[0] + c * wrench[1]
+        g = base.replace(wrench=turned)
+        warm, cold = g.solve("cone", start=last), g.solve("cone")
+        np.testing.assert_allclose(warm.forces, cold.forces, rtol=1e-8, atol=1e-9 * abs(cold.forces).max())
+        warm_steps += int(warm.trace[0].split(", ")[1].split()[0])
+        cold_steps += int(cold.trace[0].split(", ")[1].split()[0])
+        last = warm
+    assert cold_steps > 0
+    assert warm_steps < 0.8 * cold_steps
+
+
+@pytest.mark.parametrize(
+    "solver", [None, hl.NSNGRK(), hl.SemismoothNewton(), hl.Lemke()], ids=lambda s: type(s).__name__
+)
+def test_a_start_changes_no_answer_whatever_the_solver(solver):
+    g = GRASPS[3]
+    s = g.solve()
+    again = g.solve(solver=solver, start=s)
+    np.testing.assert_allclose(again.forces, s.forces, rtol=1e-7, atol=1e-8 * abs(s.forces).max())
+
+
+def test_a_start_works_with_effects_asked_for_by_name():
+    contacts, more = ring(np.random.default_rng(3), 4)
+    free = hl.Grasp(contacts, **more).solve()
+    bounded = hl.Grasp(contacts, effects=[hl.TotalForceBound(0.9 * free.normal_force.sum())], **more)
+    cold = bounded.solve()
+    np.testing.assert_allclose(bounded.solve(start=free).forces, cold.forces, rtol=1e-8)
+    np.testing.assert_allclose(bounded.solve(start=cold).forces, cold.forces, rtol=1e-8)
+
+
+def test_a_start_without_an_answer_is_none():
+    g = pinch(load=(0, 0, -100.0))
+    nothing = g.solve(throw=False)
+    assert not nothing.held
+    held = pinch()
+    np.testing.assert_array_equal(held.solve(start=nothing).forces, held.solve().forces)
+
+
+@pytest.mark.parametrize("start", [1.0, "last", np.zeros(3)], ids=repr)
+def test_a_start_is_a_solution(start):
+    with pytest.raises(hl.InputError, match="start"):
+        pinch().solve(start=start)
+
+
+def test_a_start_has_as_many_contacts():
+    with pytest.raises(hl.InputError, match="2 contacts"):
+        pinch().solve(start=cube_example().solve())
+
+
+def test_replace_is_the_constructor_with_other_numbers():
+    contacts, more = ring(np.random.default_rng(4), 3)
+    g = hl.Grasp(contacts, **more, reference=(0.01, 0.0, 0.02))
+    w, E, d = np.arange(6.0), np.diag(np.arange(1, 10) * 1e-4), np.full((3, 3), -1e-3)
+    for changes in ({"wrench": w}, {"flexibility": E}, {"offset": d, "preload": 0.0}, {"wrench": w, "preload": 0.02}):
+        made = hl.Grasp(contacts, **more | changes, reference=g.reference)
+        other = g.replace(**changes)
+        for name in ("force", "moment", "flexibility", "offset"):
+            np.testing.assert_allclose(getattr(other.scene, name), getattr(made.scene, name), atol=1e-15)
+    with pytest.raises(hl.InputError, match="wrench"):
+        g.replace(wrench=(1, 2))

@@ -1,0 +1,86 @@
+"""Many grasps at once are what each of them is alone, whatever the workers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+from .scenes import cube_example, pinch, ring
+
+
+def mixture():
+    """Held and not, planar and not, with and without friction and effects, of several sizes; one of them twice."""
+    rng = np.random.default_rng(8)
+    out = []
+    for k in range(24):
+        contacts, more = ring(rng, 2 + k % 4, mu=(0.6, 0.0, 0.2)[k % 3])
+        out.append(hl.Grasp(contacts, **more))
+    flat = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0.001), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
+    out.append(hl.Grasp(flat, (0.2, -1.0, 0.001), flexibility=1e-4, preload=2e-4))
+    bound = hl.TotalForceBound(5.0)
+    out += [cube_example(), pinch(), pinch(load=(0, 0, -100.0)), pinch(effects=[bound]), out[0]]
+    return out
+
+
+QUICK = hl.Auto(search_seconds=0)
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_each_solution_is_the_grasps_own(workers, faces, monkeypatch):
+    monkeypatch.setattr("handlcp.grasp.many._CHUNK", 7)
+    grasps = mixture()
+    many = hl.solve_many(grasps, faces, QUICK, workers=workers)
+    assert len(many) == len(grasps)
+    for g, s, held, status in zip(grasps, many, many.held, many.statuses, strict=True):
+        alone = g.solve(faces, QUICK, throw=False)
+        assert (s.status, s.trace, s.contact_state) == (alone.status, alone.trace, alone.contact_state)
+        assert (held, status) == (alone.held, alone.status)
+        np.testing.assert_array_equal(s.forces, alone.forces)
+        np.testing.assert_array_equal(s.object_displacement, alone.object_displacement)
+    assert 5 < many.held.sum() < len(grasps)
+
+
+def test_a_hands_grasps_come_back_with_torques():
+    hand = hl.example_hand("five_finger", joint_stiffness=5.0)
+    ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
+    g = hand.at(hand.close_on(ball, squeeze=3e-3)).grasp(ball)
+    grasps = [g, g.replace(wrench=(0.1, 0, -1.5, 0, 0, 0))]
+    for g, s in zip(grasps, hl.solve_many(grasps), strict=True):
+        np.testing.assert_array_equal(s.torques, g.solve().torques)
+
+
+def test_any_solver_will_do():
+    grasps = [pinch(), cube_example()]
+    for g, s in zip(grasps, hl.solve_many(grasps, solver=hl.Lemke()), strict=True):
+        np.testing.assert_array_equal(s.forces, g.solve(solver=hl.Lemke()).forces)
+
+
+def test_solutions_are_a_sequence_made_once():
+    many = hl.solve_many(iter([pinch(), cube_example(), pinch()]), workers=1)
+    assert many[0] is many[0]
+    assert many[-1] is many[2]
+    assert [s.held for s in many[:2]] == [True, True]
+    assert repr(many) == "Solutions(3 grasps, 3 held)"
+    with pytest.raises(IndexError):
+        many[3]
+    assert len(hl.solve_many([])) == 0
+
+
+def test_progress_counts_up_to_all(monkeypatch):
+    monkeypatch.setattr("handlcp.grasp.many._CHUNK", 2)
+    seen = []
+    hl.solve_many([pinch()] * 7, workers=2, progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (7, 7)
+    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
+
+
+def test_bad_input_is_named():
+    with pytest.raises(hl.InputError, match=r"grasps\[1\]"):
+        hl.solve_many([pinch(), 3])
+    with pytest.raises(hl.InputError, match="workers"):
+        hl.solve_many([pinch()], workers=0)
+    with pytest.raises(hl.InputError, match="faces"):
+        hl.solve_many([pinch()], faces=2)

@@ -1,0 +1,211 @@
+"""A stream's answers are those of a grasp made anew, and it keeps no more memory than one of them."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.hand import Hand, example_hand
+
+BALL = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
+
+
+@pytest.fixture(scope="module")
+def five() -> Hand:
+    """The five-finger hand with springs that let it hold the ball."""
+    return example_hand("five_finger", joint_stiffness=5.0)
+
+
+QUICK = hl.Auto(search_seconds=0)
+
+
+def followed(hand, **more):
+    """A grasp by given contacts: those that a ball has."""
+    q = hand.close_on(BALL, squeeze=3e-3)
+    seen = hand.at(q).grasp(BALL, hl.Coulomb(0.6))
+    load = np.array([*seen.scene.force, 0, 0, 0])
+    fixed = {"offset": seen.scene.offset, "reference": seen.reference} | more
+    return q, load, lambda q, w: hand.at(q).grasp(seen.contacts, wrench=w, **fixed)
+
+
+def walk(q, load, steps, seed=0, size=3e-3, pull=1.0):
+    rng = np.random.default_rng(seed)
+    for _ in range(steps):
+        q = q + rng.normal(size=len(q)) * size
+        yield q, load + pull * rng.normal(size=6) * (0.2, 0.2, 0.2, 4e-3, 4e-3, 4e-3)
+
+
+def same(update, solution):
+    assert update.held == solution.held
+    if not update.held:
+        return
+    size = abs(solution.forces).max()
+    for name, scale in (("forces", size), ("forces_world", size), ("torques", abs(solution.torques).max())):
+        np.testing.assert_allclose(getattr(update, name), getattr(solution, name), atol=1e-8 * scale)
+    travel = max(abs(solution.object_displacement).max(), abs(solution.slip).max())
+    for name in ("gap", "slip", "object_displacement"):
+        np.testing.assert_allclose(getattr(update, name), getattr(solution, name), atol=1e-7 * travel)
+    assert update.contact_state == solution.contact_state
+    assert update.torque_check.binding == solution.torque_check.binding
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_a_stream_follows_posture_and_load(five: Hand, faces):
+    q, load, grasp = followed(five)
+    stream, states, last, fallen = hl.GraspStream(grasp(q, load), faces), set(), None, 0
+    for posture, wrench in walk(q, load, 60, pull=3.0):
+        # Where friction allows several equilibria, the start says which one comes out
+        solution = grasp(posture, wrench).solve(faces, QUICK, throw=False, start=last)
+        update = stream.update(posture, wrench=wrench)
+        if len(solution.trace) > 1 and not update.held:  # the first stage, which is all that a stream has, fails
+            last, fallen = None, fallen + 1
+            continue
+        same(update, solution)
+        states |= set(update.contact_state)
+        last = solution
+    assert {"sticking", "sliding"} <= states
+    assert fallen < 20
+
+
+@pytest.mark.parametrize("pads", [1e-4, (3e-4, 2e-4, 1e-4)], ids=["isotropic pads", "anisotropic pads"])
+def test_flexibility_and_jacobian_are_the_hands_with_tendons_pads_and_weight(pads):
+    rng = np.random.default_rng(0)
+    A = rng.normal(size=(10, 10))
+    stiff = 4 * np.eye(10) + 0.1 * (A @ A.T)
+    hand = example_hand("five_finger", joint_stiffness=stiff, pad_flexibility=pads)
+    q, load, grasp = followed(hand, finger_weight=True)
+    stream = hl.GraspStream(grasp(q, load))
+    for posture, wrench in walk(q, load, 5):
+        stream.update(posture, wrench=wrench)
+        now, made = stream.grasp, grasp(posture, wrench)
+        for name in ("flexibility", "force", "moment", "offset", "positions"):
+            wanted = getattr(made.scene, name)
+            np.testing.assert_allclose(getattr(now.scene, name), wanted, atol=1e-12 * abs(wanted).max())
+        np.testing.assert_allclose(now.jacobian, made.jacobian, atol=1e-15)
+        np.testing.assert_allclose(now.gravity_torque, made.gravity_torque, atol=1e-15)
+        assert abs(made.gravity_torque).max() > 1e-3
+        same(stream.update(), made.solve(throw=False))
+        np.testing.assert_allclose(now.solve().torques, made.solve().torques, atol=1e-9)
+
+
+def test_mimic_joints_and_some_of_the_fingers():
+    hand = example_hand("psyonic")
+    rng = np.random.default_rng(3)
+    tips = hand.fingertips[1:4]
+    state = hand.at(hand.neutral)
+    p = state.tip_positions[1:4]
+    contacts = [hl.Contact(x, z / np.linalg.norm(z)) for x, z in zip(p, rng.normal(size=(3, 3)), strict=True)]
+    g = state.grasp(contacts, fingers=tips, wrench=(0, 0, -0.1, 0, 0, 0), preload=1e-3)
+    stream = hl.GraspStream(g)
+    q = hand.neutral + 0.05
+    stream.update(q)
+    other = hand.at(q).grasp(contacts, fingers=tips)
+    np.testing.assert_allclose(stream.grasp.jacobian, other.jacobian, atol=1e-15)
+    np.testing.assert_allclose(stream.grasp.scene.flexibility, other.scene.flexibility, atol=1e-15)
+
+
+def test_contacts_that_roll(five: Hand):
+    q, load, grasp = followed(five)
+    g = grasp(q, load)
+    stream = hl.GraspStream(g)
+    turn = hl.Contact((0, 0, 0), (np.sin(0.02), 0, np.cos(0.02))).rotation
+    positions, frames = g.scene.positions @ turn.T, turn @ g.scene.frames
+    update = stream.update(positions=positions, frames=frames)
+    contacts = [
+        hl.Contact(p, R[:, 2], c.friction, R[:, 0], c.name)
+        for p, R, c in zip(positions, frames, g.contacts, strict=True)
+    ]
+    made = five.at(q).grasp(contacts, wrench=load, offset=g.scene.offset, reference=g.reference)
+    same(update, made.solve(throw=False))
+    same(update, stream.grasp.solve(throw=False))
+    assert [c.position.tolist() for c in stream.grasp.contacts] == positions.tolist()
+
+
+def test_what_cannot_be_held_is_undecided_and_then_held_again(five: Hand):
+    q, load, grasp = followed(five)
+    stream = hl.GraspStream(grasp(q, load))
+    first = stream.update()
+    lost = stream.update(wrench=load + np.array([0, 0, -500.0, 0, 0, 0]))
+    assert not lost.held
+    assert lost.status is hl.Status.UNDECIDED
+    assert np.isnan(lost.torques).all()
+    assert set(lost.contact_state) == {"unknown"}
+    np.testing.assert_allclose(stream.update(wrench=load).forces, first.forces, rtol=1e-9)
+
+
+def test_a_grasp_without_a_hand_is_followed_under_its_load():
+    contacts = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]
+    g = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
+    stream = hl.GraspStream(g)
+    for pull in np.linspace(-2, 2, 9):
+        update = stream.update(wrench=(0, 0, pull, 0, 0, 0))
+        np.testing.assert_allclose(update.forces_world[:, 2], -pull / 2, atol=1e-12)
+    with pytest.raises(AttributeError):
+        update.torques  # noqa: B018
+    with pytest.raises(hl.InputError, match="q"):
+        stream.update([0.0])
+
+
+def test_readings_of_the_fingertips_lead_to_the_load_online(five: Hand):
+    """The paper's online use: the world pulls, sensors read, the model follows."""
+    q, load, grasp = followed(five)
+    stream = hl.GraspStream(grasp(q, load))
+    for _, pulled in walk(q, load, 5, seed=4):
+        world = grasp(q, pulled).solve()
+        wrench = hl.wrench_from_fingertip_forces(stream.grasp, world.forces)
+        np.testing.assert_allclose(stream.update(wrench=wrench).torques, world.torques, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("argument", "change"),
+    [
+        ("q", {"q": [0.0, 1.0]}),
+        ("q", {"q": np.full(10, np.nan)}),
+        ("wrench", {"wrench": np.zeros(5)}),
+        ("offset", {"offset": np.zeros(15)}),
+        ("positions", {"positions": np.zeros((4, 3))}),
+        ("frames", {"frames": np.zeros((5, 3, 3))}),
+    ],
+)
+def test_a_refused_change_changes_nothing(five: Hand, argument, change):
+    q, load, grasp = followed(five)
+    stream = hl.GraspStream(grasp(q, load))
+    before = stream.update().forces
+    good = {"q": q + 0.01, "wrench": load * 1.1, "offset": np.zeros((5, 3))}
+    with pytest.raises(hl.InputError, match=argument):
+        stream.update(**(good | change))
+    np.testing.assert_array_equal(stream.update().forces, before)
+
+
+def test_effects_asked_for_by_name_are_refused():
+    contacts = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]
+    g = hl.Grasp(contacts, flexibility=1e-4, effects=[hl.TotalForceBound(3.0)])
+    with pytest.raises(hl.InputError, match="TotalForceBound"):
+        hl.GraspStream(g)
+    with pytest.raises(hl.InputError, match="a Grasp"):
+        hl.GraspStream(contacts)
+
+
+def test_updates_keep_no_memory(five: Hand):
+    q, load, grasp = followed(five)
+    stream = hl.GraspStream(grasp(q, load))
+    moves = list(walk(q, load, 20, size=1e-3))
+
+    def run(times):
+        for _ in range(times):
+            for posture, wrench in moves:
+                stream.update(posture, wrench=wrench).torques  # noqa: B018
+        gc.collect()
+
+    run(20)
+    tracemalloc.start()
+    run(20)
+    before, _ = tracemalloc.get_traced_memory()
+    run(200)
+    after, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert after - before < 4000 * 8, "numpy keeps some small blocks for reuse; one number kept an update would be more"
