@@ -1,7 +1,7 @@
 """Asking for an accuracy instead of settings: the cheapest setting whose force error is shown to keep it.
 
-A solver that knows friction as a set takes the exact cone for any request: pyramids of 4 to 64 faces would take 5 to
-7 % longer (median of 338 scenes), and an answer on one says nothing of its error. What is left of an error on the cone
+A solver that knows friction as a set takes the exact cone for any request: pyramids of 4 to 64 faces would take 5 or
+6 % longer (median of 340 scenes), and an answer on one says nothing of its error. What is left of an error on the cone
 is the solver's and rounding's (`force_error`). A plane's interval, and contacts without friction, are exact whatever
 the solver.
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import platform
+import subprocess
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any
@@ -10,10 +13,11 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+import handlcp as hl
 from tests.benchmarks.corpus import Faces
 from tests.benchmarks.stability import Record
 
-__all__ = ["plain_table", "print_stability", "totals"]
+__all__ = ["conditions", "plain_table", "print_stability", "totals"]
 
 OURS = (
     ("solved", "solved"),
@@ -22,6 +26,14 @@ OURS = (
     ("undecided", "un-\ndecided"),
 )
 MEASURES = ("solved", "loose", "wrong", "undecided though solvable", '"no" without proof', "undecided")
+
+
+def conditions() -> str:
+    """What the numbers hold for. Searches with a time budget get further on an idle machine."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
+    load = os.getloadavg()[0]
+    where = f"{platform.machine()}, {os.cpu_count()} processors, load {load:.1f} at the start"
+    return f"handlcp {hl.__version__} {commit.stdout.strip()}, Python {platform.python_version()}, {where}"
 
 
 def plain_table(title: str, *headings: str, caption: str | None = None) -> Table:

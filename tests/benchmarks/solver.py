@@ -18,8 +18,6 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 import json
-import platform
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -27,7 +25,6 @@ from typing import Any
 
 from rich.console import Console
 
-import handlcp as hl
 from tests.benchmarks import agreement, peers, report, speed, stability
 from tests.benchmarks.corpus import Faces, PeersFolder, read_oracle
 
@@ -60,14 +57,6 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def conditions() -> str:
-    """What the numbers hold for. Searches with a time budget get further on an idle machine."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    load = os.getloadavg()[0]
-    where = f"{platform.machine()}, {os.cpu_count()} processors, load {load:.1f} at the start"
-    return f"handlcp {hl.__version__} {commit.stdout.strip()}, Python {platform.python_version()}, {where}"
-
-
 def main() -> None:
     """Measure, print, write."""
     o = arguments()
@@ -76,7 +65,7 @@ def main() -> None:
         console = Console(width=180)
     if unknown := set(o.peers) - set(folder.peers):
         sys.exit(f"--peers: expected some of {', '.join(folder.peers)}, got {', '.join(sorted(unknown))}")
-    results: dict[str, Any] = {"conditions": conditions()}
+    results: dict[str, Any] = {"conditions": report.conditions()}
     console.print(results["conditions"], highlight=False)
     everything = o.measure == "all"
     with tempfile.TemporaryDirectory() as directory:

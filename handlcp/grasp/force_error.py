@@ -1,0 +1,273 @@
+"""How far the forces of an answer are from those that solve its laws exactly: an estimate from the answer itself.
+
+The laws are rows F(x) = 0, y = M x + q (Alart & Curnier 1991, as in `kernels.contact`), ρ > 0 a scale for each contact:
+
+    free F = y     pair F = ρ y (it touches) or x (it is open)     stick F = ρ y_T     slide F = x_T - μ x_N e
+
+with e = (x_T - ρ y_T) / |x_T - ρ y_T|. In a piece, a choice for every contact, F is smooth with derivative J. Then
+
+    |Δx| ≤ |J⁻¹ F| + |J⁻¹| δ
+
+to first order: Newton's step, and what rounding can have done to F in making M, q and y, entry by entry (Higham,
+Accuracy and Stability of Numerical Algorithms, 2002, section 7.2). Where J is singular, something is not determined:
+its pseudoinverse leaves that out, so that any member of the family counts as exact.
+
+A contact so near the border between two choices that this very bound covers it may be on either side: every choice of
+these contacts is a piece of its own, and the largest bound counts.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from handlcp.check import Array, Bools, Ints
+from handlcp.grasp.assemble import GraspContact
+from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.scene import shifted
+from handlcp.grasp.solution import GraspSolution
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.contact import row_scales
+from handlcp.tolerances import ACTIVE, RANK
+
+__all__ = ["difference", "force_error"]
+
+_EPS = float(np.finfo(float).eps)
+_ROUNDING = 4.0 * _EPS  # of a sum, over the sum of its terms' sizes: data, product and sum
+_MOST_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; of more, each alone and all at once
+_REGULAR = 1e-9  # 1 / condition above which J is inverted; below, its rank is looked at
+
+
+def difference(forces: Array, exact: Array) -> float:
+    """Largest |f_i - f*_i| over the largest |f*_i|, for forces (n, 3) and exact ones f* in natural units; over one unit
+    where no finger pushes.
+    """
+    size = float(np.sqrt((exact * exact).sum(axis=1)).max(initial=0.0))
+    off = float(np.sqrt(((forces - exact) ** 2).sum(axis=1)).max(initial=0.0))
+    return off / (size if size > ACTIVE else 1.0)
+
+
+def force_error(problem: GraspContact, solution: GraspSolution) -> float:
+    """The largest error of a contact force, over the largest contact force, that the answer to `problem` may have.
+
+    Where no finger pushes (to the share `ACTIVE` of load and squeeze) it is over the natural unit of force instead.
+
+    problem : with the cone or the planar interval as its section. solution : certified for it.
+    """
+    scene, at = problem.scene, _places(problem)
+    x = _unknowns(problem, solution, at)
+    look = _look(
+        problem.M, problem.q, x, problem.role, problem.blocks, problem.limits, _reach(problem),
+        at["u"], scene.dof,
+    )  # fmt: skip
+    touch, stick = look[3], look[4]
+    bound = _bound(problem, x, look, touch, stick)
+    pairs, blocks = _doubtful(problem.M, x, problem.role, problem.blocks, problem.limits, bound, *look)
+    if pairs.any() or blocks.any():
+        for flip, turn in _choices(pairs, blocks):
+            bound = np.maximum(bound, _bound(problem, x, look, touch ^ flip, stick ^ turn))
+    off = np.zeros(3 * scene.n)
+    for name, index in (("r_N", scene.normal_index), ("r_T", scene.tangent_index)):
+        off[index] = bound[at.get(name, 0) :][: len(index)]
+    size = float(np.sqrt((solution.forces**2).sum(axis=1)).max()) / scene.units.force
+    most = float(np.sqrt((off.reshape(-1, 3) ** 2).sum(axis=1)).max()) + _EPS * size  # the way to newtons rounds, too
+    if size <= ACTIVE:
+        return most
+    # Relative to exact forces that may be smaller by as much
+    return most / (size - most) if most < size else np.inf
+
+
+_Look = tuple[Array, Array, Array, Bools, Bools, Array, Array, Array]
+
+
+@kernel
+def _look(
+    M: Array, q: Array, x: Array, role: Ints, blocks: Ints, limits: Array, reach: Array, u: int, dof: int
+) -> _Look:
+    """What the rows are at x (n,): y = M x + q (n,), what rounding can have done to it (n,), ρ (n,), which pairs touch
+    (n,), which blocks stick (k,), and of x_T - ρ y_T the length (k,) and direction (k, 2), with the limit (k,).
+
+    reach (2,): sizes, in natural units, of what levers and the load's moment are differences of; u: where the object's
+    motion begins, of dof unknowns.
+    """
+    n, k = len(x), len(blocks)
+    turns, end = u + (3 if dof == 6 else 2), u + dof
+    y, noise, rho = np.empty(n), np.empty(n), row_scales(M, blocks)
+    touch, stick = np.zeros(n, np.bool_), np.zeros(k, np.bool_)
+    for i in range(n):
+        total, terms = q[i], abs(q[i])
+        for j in range(n):
+            total += M[i, j] * x[j]
+            terms += abs(M[i, j] * x[j])
+            if (turns <= i < end) != (turns <= j < end):
+                terms += reach[0] * abs(x[j])
+        if turns <= i < end:
+            terms += reach[1]
+        y[i], noise[i] = total, _ROUNDING * terms
+        touch[i] = role[i] == 1 and x[i] > rho[i] * total
+    size, along, radius = np.empty(k), np.zeros((k, 2)), np.empty(k)
+    for b in range(k):
+        for a in range(2):
+            t = blocks[b, a + 1]
+            if t >= 0:
+                along[b, a] = x[t] - rho[t] * y[t]
+        size[b] = np.hypot(along[b, 0], along[b, 1])
+        if size[b] > 0.0:
+            along[b] /= size[b]
+        radius[b] = limits[b] * max(x[blocks[b, 0]], 0.0)
+        stick[b] = size[b] <= radius[b]
+    return y, noise, rho, touch, stick, size, along, radius
+
+
+def _bound(problem: GraspContact, x: Array, look: _Look, touch: Bools, stick: Bools) -> Array:
+    """(n,) largest error of every unknown in the piece where these pairs touch and these blocks stick."""
+    J, F, off = _piece(problem.M, x, problem.role, problem.blocks, problem.limits, touch, stick, *look)
+    return _step(_inverse(J), F, off)
+
+
+@kernel
+def _piece(
+    M: Array, x: Array, role: Ints, blocks: Ints, limits: Array, touch: Bools, stick: Bools,
+    y: Array, noise: Array, rho: Array, _touch: Bools, _stick: Bools, size: Array, along: Array, radius: Array,
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """J (n, n), F (n,) and the rounding of F (n,), each row over the largest entry of its row of J."""
+    n = len(x)
+    J, F, off = M.copy(), y.copy(), noise.copy()
+    for i in range(n):
+        if role[i] == 1 and not touch[i]:
+            J[i] = 0.0
+            J[i, i], F[i], off[i] = 1.0, x[i], 0.0
+    for b in range(len(blocks)):
+        if stick[b]:
+            continue
+        N, r = blocks[b, 0], rho[blocks[b, 1]]
+        # F = x_T - μ x_N e(x_T - ρ y_T): the projection's derivative, `across`, turns e by what lies across it
+        share = radius[b] / max(size[b], radius[b]) if radius[b] > 0.0 else 0.0
+        for a in range(2):
+            t = blocks[b, a + 1]
+            if t < 0:
+                continue
+            J[t] = 0.0
+            off[t] = _ROUNDING * abs(x[t])
+            for c in range(2):
+                s = blocks[b, c + 1]
+                if s < 0:
+                    continue
+                across = share * ((1.0 if a == c else 0.0) - along[b, a] * along[b, c])
+                if blocks[b, 2] < 0:
+                    across = 0.0  # nothing lies across in a plane
+                for j in range(n):
+                    J[t, j] += across * r * M[s, j]
+                J[t, s] += (1.0 if a == c else 0.0) - across
+                off[t] += abs(across) * r * noise[s]
+            J[t, N] -= limits[b] * along[b, a]
+            F[t] = x[t] - limits[b] * x[N] * along[b, a]
+    for i in range(n):
+        largest = np.max(np.abs(J[i]))
+        if largest > 0.0:
+            J[i] /= largest
+            F[i] /= largest
+            off[i] /= largest
+    return J, F, off
+
+
+@kernel
+def _step(inverse: Array, F: Array, off: Array) -> Array:
+    """|J⁻¹ F| + |J⁻¹| off."""
+    n = len(F)
+    bound = np.empty(n)
+    for i in range(n):
+        step, spread = 0.0, 0.0
+        for j in range(n):
+            step += inverse[i, j] * F[j]
+            spread += abs(inverse[i, j]) * off[j]
+        bound[i] = abs(step) + spread
+    return bound
+
+
+@kernel
+def _doubtful(
+    M: Array, x: Array, role: Ints, blocks: Ints, limits: Array, bound: Array,
+    y: Array, noise: Array, rho: Array, _touch: Bools, _stick: Bools, size: Array, _along: Array, radius: Array,
+) -> tuple[Bools, Bools]:  # fmt: skip
+    """Pairs (n,) and blocks (k,) that may be on the other side of their border, for all the bound (n,) says."""
+    n, k = len(x), len(blocks)
+    moved = np.empty(n)
+    pairs, sides = np.zeros(n, np.bool_), np.zeros(k, np.bool_)
+    for i in range(n):
+        total = noise[i]
+        for j in range(n):
+            total += abs(M[i, j]) * bound[j]
+        moved[i] = bound[i] + rho[i] * total
+        pairs[i] = role[i] == 1 and abs(x[i] - rho[i] * y[i]) <= moved[i]
+    for b in range(k):
+        t, o = blocks[b, 1], blocks[b, 2]
+        slack = np.hypot(moved[t], moved[o] if o >= 0 else 0.0) + limits[b] * bound[blocks[b, 0]]
+        sides[b] = abs(size[b] - radius[b]) <= slack
+    return pairs, sides
+
+
+def _reach(problem: GraspContact) -> Array:
+    """(2,) see `_look`: levers are differences of positions, moments those of the load's about the origin."""
+    scene = problem.scene
+    far = float(abs(scene.positions).max()) / scene.units.length
+    return np.array([far, far * float(abs(scene.natural.w).max())])
+
+
+def _inverse(A: Array) -> Array:
+    """Inverse of a matrix of rows of size one, or what the rank tolerance leaves of it."""
+    try:
+        inverse: Array = np.asarray(np.linalg.inv(A), dtype=float)
+        if _largest_sum(inverse) * _largest_sum(A) < 1.0 / _REGULAR:
+            return inverse
+    except np.linalg.LinAlgError:
+        pass  # singular to the last bit
+    return np.asarray(np.linalg.pinv(A, rcond=RANK), dtype=float)
+
+
+@kernel
+def _largest_sum(A: Array) -> float:
+    """The norm that goes with the largest component, ‖A‖_∞; NaN where an entry is."""
+    largest = 0.0
+    for i in range(len(A)):
+        total = np.sum(np.abs(A[i]))
+        if not total <= largest:
+            largest = total
+    return largest
+
+
+def _choices(pairs: Bools, blocks: Bools) -> list[tuple[Bools, Bools]]:
+    """Which doubtful pairs and blocks to take on their other side, in every way but none at all."""
+    doubt = np.flatnonzero(np.concatenate([pairs, blocks]))
+    k = len(doubt)
+    if k <= _MOST_DOUBTFUL:
+        patterns = [p for p in itertools.product((False, True), repeat=k) if any(p)]
+    else:
+        patterns = [*map(tuple, np.eye(k, dtype=bool).tolist()), (True,) * k]
+    out = []
+    for pattern in patterns:
+        flip = np.zeros(len(pairs) + len(blocks), dtype=bool)
+        flip[doubt[list(pattern)]] = True
+        out.append((flip[: len(pairs)], flip[len(pairs) :]))
+    return out
+
+
+def _places(problem: GraspContact) -> dict[str, int]:
+    """The first unknown of every group."""
+    at, end = {}, 0
+    for g in problem.groups:
+        at[g.name], end = end, end + g.count
+    return at
+
+
+def _unknowns(problem: GraspContact, solution: GraspSolution, at: dict[str, int]) -> Array:
+    """(n,) natural units, the way back from a solution."""
+    scene = problem.scene
+    assert solution.reference is not None  # a certified answer has one
+    twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
+    x = problem.natural(Candidate(solution.forces, twist, {}))
+    for g in problem.groups:
+        if g.name in solution.extra:
+            x[at[g.name] :][: g.count] = solution.extra[g.name] / scene.size(g.measure)
+    return x

@@ -1,0 +1,66 @@
+"""What a grasp costs among many: `solve_many` on one core and on all, from a hundred to a hundred thousand."""
+
+from __future__ import annotations
+
+import gc
+import os
+import time
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+import handlcp as hl
+from tests.benchmarks.real_time import Walk
+from tests.benchmarks.report import plain_table
+
+__all__ = ["measure", "sweep"]
+
+COUNTS = (100, 1_000, 10_000, 100_000)
+
+
+def sweep(count: int, strength: float, seed: int = 0) -> list[hl.Grasp]:
+    """The five-finger hand and its ball under random loads of so many newtons (and newtons times 1.5 cm)."""
+    rng, grasp = np.random.default_rng(seed), Walk().grasp(0)
+    load = np.array([*grasp.scene.force, 0, 0, 0])
+    pulls = rng.normal(size=(count, 6)) * strength * np.array([1, 1, 1, 0.015, 0.015, 0.015]) / np.sqrt(3)
+    return [grasp.replace(wrench=load + pull) for pull in pulls]
+
+
+def seconds(grasps: list[hl.Grasp], workers: int, rounds: int) -> float:
+    """Best time of all of them, everything looked at that a sweep looks at."""
+    best, quick = np.inf, hl.Auto(search_seconds=0)
+    for _ in range(rounds):
+        gc.collect()
+        start = time.perf_counter()
+        hl.solve_many(grasps, solver=quick, workers=workers).held.sum()
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+def measure(console: Console, most: int = 100_000) -> dict[str, Any]:
+    """Print and return µs a grasp by (count, workers), and the same where a part of the grasps is hard."""
+    cores = os.cpu_count() or 1
+    easy = sweep(most, 0.5)
+    hl.solve_many(easy[:10], workers=1)
+    out: dict[str, Any] = {"cores": cores}
+    table = plain_table(
+        f"solve_many: five fingers, 8 faces, µs a grasp, on 1 and on {cores} cores", "grasps", "held", "1 core",
+        f"{cores} cores", "× less", caption="Loads of half a newton, which the first stage answers; then loads of two "
+        "newtons, many of which nothing holds, with all stages but the search.",
+    )  # fmt: skip
+    cases = [(f"{m:,}", easy[:m], max(1, 3 if m <= 10_000 else 1)) for m in COUNTS if m <= most]
+    cases.append(("300 hard", sweep(300, 2.0), 1))
+    for name, grasps, rounds in cases:
+        held = hl.solve_many(grasps, solver=hl.Auto(search_seconds=0)).held.mean()
+        us = [1e6 * seconds(grasps, w, rounds) / len(grasps) for w in (1, cores)]
+        out[name] = us
+        table.add_row(name, f"{100 * held:.0f} %", *(f"{x:.1f}" for x in us), f"{us[0] / us[1]:.2f}")
+    one = easy[:300]
+    start = time.perf_counter()
+    for g in one:
+        g.solve()
+    out["alone"] = 1e6 * (time.perf_counter() - start) / len(one)
+    console.print(table)
+    console.print(f"One after the other by grasp.solve(): {out['alone']:.1f} µs a grasp")
+    return out

@@ -1,0 +1,345 @@
+"""`solve(accuracy=...)`: what it claims, against equilibria refined in extended precision; what it takes and costs."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp import accuracy as module
+from handlcp.grasp.assemble import assemble_contact
+from handlcp.grasp.force_error import force_error as estimate
+from handlcp.study.paper.examples import example
+from tests.benchmarks.force_truth import force_error, refine
+from tests.grasp.scenes import cube_example, pinch, ring
+from tests.hard_cases.scenes import around, backwards, fingers
+
+pytestmark = pytest.mark.skipif(
+    np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision on this machine to know the truth with"
+)
+
+
+def rings(count=6):
+    """Scenes that the cone holds, something slides in most of them."""
+    for seed in range(count):
+        contacts, data = ring(np.random.default_rng(seed), n=3 + seed % 3)
+        yield hl.Grasp(contacts, **data)
+
+
+def planar(mu=0.4):
+    flat = [hl.Contact((np.cos(t), np.sin(t)), (-np.cos(t), -np.sin(t)), hl.Coulomb(mu)) for t in (0.1, 2, 4)]
+    return hl.Grasp(flat, (1.0, -2.0, 0.1), flexibility=1e-3, preload=0.01)
+
+
+def smooth():
+    contacts, data = ring(np.random.default_rng(0), n=7, mu=0)
+    return hl.Grasp(contacts, **(data | {"wrench": None}))
+
+
+def with_effects():
+    for seed in (2, 7):
+        contacts, data = ring(np.random.default_rng(seed), n=4)
+        free = hl.Grasp(contacts, **data).solve("cone")
+        given = hl.PrescribedForce(1, free.forces[1] * 1.05)
+        every = free.normal_force.sum()
+        for effects in (
+            [hl.TotalForceBound(0.9 * every)],
+            [given],
+            [given, hl.TotalForceBound(2.0 * every)],
+            [hl.PrescribedForce(i, f) for i, f in enumerate(free.forces)],
+        ):
+            yield hl.Grasp(contacts, **data, effects=effects)
+
+
+def scenes():
+    paper = [example(k).grasp for k in (1, 2, 3, 5)]
+    return [*rings(), cube_example(), pinch(), pinch(mu=0.25, load=(0, 3, 3)), planar(), smooth(), *paper]
+
+
+def near(grasp, solution):
+    """True error of an answer: to the nearest of the cone equilibria that are found from it and without it."""
+    found = [grasp.solve("cone", hl.SemismoothNewton(), throw=False, start=solution), grasp.solve("cone", throw=False)]
+    truths = [refine(grasp, s) for s in found if s.held]
+    assert any(t.found for t in truths)
+    return min(force_error(solution.forces, t) for t in truths if t.found)
+
+
+def disturbed(rng, grasp, solution, by):
+    """The solution with its forces and its motion moved by a share of the natural units."""
+    units = grasp.scene.units
+    forces = solution.forces + by * units.force * rng.normal(size=solution.forces.shape) * (solution.forces != 0)
+    motion = units.motion * np.r_[rng.normal(size=3), rng.normal(size=3) / units.length]
+    return replace(solution, forces=forces, object_displacement=solution.object_displacement + by * motion)
+
+
+# ---------------------------------------------------------------- the truth
+def test_the_truth_is_the_closed_form_of_a_pinch_beyond_double_precision():
+    grasp = pinch(mu=0.5, squeeze=1e-3, load=(0, 0, -1.0))
+    truth = refine(grasp, grasp.solve("cone"))
+    # The squeeze 1e-3 as a float64 over the flexibility 1e-4 as a float64, exactly; the weight halves exactly
+    normal = np.longdouble(1e-3) / np.longdouble(1e-4)
+    assert abs(truth.forces[:, 2] / normal - 1).max() < 1e-18
+    assert abs(abs(truth.forces[:, 0]) - 0.5).max() < 1e-18
+    assert truth.found
+
+
+# ---------------------------------------------------------------- claims
+def test_claims_of_the_default_hold_and_the_cone_keeps_every_request():
+    for grasp in scenes():
+        for asked in (1e-1, 1e-6, 1e-11):
+            s = grasp.solve(accuracy=asked)
+            a = s.accuracy
+            assert a.met
+            assert a.asked == asked
+            assert a.solves == 1
+            assert a.setting in ("exact cone", "planar, exact", "exact, no friction")
+        assert near(grasp, s) <= 2 * a.error
+        assert near(grasp, s) <= asked
+
+
+def test_claims_of_pyramids_hold_and_the_requests_they_say_they_meet_are_met():
+    met = 0
+    for grasp in scenes():
+        for asked in (1e-1, 1e-2):
+            s = grasp.solve(accuracy=asked, solver=hl.Lemke(), throw=False)
+            if s.accuracy.error >= 0:
+                true = near(grasp, s)
+                assert true <= 2 * s.accuracy.error
+                assert true <= asked or not s.accuracy.met
+                met += s.accuracy.met
+    assert met > 20
+
+
+def test_claims_hold_with_effects_that_were_asked_for():
+    for grasp in with_effects():
+        s = grasp.solve(accuracy=1e-9)
+        assert near(grasp, s) <= 2 * s.accuracy.error <= 2e-9
+        pyramid = grasp.solve(accuracy=3e-2, solver=hl.Lemke())
+        assert "pyramid" in pyramid.accuracy.setting or not grasp.scene.rough
+        assert near(grasp, pyramid) <= min(2 * pyramid.accuracy.error, 3e-2)
+
+
+@pytest.mark.parametrize("solver", [hl.NSNGRK(), hl.SemismoothNewton(), hl.Auto(seed=3)])
+def test_any_solver_that_knows_cones_takes_the_cone(solver):
+    grasp = cube_example()
+    s = grasp.solve(accuracy=1e-10, solver=solver)
+    assert s.accuracy.setting == "exact cone"
+    assert near(grasp, s) <= 2 * s.accuracy.error
+
+
+@pytest.mark.parametrize("by", [1e-12, 1e-10, 1e-9])
+def test_estimates_follow_the_true_error_of_answers_that_are_less_than_exact(by):
+    rng = np.random.default_rng(0)
+    for grasp in rings():
+        s = disturbed(rng, grasp, grasp.solve("cone"), by)
+        claimed = estimate(assemble_contact(grasp.scene, hl.grasp.pyramid.Cone(), grasp.effects), s)
+        true = force_error(s.forces, refine(grasp, s))
+        assert true / 2 <= claimed <= 10 * true + 1e-11
+
+
+@pytest.mark.parametrize("seed", [*range(10), 527])
+def test_estimates_hold_where_contacts_are_about_to_change_their_state(seed):
+    """On the limit without slip, touching without force: which smooth piece of the laws holds is up to rounding.
+
+    Of 5000 such scenes, looking at one piece alone falls short of the true error in one, the last of these.
+    """
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(3, 7))
+    places = around(rng, n)
+    E = fingers(rng, n, pad=rng.choice([2e-4, 2e-6, 2e-8]) * np.ones(3))
+    mu = rng.choice([0.05, 0.3, 0.8])
+    states = rng.choice(("limit", "touch", "graze", "stick", "slide"), n)
+    states[:3] = rng.choice(("limit", "stick"), 3)
+    grasp = backwards("", rng, *places, mu, E, "cone", states=states).grasp()
+    answer = grasp.solve("cone", throw=False)
+    assert answer.held
+    problem = assemble_contact(grasp.scene, hl.grasp.pyramid.Cone(), grasp.effects)
+    for by in (0.0, 1e-12, 1e-10, 1e-9):
+        s = disturbed(rng, grasp, answer, by)
+        assert force_error(s.forces, refine(grasp, s)) <= estimate(problem, s)
+
+
+def test_estimates_know_that_levers_far_from_the_origin_are_rounded():
+    contacts, data = ring(np.random.default_rng(3))
+    errors = []
+    for far in (0.0, 100.0, 1e4):
+        moved = [hl.Contact(c.position + far, c.normal, c.friction, c.rotation[:, 0]) for c in contacts]
+        s = hl.Grasp(moved, **data, reference=(far,) * 3).solve(accuracy=1e-3)
+        errors.append(s.accuracy.error)
+    near_by = hl.Grasp(contacts, **data).solve("cone").forces
+    size = np.linalg.norm(near_by, axis=1).max()
+    assert np.linalg.norm(s.forces - near_by, axis=1).max() / size <= 2 * errors[2]
+    assert errors[0] < errors[1] < errors[2]
+
+
+# ---------------------------------------------------------------- settings
+def test_finer_requests_take_more_faces():
+    grasp = cube_example()
+    settings = [grasp.solve(accuracy=a, solver=hl.Lemke()).accuracy for a in (0.3, 5e-2, 1e-3)]
+    faces = [int(a.setting.split("-")[0]) for a in settings]
+    assert faces[0] == 4
+    assert faces == sorted(set(faces))
+    assert settings[0].solves < settings[2].solves
+
+
+def test_where_nothing_slides_the_fewest_faces_are_exact():
+    s = pinch().solve(accuracy=1e-9, solver=hl.Lemke())
+    assert s.accuracy.setting == "4-face inscribed pyramid"
+    assert s.accuracy.error < 1e-12
+
+
+def test_flat_and_frictionless_scenes_need_no_pyramids_whatever_the_solver():
+    for grasp, name in ((planar(), "planar, exact"), (smooth(), "exact, no friction")):
+        a = grasp.solve(accuracy=1e-9, solver=hl.Lemke()).accuracy
+        assert (a.setting, a.solves, a.bracket) == (name, 1, None)
+
+
+def test_a_coarse_answer_on_the_cone_is_refined_only_when_asked_to():
+    coarse = hl.NSNGRK(polish=False, tol=1e-9, max_iterations=200_000)
+    grasp = cube_example()
+    loose, tight = (grasp.solve(accuracy=a, solver=coarse) for a in (1e-3, 1e-12))
+    assert loose.accuracy.solves == 1
+    assert loose.accuracy.error > 1e-11
+    assert tight.accuracy.setting == "exact cone, more Newton steps"
+    assert near(grasp, loose) <= 2 * loose.accuracy.error
+    assert near(grasp, tight) <= 2 * tight.accuracy.error <= 2e-12
+
+
+class _ConesAlone:
+    """Knows friction as a set, and no plain problem."""
+
+    def propose_contact(self, problem, start=None):
+        return hl.SemismoothNewton().propose_contact(problem, start)
+
+
+def test_a_solver_of_cones_alone_is_enough():
+    a = cube_example().solve(accuracy=1e-9, solver=_ConesAlone()).accuracy
+    assert a.setting == "exact cone"
+    assert a.bracket.faces == 8
+
+
+class _BlindOnCones:
+    """Finds pyramids' answers, nothing on the cone."""
+
+    def propose(self, problem, start=None):
+        return hl.Lemke().propose(problem, start)
+
+    def propose_contact(self, problem, start=None):
+        return hl.lcp.Proposal(np.zeros(problem.n), 0, "nothing found")
+
+
+def test_the_cone_is_reached_from_a_pyramid_where_the_solver_does_not_find_it():
+    grasp = cube_example()
+    a = grasp.solve(accuracy=1e-6, solver=_BlindOnCones()).accuracy
+    assert a.setting == "exact cone, from the 4-face inscribed pyramid"
+    assert a.met
+    assert a.solves == 3
+
+
+@pytest.mark.parametrize("solver", [_BlindOnCones(), hl.Lemke()])
+def test_without_an_equilibrium_on_the_cone_nothing_is_claimed(solver, monkeypatch):
+    monkeypatch.setattr(module, "_NEWTON", _BlindOnCones())
+    s = cube_example().solve(accuracy=0.5, solver=solver, throw=False)
+    assert s.held
+    assert np.isnan(s.accuracy.error)
+    assert not s.accuracy.met
+    assert s.accuracy.bracket is None
+    with pytest.raises(hl.NoSolutionFound, match="no equilibrium on the cone"):
+        cube_example().solve(accuracy=0.5, solver=solver)
+
+
+# ---------------------------------------------------------------- what no setting keeps
+@pytest.mark.parametrize(("asked", "solver"), [(1e-8, hl.Lemke()), (1e-25, None)])
+def test_a_request_that_no_setting_keeps_raises_with_what_there_is(asked, solver):
+    grasp = cube_example()
+    with pytest.raises(hl.NoSolutionFound, match="no setting is shown") as caught:
+        grasp.solve(accuracy=asked, solver=solver)
+    s = caught.value.solution
+    assert s.held
+    assert not s.accuracy.met
+    again = grasp.solve(accuracy=asked, solver=solver, throw=False)
+    np.testing.assert_array_equal(again.forces, s.forces)
+    assert near(grasp, again) <= 2 * again.accuracy.error
+
+
+@pytest.mark.parametrize("solver", [None, hl.Lemke()])
+def test_a_proof_that_nothing_holds_passes_unchanged(solver):
+    contacts = [hl.Contact((x, 0, 0), (0, 0, 1), hl.Coulomb(0.3)) for x in (0, 0.1)]
+    grasp = hl.Grasp(contacts, (0, 0, 5.0, 0, 0, 0), flexibility=1e-4)  # fingers below cannot hold it down
+    s = grasp.solve(accuracy=1e-3, solver=solver, throw=False)
+    plain = grasp.solve("cone", throw=False)
+    assert s.status is plain.status is hl.Status.NOT_HOLDABLE
+    np.testing.assert_array_equal(s.certificate, plain.certificate)
+    assert np.isnan(s.accuracy.error)
+    with pytest.raises(hl.NoSolutionFound):
+        grasp.solve(accuracy=1e-3, solver=solver)
+
+
+def test_a_proof_of_no_equilibrium_passes_unchanged():
+    s = pinch(squeeze=0.0).solve(accuracy=1e-3, throw=False)
+    assert s.status is hl.Status.NO_EQUILIBRIUM
+    assert s.required_preload > 0
+    assert not s.accuracy.met
+
+
+@pytest.mark.parametrize("bad", [0, -1e-3, np.nan, np.inf, "fine", True, [1e-3]])
+def test_an_accuracy_is_a_number_above_zero(bad):
+    with pytest.raises(hl.InputError, match="accuracy"):
+        pinch().solve(accuracy=bad)
+
+
+@pytest.mark.parametrize("bad", [hl.Lemke, hl.NSNGRK, "Lemke", 8])
+def test_a_solver_is_a_solver(bad):
+    with pytest.raises(hl.InputError, match="solver"):
+        pinch().solve(accuracy=1e-3, solver=bad)
+
+
+# ---------------------------------------------------------------- bracket
+def test_brackets_say_of_every_contact_whether_the_cone_lies_between():
+    held = []
+    for grasp in [*rings(), cube_example()]:
+        for solver in (None, hl.Lemke()):
+            a = grasp.solve(accuracy=5e-2, solver=solver, throw=False).accuracy
+            b = a.bracket
+            assert b is a.bracket
+            lower, upper = b.normal.T
+            if solver is None:
+                assert b.faces == 8
+                np.testing.assert_array_equal(b.cone, grasp.solve("cone").forces)
+            else:
+                assert a.setting.startswith(f"{b.faces}-face")
+            assert (lower <= upper).all()
+            outside = np.maximum(lower - b.cone[:, 2], b.cone[:, 2] - upper)
+            np.testing.assert_array_equal(b.within, outside <= 1e-8 * abs(b.cone).max())
+            assert b.holds == b.within.all()
+            held.append(b.holds)
+    assert any(held)
+    assert not all(held)
+
+
+# ---------------------------------------------------------------- the rest
+def test_solutions_say_what_they_cost_and_can_be_pickled():
+    s = cube_example().solve(accuracy=1e-3)
+    assert 0 < s.accuracy.seconds < 60
+    assert s.trace[-1] == f"accuracy: {s.accuracy}"
+    assert "exact cone, 1 solve" in str(s.accuracy)
+    copy = pickle.loads(pickle.dumps(s))
+    assert copy.accuracy.error == s.accuracy.error
+    np.testing.assert_array_equal(copy.accuracy.bracket.inscribed, s.accuracy.bracket.inscribed)
+
+
+def test_forces_are_those_of_a_plain_solve_on_the_cone():
+    for grasp in rings(3):
+        np.testing.assert_array_equal(grasp.solve(accuracy=1e-3).forces, grasp.solve("cone").forces)
+
+
+def test_a_hands_grasp_keeps_its_torques():
+    hand = hl.example_hand("three_finger")
+    ball = hl.Sphere(radius=0.03, placement=(0, 0, 0.08), mass=0.2)
+    grasp = hand.at(hand.close_on(ball)).grasp(ball, friction=hl.Coulomb(0.6), preload=0.02)
+    s = grasp.solve(accuracy=1e-9)
+    assert s.accuracy.met
+    np.testing.assert_array_equal(s.torques, grasp.solve("cone").torques)
