@@ -23,7 +23,7 @@ from handlcp.lcp.kernels.contact import prepare
 from handlcp.lcp.solvers.contact_run import run
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, RANK, SOLVE
 
-__all__ = ["HEAD", "Pattern", "answer", "answer_width", "answers", "scene_width"]
+__all__ = ["HEAD", "Pattern", "answer_width", "answers", "scene_width"]
 
 
 class Pattern(NamedTuple):
@@ -61,89 +61,95 @@ def scene_width(n: int, dof: int) -> int:
 
 
 def answer_width(n: int, unknowns: int) -> int:
-    """Numbers of an answer: head; forces, twist and centre (where the next may start); world forces, motion, kind,
-    faces, turn; x.
-    """
-    return HEAD + 3 * n + 9 + 6 * n + 6 * n + unknowns
-
-
-@kernel
-def answer(scene: Array, p: Pattern, start: Array, seed: int, row: Array) -> None:
-    """Write the answer to `scene` into `row`, from `start` (3n + 9: forces, twist and centre of another answer) or,
-    where that is empty or leads nowhere, from where every contact sticks.
-    """
-    n, dof = len(p.governed), p.dof
-    positions, at = scene[: 3 * n].reshape(n, 3), 3 * n
-    frames, at = scene[at : at + 9 * n].reshape(n, 3, 3), at + 9 * n
-    E, at = scene[at : at + 9 * n * n].reshape(3 * n, 3 * n), at + 9 * n * n
-    offset, at = scene[at : at + 3 * n].reshape(n, 3), at + 3 * n
-    force, moment, at = scene[at : at + 3], scene[at + 3 : at + 6], at + 6
-    limits, at = scene[at : at + n], at + n
-    freedom = scene[at : at + 6 * dof].reshape(dof, 6)
-    unit, length, motion, centre, arms, wrench, blocks = resolve(
-        positions, frames, E, offset, force, moment, freedom, p.unknown
-    )
-    G, every, soft, d, w = blocks
-
-    normal, count, tangent, u, size = p.at
-    M, q = np.zeros((size, size)), np.zeros(size)
-    forces_at = (normal, count, tangent)
-    couple(M, u, forces_at, G)
-    q[u : u + dof] += w
-    q[normal : normal + count] += d[:count]
-    q[tangent : tangent + len(p.tangent)] += d[count:]
-    if p.flexible:
-        add_at(M, forces_at, soft)
-
-    rough = limits[p.rough]
-    order, starts, own, side, below, moved, role, rho, places = prepare(M, q, p.role, p.blocks)
-    x, steps, newton, r = np.zeros(size), 0, 0, np.inf
-    if len(start) > 0:
-        _begin(x, start, p, freedom, unit, length, motion, centre)
-        steps, newton, r = run(
-            M, order, starts, own, side, below, moved, role, rho, places, rough, p.faces,
-            x, False, seed, 0, True, SOLVE * 1e-2, RANK,
-        )  # fmt: skip
-    if not r <= SOLVE:
-        x[:] = 0.0
-        steps, more, r = run(
-            M, order, starts, own, side, below, moved, role, rho, places, rough, p.faces,
-            x, True, seed, p.most, True, SOLVE * 1e-2, RANK,
-        )  # fmt: skip
-        newton += more
-
-    forces, u_free = in_si(x, p.normal, normal, p.tangent, tangent, n, u, dof, unit, motion, length)
-    twist = np.dot(u_free, freedom)
-    v, values = examine(
-        arms, frames, E, offset, forces, twist, wrench, limits, p.governed, p.faces, length, unit, 1e-12 * motion,
-        GROWTH,
-    )  # fmt: skip
-    row[0], row[1], row[2] = steps, newton, r
-    row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = values
-    row[11], row[12], row[13], row[14] = unit, length, motion, 0.0
-    at = HEAD
-    at = _put(row, at, forces)
-    at = _put(row, at, twist)
-    at = _put(row, at, centre)
-    at = _put(row, at, to_world(frames, forces))
-    at = _put(row, at, v)
-    if max(values[2], values[3], values[4], values[5]) <= CERTIFY:
-        slow = ACTIVE * max(values[7], motion)
-        kind, faces, turn = classify_contacts(
-            forces, v, limits, p.normals, p.faces == 0, dof == 3, ACTIVE * values[6], slow
-        )
-        row[14] = _unique(every, E, unit / motion, kind, faces, turn, limits, dof == 3)
-        for i in range(n):
-            row[at + i], row[at + 5 * n + i] = kind[i], turn[i]
-        _put(row, at + n, faces)
-    _put(row, at + 6 * n, x)
+    """Numbers of an answer: head; forces, twist, centre (where the next may start); world forces, motion, kind; x."""
+    return HEAD + 3 * n + 9 + 6 * n + n + unknowns
 
 
 @kernel
 def answers(scenes: Array, p: Pattern, start: Array, seed: int, rows: Array) -> None:
-    """`answer` for each row of scenes (m, `scene_width`) into rows (m, `answer_width`), each from the same start."""
+    """Write the answer to each row of scenes (m, `scene_width`) into rows (m, `answer_width`).
+
+    start (3n + 9) : forces, twist and centre of an answer nearby. Where that is empty or leads nowhere, a solve begins
+    where every contact sticks.
+    """
+    n, dof = len(p.governed), p.dof
+    normal, _, tangent, u, size = p.at
     for k in range(len(scenes)):
-        answer(scenes[k], p, start, seed, rows[k])
+        row = rows[k]
+        positions, frames, E, offset, force, moment, limits, freedom = _read(scenes[k], n, dof)
+        unit, length, motion, centre, arms, wrench, blocks = resolve(
+            positions, frames, E, offset, force, moment, freedom, p.unknown
+        )
+        M, q = _stamped(p, blocks)
+        order, starts, own, side, below, moved, role, rho, places = prepare(M, q, p.role, p.blocks)
+        x, steps, newton, r = np.zeros(size), 0, 0, np.inf
+        for cold in range(0 if len(start) > 0 else 1, 2):
+            if r <= SOLVE:
+                break
+            x[:] = 0.0
+            if cold == 0:
+                _begin(x, start, p, freedom, unit, length, motion, centre)
+            steps, more, r = run(
+                M, order, starts, own, side, below, moved, role, rho, places, limits[p.rough], p.faces,
+                x, cold == 1, seed, p.most * cold, True, SOLVE * 1e-2, RANK,
+            )  # fmt: skip
+            newton += more
+        forces, free = in_si(x, p.normal, normal, p.tangent, tangent, n, u, dof, unit, motion, length)
+        twist = np.dot(free, freedom)
+        v, values = examine(
+            arms, frames, E, offset, forces, twist, wrench, limits, p.governed, p.faces, length, unit, 1e-12 * motion,
+            GROWTH,
+        )  # fmt: skip
+        row[0], row[1], row[2] = steps, newton, r
+        row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = values
+        row[11], row[12], row[13], row[14] = unit, length, motion, 0.0
+        at = _put(row, HEAD, forces)
+        at = _put(row, at, twist)
+        at = _put(row, at, centre)
+        at = _put(row, at, to_world(frames, forces))
+        at = _put(row, at, v)
+        if max(values[2], values[3], values[4], values[5]) <= CERTIFY:
+            slow = ACTIVE * max(values[7], motion)
+            kind, faces, turn = classify_contacts(
+                forces, v, limits, p.normals, p.faces == 0, dof == 3, ACTIVE * values[6], slow
+            )
+            row[14] = _unique(blocks[1], E, unit / motion, kind, faces, turn, limits, dof == 3)
+            for i in range(n):
+                row[at + i] = kind[i]
+        _put(row, at + n, x)
+
+
+@kernel
+def _read(scene: Array, n: int, dof: int) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array]:
+    """Positions, frames, flexibility, offset, force, moment, limits, freedom, as views of the scene's row."""
+    a = 12 * n
+    b = a + 9 * n * n
+    c = b + 3 * n + 6
+    return (
+        scene[: 3 * n].reshape(n, 3),
+        scene[3 * n : a].reshape(n, 3, 3),
+        scene[a:b].reshape(3 * n, 3 * n),
+        scene[b : b + 3 * n].reshape(n, 3),
+        scene[c - 6 : c - 3],
+        scene[c - 3 : c],
+        scene[c : c + n],
+        scene[c + n :].reshape(dof, 6),
+    )
+
+
+@kernel
+def _stamped(p: Pattern, blocks: tuple[Array, Array, Array, Array, Array]) -> tuple[Array, Array]:
+    """M and q: balance, gaps, tangential offsets and flexibility, as the effects stamp them."""
+    G, _, soft, d, w = blocks
+    normal, count, tangent, u, size = p.at
+    M, q = np.zeros((size, size)), np.zeros(size)
+    couple(M, u, (normal, count, tangent), G)
+    q[u : u + p.dof] += w
+    q[normal : normal + count] += d[:count]
+    q[tangent : tangent + len(p.tangent)] += d[count:]
+    if p.flexible:
+        add_at(M, (normal, count, tangent), soft)
+    return M, q
 
 
 @kernel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer import HEAD, Pattern, answer, answer_width, scene_width
+from handlcp.grasp.answer import HEAD, Pattern, answer_width, answers, scene_width
 from handlcp.grasp.assemble import design
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import Residuals, Verdict
@@ -55,7 +55,7 @@ def kind_of(scene: Scene, section: Section) -> Kind:
 
 
 def pack(scene: Scene, section: Section, row: Array) -> None:
-    """Write the scene's numbers into a row, in the order in which `answer` reads them."""
+    """Write the scene's numbers into a row, in the order in which `answers` reads them."""
     n = scene.n
     a, b = 3 * n, 12 * n
     c = b + 9 * n * n
@@ -73,17 +73,17 @@ _SPATIAL = np.eye(6).reshape(-1)
 def find(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> Found:
     """The first stage's answer, certified or not; start as in `start_at`."""
     kind = kind_of(scene, section)
-    numbers, row = np.empty(kind.scene_width), np.empty(kind.answer_width)
-    pack(scene, section, numbers)
-    answer(numbers, kind.pattern, start, seed, row)
-    return Found(kind, row)
+    numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
+    pack(scene, section, numbers[0])
+    answers(read_only(numbers), kind.pattern, start, seed, rows)
+    return Found(kind, rows[0])
 
 
 def start_at(forces: Array, twist: Array, centre: Array) -> Array:
     """(3n + 9,) where to start: forces (n, 3) N, contact axes, and the twist (6,) about centre (3,), of another
     answer.
     """
-    return np.concatenate([forces.reshape(-1), twist, centre])
+    return read_only(np.concatenate([forces.reshape(-1), twist, centre]))
 
 
 class Found:

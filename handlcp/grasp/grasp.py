@@ -100,8 +100,8 @@ class Grasp:
         """Take over arrays that are known to be sound (a hand's are, by construction)."""
         self.contacts, self.effects, self.reference = contacts, effects, reference
         prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
-        moment = wrench[3:] + cross_rows(reference, wrench[:3])
-        mu = np.array([c.mu for c in contacts])
+        moment = read_only(wrench[3:] + cross_rows(reference, wrench[:3]))
+        mu = read_only(np.array([c.mu for c in contacts]))
         self.scene = Scene(
             read_only(positions),
             read_only(frames),

@@ -14,14 +14,14 @@ from handlcp.errors import InputError
 from handlcp.grasp.answer import answers
 from handlcp.grasp.first import NOWHERE, Found, Kind, kind_of, pack
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.processes import one_by_one
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.solution import GraspSolution
-from handlcp.grasp.solving import solve, stages
 from handlcp.lcp import Auto, ContactSolver, Solver, Status, as_chain
 
 __all__ = ["Solutions", "solve_many"]
 
-_CHUNK = 128  # grasps that a thread takes at a time: long beside the handing over, short beside the whole
+_CHUNK = 256  # grasps that a thread takes at a time: long beside the handing over, short beside the whole
 
 
 class Solutions(Sequence[GraspSolution]):
@@ -70,61 +70,61 @@ def solve_many(
 ) -> Solutions:
     """The solution of each grasp, as its own `solve(faces, solver, throw=False)` gives it, whatever the workers.
 
-    workers : threads; None: one a core. Compiled code, which is most of the work, runs side by side. progress : called
-    with (grasps done, all grasps) from time to time.
+    workers : how many at a time; None: one a core. progress : called with (grasps done, all grasps) from time to time.
 
-    One grasp after the other takes part in one matrix a kind of scene: what remains of Python is little. Grasps that
-    the first stage does not answer go through the later ones alone, and of those, searches of seconds are the price of
-    a proof: `Auto(search_seconds=0)` does without. Raises InputError for anything but grasps.
+    The solver's first stage takes grasps of one kind as the rows of a matrix, in threads, a few ten microseconds each.
+    What it leaves goes through the later stages one by one, and, where that takes seconds, in processes. Most of the
+    time then goes into searches for a proof that nothing holds: `Auto(search_seconds=0)` does without them.
+    Raises InputError for anything but grasps.
     """
-    all_ = tuple(grasps)
-    for k, g in enumerate(all_):
+    every = tuple(grasps)
+    for k, g in enumerate(every):
         if not isinstance(g, Grasp):
             raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])
     count = (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
     either = {planar: as_section(faces, planar=planar) for planar in (False, True)}
-    sections = [either[g.scene.plane is not None] for g in all_]
-    found: list[Any] = [None] * len(all_)
-    parts = [range(at, min(at + _CHUNK, len(all_))) for at in range(0, len(all_), _CHUNK)]
-    if parts:  # the first compiles what is not compiled yet: once is enough
-        _part(all_, sections, solver, parts[0], found)
-    done = len(parts[0]) if parts else 0
-    with ThreadPoolExecutor(count) as pool:
-        for size in pool.map(lambda part: _part(all_, sections, solver, part, found), parts[1:]):
-            if progress is not None:
-                progress(done, len(all_))
-            done += size
-    if progress is not None:
-        progress(done, len(all_))
-    return Solutions(all_, sections, found)
+    sections = [either[g.scene.plane is not None] for g in every]
+    found: list[Any] = [None] * len(every)
+    done = 0
+
+    def say(more: int) -> None:
+        nonlocal done
+        done += more
+        if progress is not None and (more or not every):
+            progress(done, len(every))
+
+    if (chain := as_chain(solver)) is not None:
+        parts = [range(at, min(at + _CHUNK, len(every))) for at in range(0, len(every), _CHUNK)]
+        with ThreadPoolExecutor(count) as pool:  # starts no thread before the first is asked for
+            spread = map if count == 1 or len(parts) == 1 else pool.map
+            for solved in spread(lambda part: _first_stage(every, sections, chain, part, found), parts):
+                say(solved)
+    left = [k for k, answer in enumerate(found) if answer is None]
+    rest = one_by_one([every[k] for k in left], [sections[k] for k in left], solver, count)
+    for k, solution in zip(left, rest, strict=True):
+        found[k] = solution
+        say(1)
+    return Solutions(every, sections, found)
 
 
-def _part(
-    grasps: Sequence[Grasp],
-    sections: Sequence[Section],
-    solver: Solver | ContactSolver | Auto | None,
-    part: range,
-    found: list[Any],
+def _first_stage(
+    grasps: Sequence[Grasp], sections: Sequence[Section], chain: Auto, part: range, found: list[Any]
 ) -> int:
-    """Solve some of the grasps into their places; returns how many."""
-    chain = as_chain(solver)
+    """Put what the first stage answers in its places; returns how many those are."""
     kinds: dict[int, tuple[Kind, list[int]]] = {}
     for k in part:
-        grasp, section = grasps[k], sections[k]
-        if chain is None or grasp.effects:
-            found[k] = solve(grasp, section, solver, throw=False)
-        else:
-            kind = kind_of(grasp.scene, section)
+        if not grasps[k].effects:
+            kind = kind_of(grasps[k].scene, sections[k])
             kinds.setdefault(id(kind), (kind, []))[1].append(k)
+    solved = 0
     for kind, members in kinds.values():
         scenes = np.empty((len(members), kind.scene_width))
         for row, k in zip(scenes, members, strict=True):
             pack(grasps[k].scene, sections[k], row)
         rows = np.empty((len(members), kind.answer_width))
-        assert chain is not None
-        answers(scenes, kind.pattern, NOWHERE, chain.seed, rows)
+        answers(read_only(scenes), kind.pattern, NOWHERE, chain.seed, rows)
         for row, k in zip(read_only(rows), members, strict=True):
-            first = Found(kind, row)
-            passes = first.passes
-            found[k] = first if passes else stages(grasps[k], sections[k], solver, False, NOWHERE, first.proposal)
-    return len(part)
+            if (answer := Found(kind, row)).passes:
+                found[k] = answer
+                solved += 1
+    return solved

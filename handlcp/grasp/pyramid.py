@@ -46,7 +46,7 @@ class Pyramid:
 
     def limit(self, mu: Array) -> Array:
         """(n,) distance of the faces from the axis, per newton of normal force [-]."""
-        return mu * math.cos(math.pi / self.faces) if self.inscribed else mu
+        return read_only(mu * math.cos(math.pi / self.faces)) if self.inscribed else mu
 
     @property
     def name(self) -> str:

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints
+from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.natural import resolve, wrench_map
 from handlcp.grasp.units import GraspUnits
 from handlcp.lazy import lazy
@@ -84,7 +84,7 @@ class Scene:
         W[0, :3], W[1, :3], W[2, 3:] = a, cross_rows(self.plane, a), self.plane
         if abs(self.plane[2]) == 1.0:  # the xy plane keeps the user's own axes
             W[0, :3], W[1, :3] = (1, 0, 0), (0, self.plane[2], 0)
-        return W
+        return read_only(W)
 
     @property
     def dof(self) -> int:
@@ -165,7 +165,7 @@ class Natural:
     split: int
 
 
-_SPATIAL = np.eye(6)
+_SPATIAL = read_only(np.eye(6))
 
 
 # Index arrays depend on the pattern of contacts alone: a hand in many postures meets the same few again and again

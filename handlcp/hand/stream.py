@@ -10,7 +10,7 @@ import pinocchio as pin
 from handlcp.check import Array, array, integer, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
-from handlcp.grasp.answer import answer
+from handlcp.grasp.answer import answers
 from handlcp.grasp.changed import changed
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
@@ -45,10 +45,11 @@ class GraspStream:
         section = as_section(faces, planar=scene.plane is not None)
         self._kind = kind_of(scene, section)
         self._seed = integer("seed", seed, 0)
-        self._first, self._numbers, self._start = grasp, np.empty(self._kind.scene_width), NOWHERE
-        pack(scene, section, self._numbers)
+        self._first, self._numbers, self._start = grasp, np.empty((1, self._kind.scene_width)), NOWHERE
+        pack(scene, section, self._numbers[0])
+        self._scene = read_only(self._numbers.view())
         ends = np.cumsum([3 * n, 9 * n, 9 * n * n, 3 * n, 3, 3]).tolist()
-        p, R, E, d, f, m = np.split(self._numbers, ends)[:6]  # views: what is written there is what is solved
+        p, R, E, d, f, m = np.split(self._numbers[0], ends)[:6]  # views: what is written there is what is solved
         self._positions, self._frames = p.reshape(n, 3), R.reshape(n, 3, 3)
         self._flexibility, self._offset, self._force, self._moment = E.reshape(3 * n, 3 * n), d.reshape(n, 3), f, m
         self._posture = _Posture(grasp) if isinstance(grasp, HandGrasp) else None
@@ -86,9 +87,9 @@ class GraspStream:
             self._frames[:] = axes
         if self._posture is not None and (posture is not None or points is not None or axes is not None):
             self._posture.move(posture, self._positions, self._frames, self._flexibility)
-        row = np.empty(self._kind.answer_width)
-        answer(self._numbers, self._kind.pattern, self._start, self._seed, row)
-        found = Found(self._kind, row)
+        rows = np.empty((1, self._kind.answer_width))
+        answers(self._scene, self._kind.pattern, self._start, self._seed, rows)
+        found = Found(self._kind, rows[0])
         passes = found.passes
         self._start = found.start if passes else NOWHERE
         joints = None if self._posture is None else self._posture.torques(found.forces)

@@ -40,17 +40,10 @@ def limits(
     out.append(("warm stream, posture → torques / bare Pinocchio", times[names[1]] / times[names[0]], "≤", 40.0))
     out.append(("bytes an update, by which the process grows", bytes_, "≤", 0.1))
     counts = [v for v in sweeps.values() if isinstance(v, list)][:-1]
-    out.append(
-        (f"solve_many, 1 core / {sweeps['cores']} cores, largest sweep", counts[-1][0] / counts[-1][1], "≥", 1.7)
-    )
-    out.append(
-        (
-            "… cost a grasp, dearest / cheapest count, 1 core",
-            max(c[0] for c in counts) / min(c[0] for c in counts),
-            "≤",
-            1.2,
-        )
-    )
+    one, all_ = counts[-1]
+    out.append((f"solve_many, 1 core / {sweeps['cores']} cores, largest sweep", one / all_, "≥", 1.7))
+    single = [c[0] for c in counts]
+    out.append(("… cost a grasp, dearest / cheapest count, 1 core", max(single) / min(single), "≤", 1.2))
     return out
 
 

@@ -23,9 +23,10 @@ from rich.console import Console
 from rich.table import Table
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.certify import judge
-from handlcp.lcp import proposals
+from handlcp.check import read_only
+from handlcp.grasp.answer import answers
+from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
+from handlcp.grasp.pyramid import as_section
 from handlcp.lcp.kernels.kaczmarz import kaczmarz
 
 FACES = 8
@@ -70,34 +71,31 @@ def main_job(console: Console) -> None:
 
     state = hand.at(q)
     g = grasp(state)
-    solution = g.solve(FACES)
-    pyramid = hl.Pyramid(FACES)
-    effects = assemble_contact(g.scene, pyramid, ()).effects
-
-    def fresh():
-        return assemble_contact(grasp(state).scene, pyramid, ())
-
-    problem = assemble_contact(g.scene, pyramid, ())
-    _, proposal = next(proposals(problem))
-    candidate = problem.candidate(proposal.z)
-    verdict = judge(g.scene, effects, pyramid, candidate)
+    section, scene = as_section(FACES), g.scene
+    kind = kind_of(scene, section)
+    numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
+    pack(scene, section, numbers[0])
+    given = read_only(numbers.view())
+    answers(given, kind.pattern, NOWHERE, 0, rows)
+    found, stream = Found(kind, rows[0].copy()), hl.GraspStream(g, FACES)
 
     one = median_us(bare)
     rows = [
         ("bare Pinocchio: FK, joint Jacobians, 5 frame Jacobians", one),
         ("hand.at(q): FK, Jacobians, E at the tips", median_us(lambda: hand.at(q))),
         ("state.grasp(contacts): J and E at the contacts, contact axes", median_us(lambda: grasp(state))),
-        ("assembly: effects stamped", median_us(fresh) - median_us(lambda: grasp(state))),
-        (f"solver: {solution.trace[-1].split(',')[0]}", median_us(lambda: next(proposals(problem)))),
-        ("back to forces and motion", median_us(lambda: problem.candidate(proposal.z))),
-        ("certificate", median_us(lambda: judge(g.scene, effects, pyramid, candidate))),
+        ("the scene as a row of numbers", median_us(lambda: pack(scene, section, numbers[0]))),
         (
-            "states, uniqueness, torques, limits",
-            median_us(lambda: g._solution(effects, pyramid, candidate, verdict, 1, ())),
+            "units, stamps, solver, certificate, states: one call",
+            median_us(lambda: answers(given, kind.pattern, NOWHERE, 0, rows)),
         ),
+        ("the answer in SI, torques, limits", median_us(lambda: g._answered(section, found))),
     ]
     total = median_us(whole)
-    table = Table(title=f"posture → torques, five fingers, {FACES} faces, {problem.n} unknowns", title_justify="left")
+    table = Table(
+        title=f"posture → torques, five fingers, {FACES} faces, {kind.design.layout.size} unknowns",
+        title_justify="left",
+    )
     for name in ("step", "µs", "× bare"):
         table.add_column(name, justify="left" if name == "step" else "right")
     for name, us in rows:
@@ -107,6 +105,8 @@ def main_job(console: Console) -> None:
         "sum of the parts", f"{sum(us for _, us in rows[1:]):.1f}", f"{sum(us for _, us in rows[1:]) / one:.1f}"
     )
     table.add_row("the whole call, measured as one", f"{total:.1f}", f"{total / one:.1f}", style="bold")
+    update = median_us(lambda: stream.update(q, wrench=load).torques)
+    table.add_row("the same as an update of a stream", f"{update:.1f}", f"{update / one:.1f}", style="bold")
     detect = median_us(lambda: hand.at(q).grasp(ball, hl.Coulomb(0.6)).solve(FACES), 200)
     table.add_row("the same with contact detection by coal", f"{detect:.1f}", f"{detect / one:.1f}")
     console.print(table)

@@ -41,16 +41,16 @@ def seconds(grasps: list[hl.Grasp], workers: int, rounds: int) -> float:
 def measure(console: Console, most: int = 100_000) -> dict[str, Any]:
     """Print and return µs a grasp by (count, workers), and the same where a part of the grasps is hard."""
     cores = os.cpu_count() or 1
-    easy = sweep(most, 0.5)
+    easy = sweep(most, 0.3)
     hl.solve_many(easy[:10], workers=1)
     out: dict[str, Any] = {"cores": cores}
     table = plain_table(
         f"solve_many: five fingers, 8 faces, µs a grasp, on 1 and on {cores} cores", "grasps", "held", "1 core",
-        f"{cores} cores", "× less", caption="Loads of half a newton, which the first stage answers; then loads of two "
-        "newtons, many of which nothing holds, with all stages but the search.",
+        f"{cores} cores", "× less", caption="Loads of 0.3 N, which the first stage answers; then of 2 N, many of which "
+        "cannot be held, with all stages but the search: those go to processes.",
     )  # fmt: skip
-    cases = [(f"{m:,}", easy[:m], max(1, 3 if m <= 10_000 else 1)) for m in COUNTS if m <= most]
-    cases.append(("300 hard", sweep(300, 2.0), 1))
+    cases = [(f"{m:,}", easy[:m], 20 if m < 1_000 else 3) for m in COUNTS if m <= most]
+    cases.append(("1,000 hard", sweep(1_000, 2.0), 1))
     for name, grasps, rounds in cases:
         held = hl.solve_many(grasps, solver=hl.Auto(search_seconds=0)).held.mean()
         us = [1e6 * seconds(grasps, w, rounds) / len(grasps) for w in (1, cores)]

@@ -1,4 +1,4 @@
-"""What following a grasp costs: posture → torques, update by update, beside bare Pinocchio; and whether memory grows."""
+"""What following a grasp costs: posture → torques, update by update, beside bare Pinocchio; does memory grow?"""
 
 from __future__ import annotations
 

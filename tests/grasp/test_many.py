@@ -52,6 +52,22 @@ def test_a_hands_grasps_come_back_with_torques():
         np.testing.assert_array_equal(s.torques, g.solve().torques)
 
 
+def test_what_takes_long_goes_through_processes_and_comes_back_the_same(monkeypatch):
+    monkeypatch.setattr("handlcp.grasp.processes._ALONE", 0.0)
+    grasps = [g for g in mixture() if not g.solve(8, QUICK, throw=False).held or g.effects]
+    assert len(grasps) > 4
+    hand = hl.example_hand("five_finger")
+    ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
+    grasps.append(hand.at(hand.close_on(ball)).grasp(ball))
+    for g, s in zip(grasps, hl.solve_many(grasps, 8, QUICK, workers=2), strict=True):
+        alone = g.solve(8, QUICK, throw=False)
+        assert type(s) is type(alone)
+        assert (s.status, s.trace, s.diagnosis) == (alone.status, alone.trace, alone.diagnosis)
+        np.testing.assert_array_equal(s.forces, alone.forces)
+        assert not s.forces.flags.writeable
+        assert s.scene is g.scene
+
+
 def test_any_solver_will_do():
     grasps = [pinch(), cube_example()]
     for g, s in zip(grasps, hl.solve_many(grasps, solver=hl.Lemke()), strict=True):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from handlcp.check import Array, Ints
@@ -17,8 +19,9 @@ from handlcp.tolerances import RANK, SOLVE
 
 __all__ = ["run_contact"]
 
-_ON_DISC, _DISC_STEPS = 1e-2, 8  # how well the disc's answer has to be known to name a polygon's faces
-_STEPS = 12  # Newton runs that end well take half as many
+_ON_DISC = 1e-2  # how well the disc's answer has to be known to name a polygon's faces
+# int64, no literals: kernels are compiled for each literal anew
+_DISC_STEPS, _STEPS = cast(int, np.int64(8)), cast(int, np.int64(12))  # Newton runs that end well take half as many
 # Which contacts Newton's next step takes for sticking depends on ρ: where it fails with the stiffness of each contact,
 # other scales lead elsewhere, from there and from where Kaczmarz steps have come
 _SCALES = (0.03, 0.3, 1.0)
