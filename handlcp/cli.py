@@ -73,6 +73,9 @@ def solve(
         str | None, typer.Option("--faces", help="Faces of the friction pyramids, over the file's.")
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Of the solver, over the file's.")] = None,
+    accuracy: Annotated[
+        float | None, typer.Option("--accuracy", help="Force error that will do, in place of faces: such as 1e-3.")
+    ] = None,
 ) -> None:
     """Solve a scene: effects, contacts, joint torques, verdict. Exit status 0 held, 1 not held, 2 bad input.
 
@@ -85,11 +88,15 @@ def solve(
     from handlcp.show.verdict import verdict
 
     file = scenes.load(scene)
-    sides = file.solve_with.faces if faces is None else _faces(faces)
+    sides: Any = "cone" if accuracy is not None else file.solve_with.faces
+    if faces is not None:
+        if accuracy is not None:
+            raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
+        sides = _faces(faces)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
     explanation = grasp.explain(sides)
-    solution = grasp.solve(sides, solver, throw=False)
+    solution = grasp.solve(None if accuracy is not None else sides, solver, throw=False, accuracy=accuracy)
     judged = verdict(grasp, solution)
     if plot is not None:
         from handlcp.show.picture import save
@@ -109,6 +116,9 @@ def solve(
         else:
             out.print()
         out.print(Text.assemble((f"{judged.word}: ", f"bold {judged.colour}"), f"{judged.text}."))
+        if (reached := solution.accuracy) is not None and solution.held:
+            style = "green" if reached.met else "bold red"
+            out.print(Text.assemble(("Accuracy: ", style), f"{reached}{'' if reached.met else ': not shown to keep it'}."))
         for note in judged.notes:
             out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
         if plot is not None:

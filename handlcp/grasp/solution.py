@@ -113,5 +113,7 @@ class GraspSolution:
                 f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"
             )
             lines.append(f"  {self.uniqueness}; worst relative residual {self.residuals.worst:.1e}")
+            if self.accuracy is not None:
+                lines.append(f"  {self.accuracy}")
         lines.append(f"  {self.diagnosis}")
         return "\n".join(lines)

@@ -51,6 +51,7 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                 "required_preload_m": solution.required_preload,
                 "proven_within": bounds,
                 "extra": solution.extra,
+                "accuracy": _accuracy(solution),
                 "iterations": solution.iterations,
                 "trace": solution.trace,
                 "versions": {
@@ -112,6 +113,16 @@ def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
         }
         for r in check
     ]
+
+
+def _accuracy(solution: GraspSolution) -> dict[str, Any] | None:
+    """What was asked for and reached."""
+    a = solution.accuracy
+    if a is None:
+        return None
+    return {
+        "asked": a.asked, "error": a.error, "met": a.met, "setting": a.setting, "solves": a.solves, "seconds": a.seconds
+    }  # fmt: skip
 
 
 def _torque(grasp: Grasp) -> Any:

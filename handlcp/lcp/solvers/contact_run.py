@@ -17,7 +17,7 @@ from handlcp.lcp.kernels.kaczmarz import multiply_add
 from handlcp.lcp.result import Proposal
 from handlcp.tolerances import RANK, SOLVE
 
-__all__ = ["run_contact"]
+__all__ = ["run", "run_contact"]
 
 _ON_DISC = 1e-2  # how well the disc's answer has to be known to name a polygon's faces
 # int64, no literals: kernels are compiled for each literal anew
