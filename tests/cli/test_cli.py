@@ -238,3 +238,20 @@ def test_a_closed_stdout_is_no_crash():
     command = f"'{sys.executable}' -m handlcp.cli solve '{CUBE}' >&-"
     done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, cwd=ROOT)
     assert "Traceback" not in done.stderr
+
+
+def test_an_accuracy_is_asked_for_in_place_of_faces():
+    done = run("solve", CUBE, "--accuracy", "1e-3")
+    assert done.exit_code == 0
+    assert "1.0e-03 asked: exact cone, 1 solve" in " ".join(done.stdout.split())
+    reached = strict(run("solve", CUBE, "--accuracy", "1e-3", "--json").stdout)["accuracy"]
+    assert (reached["asked"], reached["met"], reached["setting"]) == (1e-3, True, "exact cone")
+    assert 0 < reached["error"] < 1e-9
+    assert strict(run("solve", CUBE, "--json").stdout)["accuracy"] is None
+
+
+@pytest.mark.parametrize("options", [("--accuracy", "0"), ("--accuracy", "1e-3", "--faces", "8")])
+def test_an_accuracy_that_makes_no_sense_exits_2(options):
+    done = run("solve", CUBE, *options)
+    assert done.exit_code == 2
+    assert "accuracy" in done.stderr

@@ -1,0 +1,31 @@
+"""The command line: parse, call, print."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from handlcp.cli.app import app
+
+from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
+from handlcp.cli.accuracy import accuracy  # isort: skip
+from handlcp.cli.lists import audit, hands, keys, paper  # isort: skip
+
+__all__ = ["accuracy", "app", "audit", "hands", "keys", "main", "paper", "solve"]
+
+
+def main() -> None:
+    """The entry point of the `handlcp` command."""
+    if sys.stdout is not None and sys.stdout is sys.__stdout__:
+        _keep_stdout()
+    app()
+
+
+def _keep_stdout() -> None:
+    """What C code prints on stdout goes nowhere from here on (HiGHS prints a stray line at times); Python's still
+    arrives.
+    """
+    ours, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    sys.stdout = open(ours, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115

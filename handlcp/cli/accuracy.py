@@ -1,0 +1,68 @@
+"""`handlcp accuracy`: what accuracy costs in a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from handlcp.cli.app import Json, app, print_json, progress_bar
+from handlcp.errors import InputError, NoSolutionFound
+
+__all__ = ["accuracy"]
+
+
+@app.command()
+def accuracy(
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML).")],
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write every setting into this file, one a line.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw error against time (png, svg, pdf).")] = None,
+    seconds: Annotated[float, typer.Option("--seconds", help="What the study may take, compilation aside.")] = 60.0,
+) -> None:
+    """What accuracy costs in this scene: methods, faces, tolerances, effects left out, against the exact cone.
+
+    Exit status 0, 1 if nothing holds the object exactly (there is nothing to compare with), 2 bad input.
+    """
+    from handlcp import scene as scenes
+    from handlcp.show import accuracy_table, work_precision
+    from handlcp.study.accuracy import accuracy_cost
+
+    file = scenes.load(scene)
+    if plot is not None:
+        work_precision.checked(plot)
+    if csv is not None and not csv.absolute().parent.is_dir():
+        raise InputError("csv", "a file in a folder that exists", repr(str(csv)))
+    grasp = file.build()
+    try:
+        with progress_bar() as progress:
+            cost = accuracy_cost(grasp, seconds=seconds, progress=progress)
+    except NoSolutionFound as error:
+        if json:
+            print_json(
+                {"title": file.title, "status": error.solution.status.name, "diagnosis": error.solution.diagnosis}
+            )
+        else:
+            Console(stderr=True).print(Text(f"Nothing to compare with: {error.solution.diagnosis}."))
+        raise typer.Exit(1) from None
+    if csv is not None:
+        cost.to_csv(csv)
+    if plot is not None:
+        work_precision.save((file.title, cost), plot)
+    if json:
+        print_json({"title": file.title} | cost.as_dict())
+        return
+    out = Console()
+    if file.title:
+        out.print(Text(file.title, style="bold"), end="\n\n")
+    for table in accuracy_table.all_tables(cost):
+        out.print(table)
+    out.print(Text(f"{cost}."))
+    for note in cost.notes:
+        out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
+    for path in (csv, plot):
+        if path is not None:
+            out.print(Text(f"Written: {path}", style="dim"))

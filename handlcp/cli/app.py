@@ -1,0 +1,96 @@
+"""The app that commands join, and what they share.
+
+Exit status: 0 held; 1 not held, not decided, or over a torque limit; 2 bad input, with one message on stderr.
+"""
+
+from __future__ import annotations
+
+import json as jsonlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.text import Text
+from typer.core import TyperGroup
+
+from handlcp.errors import HandLCPError, InputError
+from handlcp.version import VERSION
+
+__all__ = ["Json", "app", "print_json", "progress_bar", "read_faces"]
+
+
+class _Commands(TyperGroup):
+    """Any HandLCPError becomes one message on stderr and exit status 2."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except HandLCPError as error:
+            Console(stderr=True, soft_wrap=True).print(Text.assemble(("Error: ", "bold red"), str(error)))
+            raise typer.Exit(2) from None
+
+
+app = typer.Typer(
+    cls=_Commands,
+    name="handlcp",
+    help="Does this hand hold this object under this load, with which grasp forces, what slips, which joint gives out?",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"handlcp {VERSION}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Grasp forces, slips and joint torques of robot hands."""
+
+
+@contextmanager
+def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
+    """A bar on stderr, where that is a terminal, drawn between steps only: a thread that draws would disturb times."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    console = Console(stderr=True)
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
+    with Progress(
+        *columns, console=console, auto_refresh=False, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("", total=None)
+
+        def show(done: int, total: int, text: str) -> None:
+            bar.update(task, completed=done, total=total, description=text)
+            bar.refresh()
+
+        yield show
+
+
+def read_faces(text: str) -> Any:
+    """What `--faces` says. Raises InputError."""
+    if text == "cone":
+        return text
+    if not text.isdecimal() or int(text) < 3:
+        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(text))
+    return int(text)
+
+
+def print_json(value: dict[str, Any]) -> None:
+    """One object on stdout; what is no number is null."""
+    from handlcp.show.record import clean
+
+    typer.echo(jsonlib.dumps(clean(value), indent=2, ensure_ascii=False, allow_nan=False))

@@ -1,0 +1,81 @@
+"""What there is to know: doubts about a URDF, the hands at hand, the keys of scene files, the paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from handlcp.cli.app import Json, app, print_json
+from handlcp.errors import HandLCPError
+
+__all__ = ["audit", "hands", "keys", "paper"]
+
+
+@app.command()
+def audit(
+    urdf: Annotated[Path, typer.Argument(help="A hand's URDF file.")],
+    base: Annotated[str | None, typer.Option("--base", help="Audit only the links below this one.")] = None,
+    json: Json = False,
+) -> None:
+    """List every doubt about the limits in a URDF, and what to pass instead. Exit status 0, 2 for bad input."""
+    from handlcp.hand import audit_urdf
+
+    found = audit_urdf(urdf, base)
+    if json:
+        doubts = [{"joint": d.joint, "what": d.what, "advice": d.advice} for d in found]
+        print_json({"source": found.source, "doubts": doubts})
+    else:
+        Console().print(found)
+
+
+@app.command()
+def paper(json: Json = False) -> None:
+    """Recompute the paper's examples and compare them with what is printed there."""
+    from handlcp.study.paper import paper_command
+
+    raise typer.Exit(paper_command(json=json, console=Console()))
+
+
+@app.command()
+def hands(json: Json = False) -> None:
+    """List the hands to use by name, with their joints and fingertips."""
+    from handlcp.hand import HANDS, example_hand
+    from handlcp.show import tables
+
+    rows, missing = [], []
+    for name in HANDS:
+        try:
+            rows.append((name, example_hand(name)))
+        except HandLCPError as error:
+            missing.append((name, str(error)))
+    if json:
+        listed = [
+            {"name": n, "joints": h.joint_names, "fingertips": h.fingertips, "torque_limits_Nm": h.torque_limits}
+            for n, h in rows
+        ]
+        print_json({"hands": listed, "missing": dict(missing)})
+        return
+    limits = [", ".join(f"{x:g}" for x in dict.fromkeys(h.torque_limits.tolist())) for _, h in rows]
+    out = Console()
+    out.print(tables.hand_table([(n, h.joint_names, h.fingertips, t) for (n, h), t in zip(rows, limits, strict=True)]))
+    for name, why in missing:
+        out.print(Text(f"{name}: {why}", style="yellow"))
+
+
+@app.command()
+def keys(json: Json = False) -> None:
+    """List every key of a scene file, what it holds and what it means."""
+    from dataclasses import asdict
+
+    from handlcp import scene
+    from handlcp.show import tables
+
+    found = scene.keys()
+    if json:
+        print_json({"keys": [asdict(k) for k in found]})
+    else:
+        Console().print(tables.key_table(found))

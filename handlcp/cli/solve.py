@@ -1,0 +1,79 @@
+"""`handlcp solve`: effects, contacts, joint torques, verdict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from handlcp.cli.app import Json, app, print_json, read_faces
+from handlcp.errors import InputError
+
+__all__ = ["solve"]
+
+
+@app.command()
+def solve(
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    json: Json = False,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw the grasp into this file (png, svg, pdf).")] = None,
+    faces: Annotated[
+        str | None, typer.Option("--faces", help="Faces of the friction pyramids, over the file's.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Of the solver, over the file's.")] = None,
+    accuracy: Annotated[
+        float | None, typer.Option("--accuracy", help="Force error that will do, in place of faces: such as 1e-3.")
+    ] = None,
+) -> None:
+    """Solve a scene: effects, contacts, joint torques, verdict. Exit status 0 held, 1 not held, 2 bad input.
+
+    A joint over its torque limit is "not held". A solver that stopped without an answer is not "held" either.
+    """
+    from handlcp import scene as scenes
+    from handlcp.lcp import Auto
+    from handlcp.show import tables
+    from handlcp.show.record import record
+    from handlcp.show.verdict import verdict
+
+    file = scenes.load(scene)
+    sides: Any = "cone" if accuracy is not None else file.solve_with.faces
+    if faces is not None:
+        if accuracy is not None:
+            raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
+        sides = read_faces(faces)
+    solver = Auto(seed=file.solve_with.seed if seed is None else seed)
+    grasp = file.build()
+    explanation = grasp.explain(sides)
+    solution = grasp.solve(None if accuracy is not None else sides, solver, throw=False, accuracy=accuracy)
+    judged = verdict(grasp, solution)
+    if plot is not None:
+        from handlcp.show.picture import save
+
+        save(grasp, solution, plot, obj=file.shape(), title=file.title)
+    if json:
+        print_json(record(grasp, solution, explanation, file.title))
+    else:
+        out = Console()
+        if file.title:
+            out.print(Text(file.title, style="bold"), end="\n\n")
+        out.print(tables.effect_table(explanation))
+        if solution.held:
+            out.print(tables.contact_table(grasp, solution, sides))
+            if (check := getattr(solution, "torque_check", None)) is not None:
+                out.print(tables.torque_table(check))
+        else:
+            out.print()
+        out.print(Text.assemble((f"{judged.word}: ", f"bold {judged.colour}"), f"{judged.text}."))
+        if (reached := solution.accuracy) is not None and solution.held:
+            style = "green" if reached.met else "bold red"
+            out.print(
+                Text.assemble(("Accuracy: ", style), f"{reached}{'' if reached.met else ': not shown to keep it'}.")
+            )
+        for note in judged.notes:
+            out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
+        if plot is not None:
+            out.print(Text(f"Picture: {plot}", style="dim"))
+    raise typer.Exit(judged.exit_code)
