@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from handlcp.show.tables import plain
 from handlcp.study.accuracy.left_out import UNDETERMINED
 from handlcp.study.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, Row
 from handlcp.study.accuracy.words import ROUNDING, microseconds, share
@@ -28,7 +28,7 @@ def all_tables(cost: AccuracyCost) -> Sequence[Table]:
 
 def price_table(cost: AccuracyCost) -> Table:
     """What each accuracy costs with each method: the fastest of its settings that reaches it."""
-    table = _table("Time for a force error of at most", "–: no setting of this method came so near")
+    table = plain("Time for a force error of at most", "–: no setting of this method came so near")
     table.add_column("method", no_wrap=True)
     for error in ERRORS:
         table.add_column(share(error), justify="right", no_wrap=True)
@@ -43,7 +43,7 @@ def method_table(cost: AccuracyCost) -> Table:
     faces = {r.faces for r in cost.rows if r.faces is not None}
     near = min(faces, key=lambda m: (abs(m - 8), m), default=None)
     what = f"Methods at {near} faces, or on the exact cone" if near else "Methods, friction exact"
-    table = _table(what, "time: median ± half the interquartile range; errors against the certified exact answer")
+    table = plain(what, "time: median ± half the interquartile range; errors against the certified exact answer")
     table.add_column("method", no_wrap=True)
     for heading in ("time", "±", "force\nerror", "slip\nerror", "torque\nerror", "steps"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -76,7 +76,7 @@ def face_table(cost: AccuracyCost) -> Table | None:
     words = f"fitted: error ∝ 1/m^{law.exponent:.1f} (inscribed)" if law else None
     if law is None and max([*inside.values(), *outside.values()], default=1.0) < ROUNDING:
         words = "faces make no difference here: each pyramid is as exact as the cone"
-    table = _table("Faces of the friction pyramid", words)
+    table = plain("Faces of the friction pyramid", words)
     table.add_column("faces", justify="right", no_wrap=True)
     for heading in ("inscribed\nforce error", "circumscr.\nforce error"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -93,7 +93,7 @@ def left_out_table(cost: AccuracyCost) -> Table | None:
     """What goes wrong without each effect; None where that was not asked for."""
     if not cost.left_out:
         return None
-    table = _table("An effect left out")
+    table = plain("An effect left out")
     table.add_column("effect", overflow="fold")
     table.add_column("instead", overflow="fold", style="dim")
     for heading in ("force\nerror", "slip\nerror", "torque\nerror"):
@@ -128,16 +128,3 @@ def _spread(row: Row) -> str:
 
 def _share(error: float | None) -> str:
     return "–" if error is None else share(error)
-
-
-def _table(title: str, caption: str | None = None) -> Table:
-    return Table(
-        title=title,
-        title_justify="left",
-        title_style="bold",
-        caption=caption,
-        caption_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1),
-    )

@@ -13,7 +13,7 @@ from rich.text import Text
 from handlcp.grasp import Explanation, Grasp, GraspSolution
 from handlcp.show import units
 
-__all__ = ["contact_table", "effect_table", "friction_used", "hand_table", "key_table", "torque_table"]
+__all__ = ["contact_table", "effect_table", "friction_used", "hand_table", "key_table", "plain", "torque_table"]
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar
@@ -23,7 +23,7 @@ def effect_table(explanation: Explanation) -> Table:
     """Which effects are on and off, why, and what each costs."""
     e = explanation
     solved = f"{e.unknowns} unknowns, of which the solver sees {e.size}" if e.eliminated else f"{e.unknowns} unknowns"
-    table = _table("Effects", caption=solved)
+    table = plain("Effects", caption=solved)
     for heading in ("", "effect", "why"):
         table.add_column(heading, no_wrap=heading == "")
     table.add_column("unknowns", justify="right", no_wrap=True)
@@ -38,7 +38,7 @@ def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Tabl
     """Finger by finger: state, forces, share of the friction limit, slip and gap."""
     slips = np.hypot(*solution.slip.T)
     slip, gap = units.length_unit(slips.tolist()), units.length_unit(solution.gap.tolist())
-    table = _table("Contacts", caption=_limit_note(grasp, faces))
+    table = plain("Contacts", caption=_limit_note(grasp, faces))
     table.add_column("finger", overflow="fold")
     table.add_column("state", no_wrap=True)
     for heading in ("normal\nN", "friction\nN", "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}"):
@@ -69,7 +69,7 @@ def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
 
 def torque_table(check: Any) -> Table:
     """Joint by joint; `check` is a `TorqueCheck`."""
-    table = _table("Joint torques")
+    table = plain("Joint torques")
     table.add_column("joint", overflow="fold")
     for heading in ("torque\nN·m", "limit\nN·m", "of limit\n"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -88,7 +88,7 @@ def torque_table(check: Any) -> Table:
 
 def hand_table(rows: Sequence[tuple[str, Sequence[str], Sequence[str], str]]) -> Table:
     """Hands to use: (name, joints, fingertips, note)."""
-    table = _table("Hands")
+    table = plain("Hands")
     table.add_column("name", no_wrap=True)
     for heading in ("joints", "fingertips", "limits\nN·m"):
         table.add_column(heading)
@@ -101,7 +101,7 @@ def hand_table(rows: Sequence[tuple[str, Sequence[str], Sequence[str], str]]) ->
 
 def key_table(keys: Sequence[Any]) -> Table:
     """The keys of scene files; `keys` are `handlcp.scene.Key`s."""
-    table = _table("Keys of a scene file")
+    table = plain("Keys of a scene file")
     for heading in ("key", "what it holds", "meaning"):
         table.add_column(heading, no_wrap=heading == "key")
     last = ""
@@ -118,7 +118,8 @@ def key_table(keys: Sequence[Any]) -> Table:
     return table
 
 
-def _table(title: str, caption: str | None = None) -> Table:
+def plain(title: str, caption: str | None = None) -> Table:
+    """An empty table as all of ours look."""
     return Table(
         title=title,
         title_justify="left",

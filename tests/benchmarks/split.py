@@ -21,9 +21,9 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp.check import read_only
-from handlcp.grasp.answer import answers
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
+from handlcp.grasp import first
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.pyramid import as_section
 from handlcp.lcp import proposals
@@ -47,7 +47,7 @@ def solving(grasp: hl.Grasp, faces: Faces) -> Iterator[str]:
     numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
     pack(grasp.scene, section, numbers[0])
     yield "the scene as a row of numbers"
-    answers(read_only(numbers), kind.pattern, NOWHERE, 0, rows)
+    first.answers(read_only(numbers), kind.pattern, NOWHERE, 0, rows)
     yield "units, stamps, solver, certificate, states: one call"
     found = Found(kind, rows[0])
     assert found.passes
