@@ -58,13 +58,15 @@ def ladder(ax: Any, points: Sequence[CurveLabel], size: float, curves: Sequence[
             + 20.0 * k
             for k, b in enumerate(boxes)
         ]
-        bottom = rungs[int(np.argmin(costs))]
+        rung = int(np.argmin(costs))
+        bottom = rungs[rung]
         taken.append((left, bottom, left + drawn.width, bottom + drawn.height))
         lines.append((float(x), bottom))
         text.set_position(back.transform((left, bottom)))
         out += ax.plot(
-            *back.transform([(x, y), (x, bottom + 0.8 * drawn.height)]).T, "-", color=c.colour, linewidth=0.7, zorder=4
-        )
+            *back.transform([(x, y), (x, bottom + 0.8 * drawn.height)]).T, "-", color=c.colour, linewidth=0.7,
+            zorder=4 - 0.01 * rung,  # of two on the same upright both are seen
+        )  # fmt: skip
         out.append(text)
     return out
 

@@ -155,7 +155,7 @@ def _time(ax: Any, cost: AccuracyCost) -> None:
         )
         ax.errorbar(*best.T, xerr=np.maximum(spread.T, 0), fmt="none", ecolor=colour, elinewidth=0.9, zorder=4)
         ax.plot(*best.T, "-", color=colour, marker=marker, markersize=size, linewidth=1.5, markeredgecolor="white",
-                markeredgewidth=0.7, zorder=5)  # fmt: skip
+                markeredgewidth=0.7, zorder=5.5 if marker == "P" else 5)  # fmt: skip  # a cross covers little
         curves.append(curve_labels.CurveLabel(method, colour, best))
     if not curves:
         return say(ax, "nothing ran within the budget")
