@@ -29,12 +29,13 @@ def accuracy(
     """
     from handlcp import scene as scenes
     from handlcp.show import accuracy_table, work_precision
+    from handlcp.show.file import checked
     from handlcp.study.accuracy import accuracy_cost
 
     file = scenes.load(scene)
     if plot is not None:
-        work_precision.checked(plot)
-    if csv is not None and not csv.absolute().parent.is_dir():
+        checked(plot)
+    if csv is not None and (csv.is_dir() or not csv.absolute().parent.is_dir()):
         raise InputError("csv", "a file in a folder that exists", repr(str(csv)))
     grasp = file.build()
     try:

@@ -25,7 +25,8 @@ def solve(
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Of the solver, over the file's.")] = None,
     accuracy: Annotated[
-        float | None, typer.Option("--accuracy", help="Force error that will do, in place of faces: such as 1e-3.")
+        float | None,
+        typer.Option("--accuracy", help="Force error that will do, of the largest force; not with --faces."),
     ] = None,
 ) -> None:
     """Solve a scene: effects, contacts, joint torques, verdict. Exit status 0 held, 1 not held, 2 bad input.
@@ -38,6 +39,10 @@ def solve(
     from handlcp.show.record import record
     from handlcp.show.verdict import verdict
 
+    if plot is not None:
+        from handlcp.show.file import checked
+
+        checked(plot)
     file = scenes.load(scene)
     sides: Any = "cone" if accuracy is not None else file.solve_with.faces
     if faces is not None:
@@ -76,4 +81,5 @@ def solve(
             out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
         if plot is not None:
             out.print(Text(f"Picture: {plot}", style="dim"))
-    raise typer.Exit(judged.exit_code)
+    short = solution.accuracy is not None and solution.held and not solution.accuracy.met
+    raise typer.Exit(1 if short else judged.exit_code)

@@ -47,7 +47,9 @@ _FINEST = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's method
 _BESIDE_CONE = 8  # faces of the bracket beside a cone
 
 
-def solve_to(grasp: Grasp, accuracy: float, solver: AnySolver, throw: bool) -> GraspSolution:
+def solve_to(
+    grasp: Grasp, accuracy: float, solver: AnySolver, throw: bool, start: GraspSolution | None = None
+) -> GraspSolution:
     """The solution by the cheapest setting that keeps the force error below `accuracy`, with its `Accuracy`.
 
     A proof that nothing holds the object, or that there is no equilibrium, is a final answer and passes unchanged.
@@ -55,7 +57,7 @@ def solve_to(grasp: Grasp, accuracy: float, solver: AnySolver, throw: bool) -> G
     InputError for anything but an accuracy > 0 and a solver.
     """
     asked = number("accuracy", accuracy, above=0.0)
-    run = _Run(grasp, solver)
+    run = _Run(grasp, solver, start)
     found = _on_pyramids(run, asked) if run.plain and not run.exact else _on_cone(run, asked)
     reached = Accuracy(
         asked, found.error, found.setting, run.solves, time.perf_counter() - run.begun,
@@ -94,6 +96,7 @@ class _Run:
 
     grasp: Grasp
     solver: AnySolver
+    start: GraspSolution | None = None
     solves: int = 0
     begun: float = field(default_factory=time.perf_counter)
     plain: bool = False  # whether the solver has multipliers of faces, and knows no sets
@@ -115,9 +118,9 @@ class _Run:
         return as_section("cone", planar=scene.plane is not None).name if scene.rough else "exact, no friction"
 
     def solve(self, faces: str | Pyramid, solver: AnySolver, start: GraspSolution | None = None) -> GraspSolution:
-        """One more solve."""
+        """One more solve, from where it is told to or where the request begins."""
         self.solves += 1
-        return self.grasp.solve(faces, solver, throw=False, start=start)
+        return self.grasp.solve(faces, solver, throw=False, start=start or self.start)
 
     def error(self, solution: GraspSolution) -> float:
         """Of an answer on the exact section."""

@@ -13,7 +13,6 @@ from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.first import NOWHERE, start_at
 from handlcp.grasp.scene import cross_rows
-from handlcp.grasp.solution import GraspSolution
 from handlcp.tolerances import UNIT_NORMAL
 
 __all__ = [
@@ -199,12 +198,15 @@ def moved(contacts: tuple[Contact, ...], positions: Array, frames: Array) -> tup
 
 
 def start(value: Any, n: int) -> Array:
-    """Where to start, from a `GraspSolution` of n contacts; None, or one without an answer: nowhere."""
+    """Where to start, from a `GraspSolution` (or a stream's update) of n contacts; None, or one without an answer:
+    nowhere.
+    """
     if value is None:
         return NOWHERE
-    if not isinstance(value, GraspSolution) or len(value.forces) != n:
-        contacts = f"one of {len(value.forces)} contacts" if isinstance(value, GraspSolution) else repr(value)[:80]
-        raise InputError("start", f"a GraspSolution of {n} contacts, or None", contacts)
+    if not all(hasattr(value, part) for part in ("held", "forces", "object_displacement", "reference")):
+        raise InputError("start", f"a GraspSolution of {n} contacts, or None", repr(value)[:80])
+    if len(value.forces) != n:
+        raise InputError("start", f"a GraspSolution of {n} contacts", f"one of {len(value.forces)}")
     if not value.held or value.reference is None:
         return NOWHERE
     return start_at(value.forces, value.object_displacement, value.reference)

@@ -13,7 +13,7 @@ from handlcp.grasp.scene import cross_rows
 if TYPE_CHECKING:
     from handlcp.grasp.grasp import Grasp
 
-__all__ = ["changed", "load"]
+__all__ = ["changed", "wrench_about"]
 
 G = TypeVar("G", bound="Grasp")
 
@@ -27,7 +27,7 @@ def changed(grasp: G, **changes: Any) -> G:
         "contacts": grasp.contacts,
         "positions": s.positions,
         "frames": s.frames,
-        "wrench": load(grasp),
+        "wrench": wrench_about(grasp.reference, s.force, s.moment),
         "reference": grasp.reference,
         "flexibility": s.flexibility,
         "offset": s.offset,
@@ -39,7 +39,6 @@ def changed(grasp: G, **changes: Any) -> G:
     return made
 
 
-def load(grasp: Grasp) -> Array:
-    """(6,) the world's force [N] and torque [N·m] on the object about the grasp's reference."""
-    s = grasp.scene
-    return read_only(np.append(s.force, s.moment - cross_rows(grasp.reference, s.force)))
+def wrench_about(point: Array, force: Array, moment: Array) -> Array:
+    """(6,) the wrench about a point (3,) from its force and its moment about the world's origin, (3,) each."""
+    return read_only(np.append(force, moment - cross_rows(point, force)))

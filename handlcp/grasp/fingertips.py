@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from handlcp.check import Array, array, read_only
+from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.scene import cross_rows
 
@@ -21,7 +22,8 @@ def wrench_from_fingertip_forces(
 ) -> Array:
     """(6,) the wrench [N, N·m] about the grasp's reference that the world applies to the object, its weight included.
 
-    forces : (n, 3) N of each finger on the object, as read. torques : (n, 3) N·m likewise, None: not measured.
+    forces : (n, 3) N of each finger on the object, in contact axes unless `frames` says otherwise. torques : (n, 3) N·m
+        likewise, None: not measured.
     positions, frames : where the readings are taken, (n, 3) [m] and (n, 3, 3) with the sensor's axes in columns, world
         axes; None: at the contact points, in contact axes.
 
@@ -29,6 +31,8 @@ def wrench_from_fingertip_forces(
     backwards. `grasp.replace(wrench=w)` is the grasp under that load, and `GraspStream.update(wrench=w)` follows it.
     Raises InputError for wrong shapes and numbers not finite.
     """
+    if not hasattr(grasp, "scene"):
+        raise InputError("grasp", "a Grasp", repr(grasp)[:80])
     scene = grasp.scene
     n = scene.n
     f = array("forces", forces, (n, 3))

@@ -156,12 +156,13 @@ class Grasp:
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
+        where = arguments.start(start, self.scene.n)
         if accuracy is not None:
             if faces is not None:
-                raise InputError("accuracy", "None where faces are given: it chooses them", repr(accuracy))
-            return solve_to(self, accuracy, solver, throw)
+                raise InputError("accuracy", "no faces beside it: it chooses them", f"faces={faces!r}")
+            return solve_to(self, accuracy, solver, throw, start)
         section = self._section(8 if faces is None else faces)
-        return solve(self, section, solver, throw, arguments.start(start, self.scene.n))
+        return solve(self, section, solver, throw, where)
 
     def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
         """The same grasp with other numbers; None: as they are.

@@ -77,10 +77,14 @@ def solve_many(
     time then goes into searches for a proof that nothing holds: `Auto(search_seconds=0)` does without them.
     Raises InputError for anything but grasps.
     """
+    if isinstance(grasps, Grasp) or not isinstance(grasps, Iterable):
+        raise InputError("grasps", "several Grasps, such as a list", repr(grasps)[:80])
     every = tuple(grasps)
     for k, g in enumerate(every):
         if not isinstance(g, Grasp):
             raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])
+    if progress is not None and not callable(progress):
+        raise InputError("progress", "a function of (done, total), or None", repr(progress)[:80])
     count = (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
     either = {planar: as_section(faces, planar=planar) for planar in (False, True)}
     sections = [either[g.scene.plane is not None] for g in every]

@@ -11,7 +11,7 @@ from handlcp.check import Array, array, integer, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.answer import answers
-from handlcp.grasp.changed import changed
+from handlcp.grasp.changed import changed, wrench_about
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid, as_section
@@ -25,7 +25,9 @@ __all__ = ["GraspStream"]
 class GraspStream:
     """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.
 
-    grasp : where it begins; a `HandGrasp` also follows its posture. faces : as in `Grasp.solve`. seed : of the solver.
+    grasp : where it begins; of a `HandGrasp` the posture may move, too: Jacobian and flexibility follow it, while the
+    contacts stay where they are on the object until others are passed. faces : as in `Grasp.solve`. seed : of the
+    solver.
 
     Buffers, the layout of the problem and Pinocchio's data are made once; the flexibility is computed anew only when
     posture or contacts move; every answer starts at the last, and begins afresh where that leads nowhere. The time of
@@ -43,7 +45,7 @@ class GraspStream:
             raise InputError("grasp", "one without effects asked for by name; grasp.solve(start=...) follows it", named)
         scene, n = grasp.scene, grasp.scene.n
         section = as_section(faces, planar=scene.plane is not None)
-        self._kind = kind_of(scene, section)
+        self._kind, self._section = kind_of(scene, section), section
         self._seed = integer("seed", seed, 0)
         self._first, self._numbers, self._start = grasp, np.empty((1, self._kind.scene_width)), NOWHERE
         pack(scene, section, self._numbers[0])
@@ -98,7 +100,6 @@ class GraspStream:
     @property
     def grasp(self) -> Grasp:
         """The grasp as it is now, for all that a `Grasp` can do."""
-        load = read_only(np.append(self._force, self._moment - np.cross(self._first.reference, self._force)))
         now = changed(
             self._first,
             contacts=arguments.moved(self._first.contacts, self._positions, self._frames),
@@ -106,11 +107,15 @@ class GraspStream:
             frames=read_only(self._frames.copy()),
             flexibility=read_only(self._flexibility.copy()),
             offset=read_only(self._offset.copy()),
-            wrench=load,
+            wrench=wrench_about(self._first.reference, self._force, self._moment),
         )
         if self._posture is not None:
             self._posture.describe(now)
         return now
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copied and pickled as the grasp as it is now: buffers are not shared."""
+        return (GraspStream, (self.grasp, self._section, self._seed))
 
     def _checked(self, q: Any) -> Array:
         if self._posture is None:

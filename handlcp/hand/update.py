@@ -71,6 +71,11 @@ class GraspUpdate:
         return self._or_nan(read_only(shifted(self._found.twist, self._grasp.reference - self._found.centre)))
 
     @property
+    def reference(self) -> Array:
+        """(3,) point that the object's motion refers to [m]."""
+        return self._grasp.reference
+
+    @property
     def contact_state(self) -> tuple[str, ...]:
         """(n,) "separated", "sticking", "sliding"; "unknown" where there is no answer."""
         return self._found.states if self.held else ("unknown",) * self._grasp.scene.n

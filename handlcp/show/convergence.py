@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from handlcp.errors import InputError, Unsupported
+from handlcp.show.file import checked, figure_type, write
 from handlcp.show.overlay import INK
 from handlcp.show.study_axes import SMALL, TEXT, panel
 from handlcp.show.units import percent
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["draw", "save"]
 
 WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches
-FORMATS = (".png", ".svg", ".pdf", ".jpg")
 HEAD = 12.5  # points
 NATURAL, UNIFORM, GIVEN = "#0072B2", "#B87800", "#D55E00"  # Okabe and Ito's, the orange darker: it is read, too
 LINES: dict[str, Any] = {"linewidth": 0.9, "alpha": 0.8}
@@ -33,15 +32,8 @@ Mark = tuple[str, float]
 
 def save(result: Convergence, path: Any, title: str = "", printed: Mark | None = None) -> Path:
     """Draw and write a file; see `draw`. Raises InputError for a format or a place that will not do."""
-    file = Path(path)
-    if file.suffix.lower() not in FORMATS:
-        raise InputError("plot", "a file name that ends in " + ", ".join(FORMATS), repr(str(path)))
-    figure = draw(result, title, printed)
-    try:
-        figure.savefig(file, dpi=DPI, facecolor="white")
-    except OSError as error:
-        raise InputError("plot", "a file that can be written", f"{str(path)!r}: {error.strerror or error}") from None
-    return file
+    file = checked(path)
+    return write(draw(result, title, printed), file, DPI)
 
 
 def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> Figure:
@@ -51,11 +43,7 @@ def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> F
     Right, the user's units: ‖Φ‖ meets the stop rule, and the value on which seeds disagree most does not settle on the
     answer; in natural units it does. Raises Unsupported when matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=100)
+    figure: Figure = figure_type()(figsize=(WIDTH, HEIGHT), dpi=100)
     figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
     kinds = f"Kaczmarz steps alone, no exact ending; a line is one seed, {len(result.select())} of each kind"
     met = any(r.stop is not None for r in result.select("given"))

@@ -35,10 +35,10 @@ def left_out_panel(ax: Any, cost: AccuracyCost) -> None:
         y, free = lines - 1 - k, effect.status == UNDETERMINED
         ax.axhline(y, color="#DADADA", linewidth=0.8, zorder=1)
         name = f"{effect.effect} †" if free else effect.effect
-        ax.text(0.0, y + 0.15, name, transform=across, fontsize=SMALL, color=INK, va="bottom")
+        ax.text(0.0, y + 0.15, name, transform=across, fontsize=SMALL, color=INK, va="bottom", zorder=3)
         if effect.force_error is None:
             ax.text(0.5, y, effect.status, transform=across, fontsize=SMALL, color="#8A3A00", ha="center", va="center",
-                    style="italic", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})  # fmt: skip
+                    style="italic", zorder=2, bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})  # fmt: skip
         for field, style in _ERRORS.items():
             value = getattr(effect, field)
             if value is not None and 100 * value > _LEAST:
@@ -50,6 +50,8 @@ def left_out_panel(ax: Any, cost: AccuracyCost) -> None:
             ax.plot([], [], linestyle="none", label=style[0], **_mark(style))
     if dagger:
         ax.text(0.0, -1.15, "† not unique; the smallest", transform=across, fontsize=SMALL - 0.5, color=GREY)
+    if not any(e.force_error is not None or e.slip_error is not None or e.torque_error is not None for e in rows):
+        return number_ticks(ax.xaxis, (0.1, 1, 10, 100, 1000))
     ax.legend(loc="lower left", bbox_to_anchor=(-0.05, 0.07 if dagger else 0.0), ncols=3, fontsize=SMALL, frameon=False,
               handletextpad=0.0, columnspacing=0.6, borderaxespad=0.0)  # fmt: skip
     number_ticks(ax.xaxis, (0.1, 1, 10, 100, 1000))

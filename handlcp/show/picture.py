@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import InputError, Unsupported
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.show import labels, units
 from handlcp.show.bodies import Body, hand_bodies, object_body, stub_bodies
 from handlcp.show.camera import Camera, choose, facing, frame
+from handlcp.show.file import checked, figure_type, write
 from handlcp.show.overlay import COLOUR, ESCAPE, LOAD, SLIP, Overlay, nice, rim
 from handlcp.show.painter import paint
 from handlcp.show.panel import Entry, headline, legend, torque_bars
@@ -29,21 +29,13 @@ __all__ = ["draw", "save"]
 
 WIDTH, HEIGHT, DPI = 10.0, 6.6, 160
 SCENE = 0.70  # of the width; the rest is the panel
-FORMATS = (".png", ".svg", ".pdf", ".jpg")
 LONGEST = 0.8  # the longest force arrow, in sizes of the grasp
 
 
 def save(grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "") -> Path:
     """Draw and write a file; see `draw`. Raises InputError for a format or a place that will not do."""
-    file = Path(path)
-    if file.suffix.lower() not in FORMATS:
-        raise InputError("plot", "a file name that ends in " + ", ".join(FORMATS), repr(str(path)))
-    figure = draw(grasp, solution, obj, title)
-    try:
-        figure.savefig(file, dpi=DPI, facecolor="white")
-    except OSError as error:
-        raise InputError("plot", "a file that can be written", f"{str(path)!r}: {error.strerror or error}") from None
-    return file
+    file = checked(path)
+    return write(draw(grasp, solution, obj, title), file, DPI)
 
 
 def draw(grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = "") -> Figure:
@@ -51,11 +43,7 @@ def draw(grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = ""
 
     Raises Unsupported when matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
-    figure = Figure(figsize=(WIDTH, HEIGHT))
+    figure: Figure = figure_type()(figsize=(WIDTH, HEIGHT))
     head = headline(figure, grasp, solution, title)
     entries = _Scene(figure, grasp, solution, obj, head).entries()
     bottom = legend(figure, 0.722, head - 0.03, entries)

@@ -125,12 +125,13 @@ def _motion(grasp: Grasp, s: GraspSolution) -> str:
     size = float(np.linalg.norm(load))
     if max(move, turn * grasp.scene.units.length) < units.NOTHING:
         return "the object stays where it is"
+    text = f"the object moves {units.length(move)}"
     if size > 0:
         along = float(u[:3] @ load) / size
-        text = f"the object moves {units.length(abs(along))} {'along' if along >= 0 else 'against'} the load"
-    else:
-        text = f"the object moves {units.length(move)}"
-    return f"{text} and turns {units.angle(turn)}" if turn > 1e-4 else text
+        way = "along" if along >= 0 else "against"
+        same = units.length(abs(along)) == units.length(move)
+        text += f" {way} the load" if same else f", {units.length(abs(along))} of it {way} the load,"
+    return f"{text} and turns {units.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
 
 
 def _listed(names: Any) -> str:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import InputError, Unsupported
+from handlcp.errors import InputError
 from handlcp.show import curve_labels
+from handlcp.show.file import checked, figure_type, write
 from handlcp.show.left_out_panel import left_out_panel
 from handlcp.show.overlay import INK
 from handlcp.show.study_axes import (
@@ -33,10 +34,9 @@ from handlcp.study.accuracy.result import AccuracyCost, FaceLaw, Row
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["checked", "draw", "save"]
+__all__ = ["draw", "save"]
 
 WIDTH, ROW, FOOT, DPI = 9.5, 4.2, 0.42, 160  # inches
-FORMATS = (".png", ".svg", ".pdf", ".jpg")
 HEAD = 12.5  # points
 FLOOR = 1e-16  # errors below are drawn here
 ROUNDING = 1e-13  # below is rounding
@@ -62,22 +62,7 @@ Costs = AccuracyCost | tuple[str, AccuracyCost] | Sequence[tuple[str, AccuracyCo
 def save(costs: Costs, path: Any) -> Path:
     """Draw and write a file; see `draw`. Raises InputError for a format or a place that will not do."""
     file = checked(path)
-    figure = draw(costs)
-    try:
-        figure.savefig(file, dpi=DPI, facecolor="white")
-    except OSError as error:
-        raise InputError("plot", "a file that can be written", f"{str(path)!r}: {error.strerror or error}") from None
-    return file
-
-
-def checked(path: Any) -> Path:
-    """The file to write. Raises InputError for a format that there isn't, or a folder that doesn't exist."""
-    file = Path(path)
-    if file.suffix.lower() not in FORMATS:
-        raise InputError("plot", "a file name that ends in " + ", ".join(FORMATS), repr(str(path)))
-    if not file.absolute().parent.is_dir():
-        raise InputError("plot", "a file in a folder that exists", repr(str(path)))
-    return file
+    return write(draw(costs), file, DPI)
 
 
 def draw(costs: Costs) -> Figure:
@@ -85,13 +70,9 @@ def draw(costs: Costs) -> Figure:
 
     Raises InputError for anything else, Unsupported when matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
     scenes = _scenes(costs)
     inches = ROW * len(scenes) + FOOT
-    figure = Figure(figsize=(WIDTH, inches), dpi=100)
+    figure: Figure = figure_type()(figsize=(WIDTH, inches), dpi=100)
     for k, (title, cost) in enumerate(scenes):
         top = inches - ROW * k
 
@@ -214,11 +195,14 @@ def _faces(ax: Any, cost: AccuracyCost) -> None:
     if highest < ROUNDING:
         ax.set_ylim(FLOOR / 8, 20.0)
         ax.axhspan(FLOOR / 8, ROUNDING, color="#F0F0F0", zorder=0)
-        say(ax, "Faces make no difference\nhere: each pyramid is\nas exact as the cone.")
+        say(ax, "Faces make no\ndifference here:\neach pyramid is as\nexact as the cone.")
         spot: dict[str, Any] = {"loc": "upper right"}
     else:
-        ax.set_ylim(max(lowest, 1e-8) / 60.0, highest * 2.5)
-        spot = {"loc": "lower left"}
+        exact = lowest < ROUNDING  # some of the pyramids, where no finger slides in them
+        ax.set_ylim(FLOOR / 8 if exact else lowest / 60.0, highest * 2.5)
+        spot = {"loc": "upper right" if exact else "lower left"}
+        if exact:
+            ax.axhspan(FLOOR / 8, ROUNDING, color="#F0F0F0", zorder=0)
         if law is not None:
             _guides(ax, law, faces)
         if any(r.section == "exact" and r.status == "certified" for r in cost.rows):

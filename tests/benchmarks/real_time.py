@@ -23,9 +23,13 @@ POSTURES = 64
 
 
 class Walk:
-    """A ball in the five-finger hand, whose posture and load wander: `POSTURES` of each, over and over."""
+    """A ball in the five-finger hand, whose posture and load wander: `POSTURES` of each, over and over.
 
-    def __init__(self) -> None:
+    strength : of the load. 1: all fingers stick; 3: one in six contacts slides, and states change on the way; from 4 on
+    part of the way cannot be held.
+    """
+
+    def __init__(self, strength: float = 1.0) -> None:
         self.hand = hl.example_hand("five_finger", joint_stiffness=5.0)
         ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
         q = self.hand.close_on(ball, squeeze=3e-3)
@@ -33,7 +37,8 @@ class Walk:
         self.contacts, self.offset, self.reference = seen.contacts, seen.scene.offset, seen.reference
         rng, load = np.random.default_rng(0), np.array([*seen.scene.force, 0, 0, 0])
         turns = np.linspace(0, 2 * np.pi, POSTURES, endpoint=False)[:, None]
-        way, pull = rng.normal(size=(2, 10)) * 5e-3, rng.normal(size=(2, 6)) * (0.3, 0.3, 0.3, 5e-3, 5e-3, 5e-3)
+        way = rng.normal(size=(2, 10)) * 5e-3
+        pull = rng.normal(size=(2, 6)) * np.array([0.3, 0.3, 0.3, 5e-3, 5e-3, 5e-3]) * strength
         self.q = q + np.sin(turns) * way[0] + np.cos(turns) * way[1]
         self.load = load + np.sin(turns) * pull[0] + np.cos(turns) * pull[1]
 
@@ -59,8 +64,9 @@ class Walk:
 
 def measure(console: Console, faces: Any = 8) -> dict[str, float]:
     """Print and return medians [µs] of one step, in turns."""
-    walk = Walk()
+    walk, hard = Walk(), Walk(3.0)
     stream, loads = hl.GraspStream(walk.grasp(0), faces), hl.GraspStream(walk.grasp(0), faces)
+    sliding = hl.GraspStream(hard.grasp(0), faces)
     last = [walk.grasp(0).solve(faces)]
 
     def warm(k: int) -> Any:
@@ -70,6 +76,7 @@ def measure(console: Console, faces: Any = 8) -> dict[str, float]:
     tasks: dict[str, Callable[[int], Any]] = {
         "bare Pinocchio: FK, joint Jacobians, 5 frame Jacobians": walk.bare(),
         "stream, posture and load → torques": lambda k: stream.update(walk.q[k], wrench=walk.load[k]).torques,
+        "the same where fingers slide": lambda k: sliding.update(hard.q[k], wrench=hard.load[k]).torques,
         "stream, load alone → torques": lambda k: loads.update(wrench=walk.load[k]).torques,
         "hand.at(q).grasp(contacts).solve(start=last)": warm,
         "hand.at(q).grasp(contacts).solve()": lambda k: walk.grasp(k).solve(faces).torques,

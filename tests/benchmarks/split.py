@@ -21,9 +21,9 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp.check import read_only
+from handlcp.grasp import first
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
-from handlcp.grasp import first
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.pyramid import as_section
 from handlcp.lcp import proposals

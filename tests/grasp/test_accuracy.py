@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pathlib
 import pickle
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ import handlcp as hl
 from handlcp.grasp import accuracy as module
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.force_error import force_error as estimate
+from handlcp.scene import load
 from handlcp.study.paper.examples import example
 from tests.benchmarks.force_truth import force_error, refine
 from tests.grasp.scenes import cube_example, pinch, ring
@@ -20,6 +22,8 @@ from tests.hard_cases.scenes import around, backwards, fingers
 pytestmark = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision on this machine to know the truth with"
 )
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
 
 def rings(count=6):
@@ -343,3 +347,15 @@ def test_a_hands_grasp_keeps_its_torques():
     s = grasp.solve(accuracy=1e-9)
     assert s.accuracy.met
     np.testing.assert_array_equal(s.torques, grasp.solve("cone").torques)
+
+
+def test_a_start_says_which_equilibrium_is_meant():
+    grasp = load(EXAMPLES / "cube_three_fingers.toml").build()  # friction can hold it in two ways
+    one, two = grasp.equilibria("cone")
+    assert abs(one.forces - two.forces).max() > 0.1
+    for s in (one, two):
+        found = grasp.solve(accuracy=1e-6, start=s)
+        np.testing.assert_allclose(found.forces, s.forces, atol=1e-6 * abs(s.forces).max())
+        assert found.accuracy.met
+    with pytest.raises(hl.InputError, match="start"):
+        grasp.solve(accuracy=1e-6, start="x")

@@ -96,6 +96,8 @@ def test_progress_counts_up_to_all(monkeypatch):
 def test_bad_input_is_named():
     with pytest.raises(hl.InputError, match=r"grasps\[1\]"):
         hl.solve_many([pinch(), 3])
+    with pytest.raises(hl.InputError, match="grasps"):
+        hl.solve_many(pinch())
     with pytest.raises(hl.InputError, match="workers"):
         hl.solve_many([pinch()], workers=0)
     with pytest.raises(hl.InputError, match="faces"):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import tracemalloc
 
 import numpy as np
@@ -179,6 +181,25 @@ def test_a_refused_change_changes_nothing(five: Hand, argument, change):
     with pytest.raises(hl.InputError, match=argument):
         stream.update(**(good | change))
     np.testing.assert_array_equal(stream.update().forces, before)
+
+
+@pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+def test_copies_share_nothing_and_go_on_from_where_it_is(five: Hand, twin):
+    q, load, grasp = followed(five)
+    stream = hl.GraspStream(grasp(q, load), "cone")
+    stream.update(q + 0.01, wrench=load * 1.2)
+    other = twin(stream)
+    np.testing.assert_allclose(other.update().torques, stream.update().torques, rtol=1e-9)
+    moved = other.update(q - 0.01, wrench=load * 0.5)
+    same(moved, grasp(q - 0.01, load * 0.5).solve("cone"))
+    same(stream.update(), grasp(q + 0.01, load * 1.2).solve("cone"))
+
+
+def test_a_single_solve_may_start_at_an_update(five: Hand):
+    q, load, grasp = followed(five)
+    g = grasp(q, load)
+    update = hl.GraspStream(g).update()
+    np.testing.assert_allclose(g.solve(start=update).forces, g.solve().forces, rtol=1e-9)
 
 
 def test_effects_asked_for_by_name_are_refused():

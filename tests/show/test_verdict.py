@@ -107,7 +107,7 @@ def test_slips_and_motion_are_told_with_a_fitting_unit():
     text = verdict(grasp, grasp.solve()).text
     assert "Left_index_anchor slides 0.23 mm" in text
     assert "Left_middle_anchor slides 56 µm" in text
-    assert "the object moves 0.64 mm against the load and turns 1.8°" in text
+    assert "the object moves 1.2 mm, 0.64 mm of it against the load, and turns 1.8°" in text
 
 
 def test_motions_beyond_the_linear_model_are_flagged():

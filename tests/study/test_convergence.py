@@ -117,7 +117,7 @@ def test_the_rate_falls_with_the_square_of_the_condition():
 
 
 @pytest.mark.parametrize(("number", "faces"), [(1, 8), (2, 4), (3, 4), (3, 8), (5, 6)])
-def test_grasps_in_natural_units_converge_at_the_rate_that_conditioning_predicts(number, faces):
+def test_grasps_in_natural_units_converge_at_a_rate_that_conditioning_bounds(number, faces):
     c = of_example(number, faces)
     for r in c.select("natural", "greedy"):
         assert r.converged

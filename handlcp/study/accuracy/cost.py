@@ -110,7 +110,8 @@ class _Clock:
 
 def _run(bench: Bench, method: Method, own: Sequence[Setting], clock: _Clock, slice_: float) -> list[Row]:
     """One method's rows. No single run may take more than a share of what the slice has left: its steps are cut to
-    that, and where nothing useful would be left it isn't started. Repeats share what is left evenly.
+    that (a whole `grasp.solve()` cannot be cut), and where nothing useful would be left it isn't started. Repeats share
+    what is left evenly.
     """
     end, rows = time.perf_counter() + slice_, []
     step, known, fewest = 0.0, 1.0, 0  # seconds a step, as far as it is known, at so many unknowns

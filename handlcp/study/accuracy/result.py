@@ -167,9 +167,11 @@ class AccuracyCost:
         return tuple(sorted(found.items()))
 
     def law(self, section: str = "inscribed") -> FaceLaw | None:
-        """How the error falls with the faces; None with fewer than three pyramids whose errors exceed rounding."""
+        """How the error falls with the faces; None with fewer than three pyramids whose errors exceed rounding, or
+        where the scene leaves its forces free.
+        """
         points = [(m, e) for m, e in self.pyramids(section) if e > ROUNDING]
-        if len(points) < 3:
+        if len(points) < 3 or not self.reference.forces_determined:
             return None
         m, e = np.array(points).T
         slope, height = np.polyfit(np.log(m), np.log(e), 1)
@@ -177,6 +179,8 @@ class AccuracyCost:
 
     def __str__(self) -> str:
         """One sentence: what 8 faces cost, or the number nearest to it, and what the cone costs."""
+        if not any(any(f) for f in self.reference.forces):
+            return "no finger pushes here: there is no relative force error"
         parts, cone = [], min((r for r in self.rows if _solved(r, "exact")), key=_time_and_error, default=None)
         flat = [r for r in self.rows if _solved(r, "inscribed")]
         if flat:

@@ -1,0 +1,46 @@
+"""Pictures as files: where they may go, and what draws them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handlcp.errors import InputError, Unsupported
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["checked", "figure_type", "write"]
+
+_FORMATS = (".png", ".svg", ".pdf", ".jpg")
+
+
+def checked(path: Any) -> Path:
+    """The file to draw into. Raises InputError for a format that there isn't, or a folder that doesn't exist;
+    Unsupported when matplotlib is not installed. To be asked before anything takes long.
+    """
+    figure_type()
+    file = Path(path)
+    if file.suffix.lower() not in _FORMATS:
+        raise InputError("plot", "a file name that ends in " + ", ".join(_FORMATS), repr(str(path)))
+    if not file.absolute().parent.is_dir():
+        raise InputError("plot", "a file in a folder that exists", repr(str(path)))
+    return file
+
+
+def figure_type() -> type[Figure]:
+    """Matplotlib's Figure. Raises Unsupported when matplotlib is not installed."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
+    return Figure
+
+
+def write(figure: Figure, file: Path, dpi: int) -> Path:
+    """Draw the figure into the file. Raises InputError where it cannot be written."""
+    try:
+        figure.savefig(file, dpi=dpi, facecolor="white")
+    except OSError as error:
+        raise InputError("plot", "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
+    return file
