@@ -4,7 +4,7 @@ from handlcp.grasp.achieved import Accuracy
 from handlcp.grasp.assemble import GraspProblem
 from handlcp.grasp.certify import Residuals
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import Effect, PrescribedForce, TotalForceBound
+from handlcp.grasp.effects import ContactCompliance, Effect, PrescribedForce, SoftWrist, TotalForceBound
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.fingertips import wrench_from_fingertip_forces
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
@@ -19,6 +19,7 @@ from handlcp.grasp.uniqueness import Uniqueness
 __all__ = [
     "Accuracy",
     "Contact",
+    "ContactCompliance",
     "Coulomb",
     "Effect",
     "Equilibria",
@@ -32,6 +33,7 @@ __all__ = [
     "Pyramid",
     "Required",
     "Residuals",
+    "SoftWrist",
     "Solutions",
     "TotalForceBound",
     "Uniqueness",

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.effects import ContactCompliance, Effect, PrescribedForce
 from handlcp.grasp.first import NOWHERE, start_at
 from handlcp.grasp.scene import cross_rows
 from handlcp.tolerances import UNIT_NORMAL
@@ -170,6 +170,8 @@ def effects(value: Any, n: int) -> tuple[Effect, ...]:
             if e.contact >= n:
                 raise InputError(f"effects[{k}].contact", f"a contact's number from 0 to {n - 1}", e.contact)
             key = e.contact
+        if isinstance(e, ContactCompliance) and e.flexibility.ndim == 3 and len(e.flexibility) != n:
+            raise InputError(f"effects[{k}].flexibility", f"{n} blocks, one for each contact", len(e.flexibility))
         if key in seen:
             raise InputError(f"effects[{k}]", "each effect once", f"a second {e!r}")
         seen.add(key)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from handlcp.grasp.effects import (
+    ContactCompliance,
     CoulombCone,
     CoulombPlanar,
     CoulombPyramid,
@@ -10,6 +11,7 @@ from handlcp.grasp.effects import (
     FingerFlexibility,
     ObjectBalance,
     PrescribedForce,
+    SoftWrist,
     TotalForceBound,
     UnilateralContact,
 )
@@ -63,5 +65,7 @@ def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect
         FingerFlexibility: "E is zero: rigid fingers",
         TotalForceBound: "not asked for",
         PrescribedForce: "not asked for",
+        ContactCompliance: "not asked for",
+        SoftWrist: "not asked for",
     }
     return tuple((kind, why) for kind, why in reasons.items() if kind not in on)

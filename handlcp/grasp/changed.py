@@ -29,7 +29,7 @@ def changed(grasp: G, **changes: Any) -> G:
         "frames": s.frames,
         "wrench": wrench_about(grasp.reference, s.force, s.moment),
         "reference": grasp.reference,
-        "flexibility": s.flexibility,
+        "flexibility": grasp.flexibility,
         "offset": s.offset,
         "effects": grasp.effects,
         "plane": s.plane,

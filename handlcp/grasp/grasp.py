@@ -15,7 +15,7 @@ from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble_contact,
 from handlcp.grasp.changed import changed
 from handlcp.grasp.conclude import conclude, conclude_first
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.effects import Effect, PrescribedForce, softened, stamped
 from handlcp.grasp.explain import Explanation, explain
 from handlcp.grasp.first import Found
 from handlcp.grasp.others import Equilibria, equilibria
@@ -43,14 +43,22 @@ class Grasp:
     offset : (n, 3) motion of the object relative to the tips before anything is loaded [m], contact axes; along the
         normal > 0 a gap, < 0 a preload.
     reference : (3,) point [m] that wrench and object motion refer to.
-    effects : effects asked for by name, such as `TotalForceBound(50.0)`; the others follow from the data.
+    effects : effects asked for by name, such as `TotalForceBound(50.0)`; the others follow from the data. Compliances
+        (`ContactCompliance`, `SoftWrist`) become part of the scene's flexibility.
     plane : (3,) unit normal of the plane of a planar scene given by 3-vectors; None: a spatial scene.
+
+    Attributes: contacts, effects, reference, and
+
+    flexibility : (3n, 3n) E [m/N] of the fingers alone; that of `scene` has the compliances among the effects added.
+    stamped : the effects without those.
 
     Raises InputError for anything that is not as described.
     """
 
     contacts: tuple[Contact, ...]
     effects: tuple[Effect, ...]
+    stamped: tuple[Effect, ...]
+    flexibility: Array
     reference: Array
     scene: Scene
 
@@ -99,6 +107,7 @@ class Grasp:
     ) -> None:
         """Take over arrays that are known to be sound (a hand's are, by construction)."""
         self.contacts, self.effects, self.reference = contacts, effects, reference
+        self.flexibility, self.stamped = flexibility, stamped(effects)
         prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
         moment = read_only(wrench[3:] + cross_rows(reference, wrench[:3]))
         mu = read_only(np.array([c.mu for c in contacts]))
@@ -106,7 +115,7 @@ class Grasp:
             read_only(positions),
             read_only(frames),
             mu,
-            flexibility,
+            softened(flexibility, effects, positions, frames, plane is not None),
             offset,
             wrench[:3],
             moment,
@@ -167,8 +176,9 @@ class Grasp:
     def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
         """The same grasp with other numbers; None: as they are.
 
-        wrench : the whole load about `reference`, weight included. offset, preload : together they replace the offset,
-        and a preload alone is that of tips without offset. All as in `Grasp`. Raises InputError.
+        wrench : the whole load about `reference`, weight included. flexibility : of the fingers; compliances among the
+        effects stay. offset, preload : together they replace the offset, and a preload alone is that of tips without
+        offset. All as in `Grasp`. Raises InputError.
         """
         scene, n = self.scene, self.scene.n
         changes: dict[str, Array] = {}

@@ -35,7 +35,7 @@ def solve(
     data is one compiled call, and for most scenes there is no other.
     """
     chain = as_chain(solver)
-    if chain is None or grasp.effects:
+    if chain is None or grasp.stamped:
         return stages(grasp, section, solver, throw, start)
     found = find(grasp.scene, section, chain.seed, start)
     if not found.passes:
@@ -60,7 +60,7 @@ def stages(
     scene, chain = grasp.scene, as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
     make = assemble_section if chain is None else assemble_contact
-    problem = make(scene, section, grasp.effects)
+    problem = make(scene, section, grasp.stamped)
     trace: list[str] = []
     best: tuple[Candidate, Verdict, int] | None = None
     for name, proposal in proposals(problem, solver, _natural(problem, start), first):

@@ -12,6 +12,7 @@ from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.answer import answers
 from handlcp.grasp.changed import changed, wrench_about
+from handlcp.grasp.effects import softened
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid, as_section
@@ -34,15 +35,17 @@ class GraspStream:
     an update is bounded: it takes the solver's first stage and no later one, and is UNDECIDED where that fails;
     `stream.grasp.solve()` asks all of them. A stream belongs to one thread.
 
-    Raises InputError for a grasp with effects asked for by name, which `grasp.solve(start=...)` follows.
+    Raises InputError for a grasp with effects asked for by name other than compliances; `grasp.solve(start=...)`
+    follows it.
     """
 
     def __init__(self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0) -> None:
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])
-        if grasp.effects:
-            named = ", ".join(type(e).__name__ for e in grasp.effects)
-            raise InputError("grasp", "one without effects asked for by name; grasp.solve(start=...) follows it", named)
+        if grasp.stamped:
+            named = ", ".join(type(e).__name__ for e in grasp.stamped)
+            expected = "one whose effects asked for are compliances; grasp.solve(start=...) follows any"
+            raise InputError("grasp", expected, named)
         scene, n = grasp.scene, grasp.scene.n
         section = as_section(faces, planar=scene.plane is not None)
         self._kind, self._section = kind_of(scene, section), section
@@ -54,6 +57,8 @@ class GraspStream:
         p, R, E, d, f, m = np.split(self._numbers[0], ends)[:6]  # views: what is written there is what is solved
         self._positions, self._frames = p.reshape(n, 3), R.reshape(n, 3, 3)
         self._flexibility, self._offset, self._force, self._moment = E.reshape(3 * n, 3 * n), d.reshape(n, 3), f, m
+        # The fingers' own E; where nothing is added to it, what is solved itself
+        self._own = grasp.flexibility.copy() if grasp.effects else self._flexibility
         self._posture = _Posture(grasp) if isinstance(grasp, HandGrasp) else None
         self._lift = arguments.lift(scene.positions, grasp.reference, scene.plane)
 
@@ -87,8 +92,12 @@ class GraspStream:
             self._positions[:] = points
         if axes is not None:
             self._frames[:] = axes
-        if self._posture is not None and (posture is not None or points is not None or axes is not None):
-            self._posture.move(posture, self._positions, self._frames, self._flexibility)
+        if posture is not None or points is not None or axes is not None:
+            if self._posture is not None:
+                self._posture.move(posture, self._positions, self._frames, self._own)
+            if first.effects:
+                planar = first.scene.plane is not None
+                self._flexibility[:] = softened(self._own, first.effects, self._positions, self._frames, planar)
         rows = np.empty((1, self._kind.answer_width))
         answers(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = Found(self._kind, rows[0])
@@ -105,7 +114,7 @@ class GraspStream:
             contacts=arguments.moved(self._first.contacts, self._positions, self._frames),
             positions=read_only(self._positions.copy()),
             frames=read_only(self._frames.copy()),
-            flexibility=read_only(self._flexibility.copy()),
+            flexibility=read_only(self._own.copy()),
             offset=read_only(self._offset.copy()),
             wrench=wrench_about(self._first.reference, self._force, self._moment),
         )

@@ -10,8 +10,17 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError, UnknownName
-from handlcp.grasp import Contact, Coulomb, Frictionless, Grasp, PrescribedForce, TotalForceBound
-from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SphereTable
+from handlcp.grasp import (
+    Contact,
+    ContactCompliance,
+    Coulomb,
+    Frictionless,
+    Grasp,
+    PrescribedForce,
+    SoftWrist,
+    TotalForceBound,
+)
+from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SoftWristTable, SphereTable
 
 if TYPE_CHECKING:
     from handlcp.grasp import Effect, Friction
@@ -150,6 +159,14 @@ def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
     effects: list[Effect] = []
     if (bound := scene.effects.total_force_bound_N) is not None:
         effects.append(TotalForceBound(bound))
+    soft: Any = scene.effects.contact_compliance_m_per_N
+    if isinstance(soft, dict):
+        _known("effects.contact_compliance_m_per_N", soft, fingers)
+        soft = [np.diag(np.ones(3) * soft.get(f, 0.0)) for f in fingers]
+    if soft is not None:
+        effects.append(ContactCompliance(soft))
+    if (wrist := scene.effects.soft_wrist) is not None:
+        effects.append(_wrist(wrist))
     for i, known in enumerate(scene.effects.prescribed_force):
         which, key = known.contact, f"effects.prescribed_force[{i}].contact"
         if isinstance(which, str):
@@ -159,6 +176,17 @@ def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
             raise InputError(key, f"a contact's number from 0 to {len(fingers) - 1}", which)
         effects.append(PrescribedForce(which, known.force_N))
     return effects
+
+
+def _wrist(table: SoftWristTable) -> SoftWrist:
+    if table.flexibility is None:
+        parts = (np.ones(3) * table.translation_m_per_N, np.ones(3) * table.rotation_rad_per_Nm)
+        return SoftWrist(np.concatenate(parts), table.at_m)
+    if given := sorted(table.model_fields_set & {"translation_m_per_N", "rotation_rad_per_Nm"}):
+        key = f"effects.soft_wrist.{given[0]}"
+        raise InputError(key, "none beside flexibility, the whole matrix", getattr(table, given[0]))
+    with keyed({"SoftWrist.flexibility": "effects.soft_wrist.flexibility"}):
+        return SoftWrist(table.flexibility, table.at_m)
 
 
 def _known(key: str, names: Any, valid: Sequence[str]) -> None:

@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 __all__ = [
     "SHAPES",
+    "Compliance",
     "Expected",
     "Faces",
     "Finger",
@@ -27,11 +28,13 @@ __all__ = [
     "Radius",
     "Seed",
     "Size",
+    "Softness",
     "Stiffness",
     "Switch",
     "Text",
     "TorqueLimits",
     "Vector",
+    "WristFlexibility",
 ]
 
 
@@ -104,6 +107,15 @@ Preload = Annotated[
 Flexibility = Annotated[
     _From0 | _ThreeFrom0 | list[list[_Finite]] | list[list[list[_Finite]]],
     Expected("a number ≥ 0, three of them, (n, 3, 3) blocks or a (3n, 3n) matrix"),
+]
+Compliance = Annotated[
+    _From0 | _ThreeFrom0 | dict[str, _From0 | _ThreeFrom0],
+    Expected("a number ≥ 0, three of them, or a table by finger"),
+]
+Softness = Annotated[_From0 | _ThreeFrom0, Expected("a number ≥ 0 or three of them")]
+_Six = Annotated[list[_Finite], Field(min_length=6, max_length=6)]
+WristFlexibility = Annotated[
+    Annotated[list[_Six], Field(min_length=6, max_length=6)], Expected("six rows of six finite numbers")
 ]
 Finger = Annotated[Annotated[int, Field(ge=0)] | str, Expected("a finger's name or a contact's number, counted from 0")]
 Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], Expected('an integer ≥ 3 or "cone"')]

@@ -21,6 +21,7 @@ __all__ = [
     "ObjectTable",
     "PostureTable",
     "PrescribedForceTable",
+    "SoftWristTable",
     "SolveTable",
     "SphereTable",
     "Table",
@@ -188,11 +189,28 @@ class PrescribedForceTable(Table):
     """contact axes: tangents x and y, then the normal"""
 
 
+class SoftWristTable(Table):
+    """A palm that gives way, with all fingers on it. By translation and rotation, or by the whole matrix."""
+
+    translation_m_per_N: k.Softness = 0.0
+    """how the palm moves along x, y, z under a force"""
+    rotation_rad_per_Nm: k.Softness = 0.0
+    """how it turns about x, y, z under a torque"""
+    flexibility: k.WristFlexibility | None = None
+    """instead of both: the (6, 6) matrix from force and torque to motion and rotation, in m/N, rad/N and rad/(N·m)"""
+    at_m: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """the point of the palm where it does so, world axes"""
+
+
 class EffectsTable(Table):
     """Effects that a scene has only when asked for."""
 
     total_force_bound_N: k.Positive | None = None
     """the most that all normal forces may add up to"""
+    contact_compliance_m_per_N: k.Compliance | None = None
+    """of the object's surface at the contacts, in contact axes (x, y, normal); a table by finger: 0 for the others"""
+    soft_wrist: SoftWristTable | None = None
+    """a palm that gives way under all fingers"""
     prescribed_force: list[PrescribedForceTable] = Field(default_factory=list)
     """contacts whose force is known, one [[effects.prescribed_force]] each"""
 

@@ -9,7 +9,17 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from handlcp import Contact, Coulomb, Frictionless, Grasp, PrescribedForce, TotalForceBound
+from handlcp import (
+    Contact,
+    ContactCompliance,
+    Coulomb,
+    Frictionless,
+    Grasp,
+    PrescribedForce,
+    SoftWrist,
+    TotalForceBound,
+)
+from handlcp.errors import InputError
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, HandGrasp, Mesh, Sphere, example_hand
 from handlcp.hand.library import urdf
 from handlcp.scene import load, read
@@ -220,3 +230,59 @@ def test_importing_handlcp_does_not_import_pydantic_typer_or_matplotlib():
 def test_a_hand_from_a_urdf_needs_no_library(tmp_path):
     text = CUBE.replace('name = "three_finger"', f'urdf = "{urdf("three_finger")}"')
     assert isinstance(read(text, tmp_path).build().state.hand, Hand)
+
+
+SOFT = """
+[[contact]]
+position_m = [0.03, 0.0, 0.0]
+normal = [-1.0, 0.0, 0.0]
+name = "thumb"
+[[contact]]
+position_m = [-0.03, 0.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+[grasp]
+flexibility_m_per_N = 1e-3
+preload_m = 0.002
+"""
+
+
+def test_compliances_are_those_that_the_calls_give():
+    grasp = read(
+        SOFT
+        + """
+        [effects]
+        contact_compliance_m_per_N = [1e-4, 2e-4, 3e-4]
+        [effects.soft_wrist]
+        translation_m_per_N = 1e-3
+        rotation_rad_per_Nm = [0.1, 0.2, 0.0]
+        at_m = [0.0, 0.0, -0.1]
+    """
+    ).build()
+    effects = [
+        ContactCompliance((1e-4, 2e-4, 3e-4)),
+        SoftWrist((1e-3, 1e-3, 1e-3, 0.1, 0.2, 0.0), (0, 0, -0.1)),
+    ]
+    same(grasp, Grasp(grasp.contacts, flexibility=1e-3, preload=0.002, effects=effects))
+    matrix = (np.eye(6) * 1e-3 + 1e-4).tolist()
+    grasp = read(
+        f"{SOFT}[effects.soft_wrist]\nflexibility = {matrix}\n[effects.contact_compliance_m_per_N]\nthumb = 1e-4"
+    ).build()
+    effects = [ContactCompliance([np.eye(3) * 1e-4, np.zeros((3, 3))]), SoftWrist(matrix)]
+    same(grasp, Grasp(grasp.contacts, flexibility=1e-3, preload=0.002, effects=effects))
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("[effects.contact_compliance_m_per_N]\nindex = 1e-4", "effects.contact_compliance_m_per_N"),
+        (f"[effects.soft_wrist]\nflexibility = {(-np.eye(6)).tolist()}", "effects.soft_wrist.flexibility"),
+        (
+            f"[effects.soft_wrist]\nrotation_rad_per_Nm = 1\nflexibility = {np.eye(6).tolist()}",
+            "effects.soft_wrist.rotation_rad_per_Nm",
+        ),
+    ],
+)
+def test_compliances_that_make_no_sense_name_the_key(text, key):
+    with pytest.raises(InputError) as caught:
+        read(SOFT + text).build()
+    assert caught.value.argument == key

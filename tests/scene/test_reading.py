@@ -91,6 +91,9 @@ def test_a_key_in_the_wrong_table_is_told_where_it_belongs():
         ("[solve]\nfaces = 8.0", "solve.faces", "integer ≥ 3"),
         ("[solve]\nseed = -1", "solve.seed", "integer ≥ 0"),
         ("[effects]\ntotal_force_bound_N = 0", "effects.total_force_bound_N", "> 0"),
+        ("[effects]\ncontact_compliance_m_per_N = -1e-4", "effects.contact_compliance_m_per_N", "≥ 0"),
+        ("[effects.soft_wrist]\nflexibility = [1.0]", "effects.soft_wrist.flexibility", "six rows of six"),
+        ("[effects.soft_wrist]\ntranslation_m_per_N = [1.0]", "effects.soft_wrist.translation_m_per_N", "three"),
         ("[effects]\nprescribed_force = 3", "effects.prescribed_force", r"tables [[effects.prescribed_force]]"),
     ],
 )
@@ -163,10 +166,10 @@ def test_every_key_says_what_it_holds_and_what_it_means():
 
 
 def test_lengths_forces_and_torques_carry_their_unit_in_the_key():
-    with_unit = ("_m", "_N", "_Nm", "_kg", "_rad", "_m_per_N", "_Nm_per_rad", "_m_per_s2")
+    with_unit = ("_m", "_N", "_Nm", "_kg", "_rad", "_m_per_N", "_Nm_per_rad", "_rad_per_Nm", "_m_per_s2")
     without = {"title", "description", "name", "urdf", "base", "fingertips", "package_dirs", "close", "shape", "file",
                "scale", "normal", "friction", "tangent", "fingers", "finger_weight", "plane", "contact", "faces",
-               "seed"}  # fmt: skip
+               "seed", "flexibility"}  # fmt: skip
     for k in keys():
         assert k.key.endswith(with_unit) != (k.key in without), k.path
 

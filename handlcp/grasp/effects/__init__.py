@@ -5,16 +5,21 @@ a file here.
 """
 
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.compliance import Compliance, softened, stamped
+from handlcp.grasp.effects.contact_compliance import ContactCompliance
 from handlcp.grasp.effects.coulomb_cone import CoulombCone
 from handlcp.grasp.effects.coulomb_planar import CoulombPlanar
 from handlcp.grasp.effects.coulomb_pyramid import CoulombPyramid
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
+from handlcp.grasp.effects.soft_wrist import SoftWrist
 from handlcp.grasp.effects.total_force_bound import TotalForceBound
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 
 __all__ = [
+    "Compliance",
+    "ContactCompliance",
     "CoulombCone",
     "CoulombPlanar",
     "CoulombPyramid",
@@ -22,6 +27,9 @@ __all__ = [
     "FingerFlexibility",
     "ObjectBalance",
     "PrescribedForce",
+    "SoftWrist",
     "TotalForceBound",
     "UnilateralContact",
+    "softened",
+    "stamped",
 ]

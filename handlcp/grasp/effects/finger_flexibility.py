@@ -1,6 +1,6 @@
 """Finger flexibility: a finger under load retreats.
 
-    ε += E r,    E = J K⁻¹ Jᵀ + pads ⪰ 0 over all contacts
+    ε += E r,    E = J K⁻¹ Jᵀ + pads (+ compliances asked for) ⪰ 0 over all contacts
 
 E couples normal and tangential directions and, where fingers share joints, different fingers; it may be singular
 (two-joint fingers without pads always are). Nothing here inverts it. Source: model, "Flexibility from the hand";

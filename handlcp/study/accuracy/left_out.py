@@ -27,7 +27,7 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     Blocks of a positive semidefinite E set to zero in pairs of rows and columns leave it positive semidefinite.
     """
     scene = grasp.scene
-    E, n = scene.flexibility, scene.n
+    E, n = grasp.flexibility, scene.n  # of the fingers alone: compliances asked for are left out one by one
     normal = np.arange(3 * n) % 3 == 2
     same_kind = normal[:, None] == normal
     same_finger = np.kron(np.eye(n, dtype=bool), np.ones((3, 3), bool))

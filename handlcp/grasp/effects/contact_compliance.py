@@ -1,0 +1,64 @@
+"""Contact compliance: the object's surface, or a patch between it and a fingertip, gives way under the contact's force.
+
+    E_ii += C_i,    ε_i += C_i r_i
+
+In series with the finger: a force that travels through both moves the contact by the sum. Each contact feels its own
+force alone. Source: model, "Flexibility from the hand" (E = E_joint + E_pad, a pad on the object's side).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, dimensions, number, psd, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.effects.compliance import Compliance
+from handlcp.grasp.scene import Scene
+
+__all__ = ["ContactCompliance"]
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class ContactCompliance(Compliance):
+    """Flexibility of the object's surface at the contacts [m/N], contact axes (x, y tangents, z normal).
+
+    flexibility : a number ≥ 0 or a (3,) diagonal for every contact, or (n, 3, 3) symmetric positive semidefinite
+        blocks; 0 is a rigid surface, the same as none. A planar scene uses the parts in its plane, x and z.
+
+    Raises InputError.
+    """
+
+    flexibility: Array
+
+    title = "contact compliance"
+    equation = "E_ii += C_i"
+
+    def __init__(self, flexibility: Any) -> None:
+        argument = "ContactCompliance.flexibility"
+        if dimensions(flexibility) == 0:
+            value = np.eye(3) * number(argument, flexibility, minimum=0.0)
+        else:
+            value = array(argument, flexibility, (3,), (-1, 3, 3))
+            if value.ndim == 1:
+                if (value < 0).any():
+                    raise InputError(argument, "entries ≥ 0", value.tolist())
+                value = np.diag(value)
+            else:
+                value = np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(value)]).reshape(-1, 3, 3)
+        object.__setattr__(self, "flexibility", read_only(value))
+
+    def why(self, scene: Scene) -> str:
+        """Asked for."""
+        mean = float(np.trace(self.flexibility, axis1=-2, axis2=-1).mean() / 3)
+        return f"asked for: the object's surface gives way by {mean:.3g} m/N in the mean"
+
+    def matrix(self, positions: Array, frames: Array) -> Array:
+        """Blocks on the diagonal."""
+        n = len(positions)
+        out = np.zeros((3 * n, 3 * n))
+        for i, block in enumerate(np.broadcast_to(self.flexibility, (n, 3, 3))):
+            out[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
+        return out

@@ -1,0 +1,276 @@
+"""Compliances asked for by name: closed forms, one E for everything downstream, and nothing where they are absent."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.changed import changed
+from handlcp.grasp.effects import Compliance, softened, stamped
+from handlcp.study.accuracy.left_out import variants
+
+from .scenes import pinch, ring
+
+RNG = np.random.default_rng(11)
+ROOT = RNG.normal(size=(6, 6)) * np.array([1e-2] * 3 + [1e-1] * 3)[:, None]
+WRIST = hl.SoftWrist(ROOT @ ROOT.T, (0.01, -0.02, -0.1))
+BLOCKS = np.array([a @ a.T for a in RNG.normal(size=(4, 3, 3)) * 1e-2])
+
+
+def hand_built(g, wrist=WRIST, blocks=BLOCKS):
+    """The sum by the textbook: a column for each unit force."""
+    s, n = g.scene, len(g.contacts)
+    E = g.flexibility.copy()
+    for j in range(3 * n):
+        force = s.frames[j // 3][:, j % 3]
+        arm = s.positions[j // 3] - wrist.at
+        palm = wrist.flexibility @ -np.r_[force, np.cross(arm, force)]  # the palm feels the reaction
+        for i in range(n):
+            tip = palm[:3] + np.cross(palm[3:], s.positions[i] - wrist.at)
+            E[3 * i : 3 * i + 3, j] -= s.frames[i].T @ tip  # object minus fingertip
+    for i, block in enumerate(blocks):
+        E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += block
+    return E
+
+
+BOTH = (WRIST, hl.ContactCompliance(BLOCKS))
+
+
+def soft_ring(seed=3, effects=BOTH):
+    contacts, data = ring(np.random.default_rng(seed))
+    return hl.Grasp(contacts, **data, effects=effects)
+
+
+def test_two_fingers_in_series_with_a_contact_compliance_share_the_squeeze():
+    """Each side is finger and surface in series: N = squeeze / (a + b), and the load moves the object down by
+    w / 2 · (a_T + b_T).
+    """
+    a, b, squeeze, w = 1e-4, np.array([3e-4, 5e-4, 2e-4]), 1e-3, 0.5
+    s = pinch(load=(0, 0, -w), squeeze=squeeze, flexibility=a, effects=[hl.ContactCompliance(b)]).solve()
+    np.testing.assert_allclose(s.forces[:, 2], squeeze / (a + b[2]), rtol=1e-9)
+    np.testing.assert_allclose(s.forces[:, 0], w / 2, rtol=1e-9)
+    np.testing.assert_allclose(s.object_displacement[2], -w / 2 * (a + b[0]), rtol=1e-9)
+
+
+def test_a_surface_alone_is_enough_for_rigid_fingers():
+    c, squeeze = 2e-4, 1e-3
+    s = pinch(flexibility=0.0, squeeze=squeeze, effects=[hl.ContactCompliance(c)]).solve()
+    np.testing.assert_allclose(s.forces[:, 2], squeeze / c, rtol=1e-9)
+
+
+def test_a_soft_wrist_sinks_under_the_whole_load_and_the_squeeze_does_not_see_it():
+    """The pinch's squeeze is an inner force: no wrench on the palm. The load w moves palm and object by C w on top of
+    the fingers' own retreat, and turns them by the moment arm.
+    """
+    a, squeeze, w, arm = 1e-4, 1e-3, 0.5, 0.03
+    down, tilt = 4e-3, 0.7
+    wrist = hl.SoftWrist((0, 0, down, 0, tilt, 0), at=(-arm, 0, 0))
+    s = pinch(load=(0, 0, -w), squeeze=squeeze, flexibility=a, effects=[wrist]).solve()
+    np.testing.assert_allclose(s.forces[:, 2], squeeze / a, rtol=1e-9)
+    turned = tilt * w * arm  # about +y: what lies at +x goes down
+    np.testing.assert_allclose(s.object_displacement[2], -w * (a / 2 + down) - turned * arm, rtol=1e-9)
+    np.testing.assert_allclose(s.object_displacement[4], turned, rtol=1e-9)
+
+
+def test_a_force_on_one_finger_moves_all_tips():
+    """A palm that only translates, by c a newton: E_ij = c Rᵢᵀ Rⱼ; one that turns about `at`: (p - at) × crossed."""
+    contacts, data = ring(np.random.default_rng(5), n=3)
+    c = 2e-3
+    g = hl.Grasp(contacts, data["wrench"], effects=[hl.SoftWrist((c, c, c, 0, 0, 0), (9.0, 9.0, 9.0))])
+    R = g.scene.frames
+    expected = np.block([[c * R[i].T @ R[j] for j in range(3)] for i in range(3)])
+    np.testing.assert_allclose(g.scene.flexibility, expected, atol=1e-9 * c)
+    at, spin = np.array([0.1, 0.2, 0.3]), 0.5
+    g = hl.Grasp(contacts, data["wrench"], effects=[hl.SoftWrist((0, 0, 0, spin, spin, spin), at)])
+    W = np.hstack([np.cross(p - at, r.T).T for p, r in zip(g.scene.positions, R, strict=True)])
+    np.testing.assert_allclose(g.scene.flexibility, spin * W.T @ W, rtol=1e-9, atol=1e-12)
+
+
+def test_both_equal_an_e_built_by_hand_and_give_the_same_answer():
+    g = soft_ring()
+    E = hand_built(g)
+    np.testing.assert_allclose(g.scene.flexibility, E, rtol=1e-9, atol=1e-9 * abs(E).max())
+    np.testing.assert_array_equal(g.scene.flexibility, g.scene.flexibility.T)
+    assert np.linalg.eigvalsh(g.scene.flexibility - g.flexibility).min() > -1e-15
+    plain = changed(g, effects=(), flexibility=g.scene.flexibility)
+    for faces in (8, "cone"):
+        a, b = g.solve(faces), plain.solve(faces)
+        np.testing.assert_array_equal(a.forces, b.forces)
+        np.testing.assert_array_equal(a.object_displacement, b.object_displacement)
+        assert a.trace == b.trace, "one compiled call, as without effects"
+        assert a.uniqueness == b.uniqueness
+    assert g.required_preload().value == plain.required_preload().value
+    assert len(g.equilibria(seconds=0.5)) == len(plain.equilibria(seconds=0.5))
+
+
+def test_the_balance_of_energy_counts_the_compliance():
+    """The load's work from where nothing is squeezed is what the springs hold: w·u = rᵀ E r while all stick."""
+    contacts, data = ring(np.random.default_rng(3), mu=50.0)
+    g = hl.Grasp(contacts, **data, effects=[WRIST, hl.ContactCompliance(1e-3)])
+    s, free = g.solve("cone"), g.replace(wrench=np.zeros(6)).solve("cone")
+    assert set(s.contact_state) == set(free.contact_state) == {"sticking"}
+    r = (s.forces - free.forces).ravel()
+    work = np.r_[data["wrench"]] @ (s.object_displacement - free.object_displacement)
+    assert work > 0
+    np.testing.assert_allclose(r @ g.scene.flexibility @ r, work, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "zero", [(hl.ContactCompliance(0.0),), (hl.SoftWrist(np.zeros((6, 6))),), (hl.ContactCompliance((0, 0, 0)),)]
+)
+def test_zero_compliance_is_none_and_absence_leaves_every_bit(zero):
+    contacts, data = ring(np.random.default_rng(3))
+    without, neutral = hl.Grasp(contacts, **data), hl.Grasp(contacts, **data, effects=zero)
+    assert without.scene.flexibility is without.flexibility
+    for faces in (6, "cone"):
+        a, b = without.problem(faces), neutral.problem(faces)
+        np.testing.assert_array_equal(a.M, b.M)
+        np.testing.assert_array_equal(a.q, b.q)
+    np.testing.assert_array_equal(without.solve().forces, neutral.solve().forces)
+
+
+def test_compliances_bring_no_unknowns_and_explain_lists_them_with_why():
+    g, contacts = soft_ring(), soft_ring(effects=())
+    assert g.explain(8).unknowns == contacts.explain(8).unknowns
+    lines = {e.title: e for e in g.explain(8).effects}
+    for title in ("contact compliance", "soft wrist"):
+        assert lines[title].on
+        assert lines[title].cost == 0
+        assert "asked for" in lines[title].why
+    off = {e.title: e.why for e in contacts.explain("cone").effects if not e.on}
+    assert off["contact compliance"] == off["soft wrist"] == "not asked for"
+    assert g.stamped == ()
+    assert len(g.effects) == 2
+
+
+def test_replacing_anything_neither_loses_nor_doubles_them():
+    g = soft_ring()
+    added = g.scene.flexibility - g.flexibility
+    size = abs(added).max()
+    for other in (g.replace(wrench=(0, 0, -1, 0, 0, 0)), g.replace(preload=0.03), g.replace().replace()):
+        np.testing.assert_array_equal(other.scene.flexibility, g.scene.flexibility)
+        assert other.effects == g.effects
+    harder = g.replace(flexibility=1e-5).replace(wrench=(0, 0, -1, 0, 0, 0))
+    np.testing.assert_array_equal(harder.flexibility, 1e-5 * np.eye(12))
+    np.testing.assert_allclose(harder.scene.flexibility - harder.flexibility, added, atol=1e-15 * size)
+    again = pickle.loads(pickle.dumps(g))
+    np.testing.assert_array_equal(again.scene.flexibility, g.scene.flexibility)
+
+
+def test_they_stand_beside_effects_with_rows():
+    """A bound and a given force on top: the same problem as with E built by hand."""
+    more = [hl.TotalForceBound(60.0), hl.PrescribedForce(0, (0.1, 0.0, 4.0))]
+    g = soft_ring(effects=[*more, WRIST])
+    assert g.stamped == tuple(more)
+    plain = changed(g, effects=tuple(more), flexibility=g.scene.flexibility)
+    np.testing.assert_array_equal(g.problem().scaled.M, plain.problem().scaled.M)
+    a, b = g.solve(throw=False), plain.solve(throw=False)
+    assert a.held
+    np.testing.assert_array_equal(a.forces, b.forces)
+
+
+def test_a_planar_scene_feels_only_what_lies_in_its_plane():
+    """A wrist off the plane that tilts moves the tips in it; y parts and what they couple with drop out."""
+    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
+    blocks = BLOCKS[:3]
+    g = hl.Grasp(
+        contacts, (0.2, -1.0, 0.001), flexibility=1e-4, preload=2e-4, effects=[WRIST, hl.ContactCompliance(blocks)]
+    )
+    cut = hand_built(g, blocks=blocks) - g.flexibility
+    cut[1::3] = 0
+    cut[:, 1::3] = 0
+    assert abs(cut).max() > 0
+    np.testing.assert_allclose(g.scene.flexibility - g.flexibility, cut, atol=1e-9 * abs(cut).max())
+    s = g.solve()
+    np.testing.assert_array_equal(s.forces, changed(g, effects=(), flexibility=g.scene.flexibility).solve().forces)
+    height, tilt, w = 0.05, 0.3, 1.0  # a wrist below the plane, turning about x: a pull along y tilts it
+    lone = pinch_in_plane(hl.SoftWrist((0, 0, 0, tilt, 0, 0), at=(0, 0, -height)), w)
+    still = pinch_in_plane(hl.SoftWrist((0, 0, 0, 0, 0, 0)), w)
+    sink = lone.object_displacement[1] - still.object_displacement[1]
+    np.testing.assert_allclose(sink, -tilt * height**2 * w, rtol=1e-9)
+
+
+def pinch_in_plane(wrist, w):
+    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0), (-1, 0))]
+    return hl.Grasp(contacts, (0, -w, 0), flexibility=1e-4, preload=1e-3, effects=[wrist]).solve()
+
+
+def test_many_at_once_and_a_stream_see_them():
+    grasps = [soft_ring(k) for k in range(3, 8)]
+    for g, s in zip(grasps, hl.solve_many(grasps), strict=True):
+        np.testing.assert_array_equal(s.forces, g.solve(throw=False).forces)
+    g = soft_ring()
+    stream = hl.GraspStream(g)
+    np.testing.assert_allclose(stream.update().forces, g.solve().forces, rtol=1e-9)
+    moved = g.scene.positions + 1e-3
+    update = stream.update(positions=moved)
+    E = softened(g.flexibility, g.effects, moved, g.scene.frames, False)
+    assert abs(E - g.scene.flexibility).max() > 1e-6, "the wrist's arm changed"
+    now = stream.grasp
+    np.testing.assert_array_equal(now.scene.flexibility, E)
+    np.testing.assert_array_equal(now.flexibility, g.flexibility)
+    np.testing.assert_allclose(update.forces, now.solve(start=g.solve()).forces, rtol=1e-9, atol=1e-12)
+
+
+def test_a_hand_on_a_soft_wrist_in_a_grasp_and_along_a_stream():
+    hand = hl.example_hand("five_finger", joint_stiffness=5.0)
+    ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
+    q = hand.close_on(ball, squeeze=3e-3)
+    effects = [hl.SoftWrist((1e-4, 1e-4, 1e-4, 0.2, 0.2, 0.2)), hl.ContactCompliance((1e-4, 1e-4, 5e-4))]
+    plain, g = hand.at(q).grasp(ball), hand.at(q).grasp(ball, effects=effects)
+    np.testing.assert_array_equal(g.flexibility, plain.scene.flexibility)
+    expected = softened(plain.scene.flexibility, effects, g.scene.positions, g.scene.frames, False)
+    np.testing.assert_array_equal(g.scene.flexibility, expected)
+    stream = hl.GraspStream(g)
+    stream.update(q + 0.01)
+    there = hand.at(q + 0.01)
+    contacts = [hl.Contact(c.position, c.normal, c.friction) for c in g.contacts]
+    for name in ("scene", "own"):
+        one, two = stream.grasp, there.grasp(contacts, effects=effects)
+        a, b = (one.scene, two.scene) if name == "scene" else (one, two)
+        np.testing.assert_allclose(a.flexibility, b.flexibility, atol=1e-12 * abs(b.flexibility).max())
+
+
+def test_the_study_leaves_each_of_them_out_once():
+    names = {name: g for name, _, g in variants(soft_ring())}
+    assert {"contact compliance", "soft wrist"} <= set(names)
+    assert [type(e) for e in names["soft wrist"].effects] == [hl.ContactCompliance]
+    rigid = names["finger flexibility"]
+    np.testing.assert_array_equal(rigid.flexibility, 0)
+    assert rigid.scene.flexibility.any()
+
+
+@pytest.mark.parametrize(
+    ("make", "argument"),
+    [
+        (lambda: hl.ContactCompliance(-1e-4), "ContactCompliance.flexibility"),
+        (lambda: hl.ContactCompliance((1, 2)), "ContactCompliance.flexibility"),
+        (lambda: hl.ContactCompliance((1, -2, 0)), "ContactCompliance.flexibility"),
+        (lambda: hl.ContactCompliance([np.eye(3), -np.eye(3)]), "ContactCompliance.flexibility[1]"),
+        (lambda: hl.ContactCompliance("soft"), "ContactCompliance.flexibility"),
+        (lambda: pinch(effects=[hl.ContactCompliance(BLOCKS)]), "effects[0].flexibility"),
+        (lambda: pinch(effects=[WRIST, WRIST]), "effects[1]"),
+        (lambda: hl.SoftWrist(1e-4), "SoftWrist.flexibility"),
+        (lambda: hl.SoftWrist(np.eye(3)), "SoftWrist.flexibility"),
+        (lambda: hl.SoftWrist(-np.eye(6)), "SoftWrist.flexibility"),
+        (lambda: hl.SoftWrist(np.triu(np.ones((6, 6)))), "SoftWrist.flexibility"),
+        (lambda: hl.SoftWrist(np.eye(6) + 2 * np.eye(6)[::-1]), "SoftWrist.flexibility"),
+        (lambda: hl.SoftWrist(np.eye(6), (0, 0)), "SoftWrist.at"),
+    ],
+)
+def test_bad_compliances_name_the_argument(make, argument):
+    with pytest.raises(hl.InputError) as caught:
+        make()
+    assert caught.value.argument == argument
+
+
+@pytest.mark.parametrize("effect", Compliance.__subclasses__())
+def test_every_compliance_states_its_equation_on_top_of_its_file(effect):
+    import sys
+
+    assert "Source:" in sys.modules[effect.__module__].__doc__
+    assert effect.equation != Compliance.equation
+    assert stamped((effect(np.ones(3) if effect is hl.ContactCompliance else np.ones(6)),)) == ()
