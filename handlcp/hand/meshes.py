@@ -16,7 +16,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError
 
-__all__ = ["MeshShape", "hull", "load_mesh", "winding"]
+__all__ = ["MeshShape", "closed", "hull", "load_mesh", "winding"]
 
 # A mesh fills its hull to this share of the volume, or it is not convex.
 CONVEX = 1e-3
@@ -24,12 +24,13 @@ CONVEX = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class MeshShape:
-    """geometry: coal's hull if convex, else its triangle tree; triangles (m, 3, 3) [m]; centre of the enclosed volume
-    (3,).
+    """geometry: coal's hull if convex, else its triangle tree; triangles (m, 3, 3) [m]; volume [m³] and its centre (3,)
+    [m]: what the surface encloses, the hull's where a convex one has holes; NaN is the volume of another with holes.
     """
 
     geometry: Any
     triangles: Array
+    volume: float
     centre: Array
     convex: bool
 
@@ -62,7 +63,18 @@ def load_mesh(argument: str, path: Any, scale: Array) -> MeshShape:
     shape = hull(tree)
     enclosed = float(shape.computeVolume())
     convex = abs(abs(volume) - enclosed) <= CONVEX * enclosed
-    return MeshShape(shape if convex else tree, triangles, centre, convex)
+    if not closed(triangles):
+        volume, centre = (enclosed, np.array(shape.computeCOM()).reshape(3)) if convex else (np.nan, centre)
+    return MeshShape(shape if convex else tree, triangles, abs(volume), centre, convex)
+
+
+def closed(triangles: Array) -> bool:
+    """Whether triangles (m, 3, 3) bound a volume: every edge is run through as often one way as the other."""
+    corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3).astype(np.int64)
+    edges = np.concatenate([corners[:, (0, 1)], corners[:, (1, 2)], corners[:, (2, 0)]])
+    n = len(triangles) * 3
+    there, back = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
+    return bool(np.array_equal(np.sort(there), np.sort(back)))
 
 
 def hull(tree: Any) -> Any:

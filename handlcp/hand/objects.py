@@ -1,4 +1,4 @@
-"""The object in the hand: a coal shape with a placement and a mass."""
+"""The object in the hand: a coal shape with a placement and a mass, or a density that the shape turns into one."""
 
 from __future__ import annotations
 
@@ -20,13 +20,18 @@ class Object:
     """Base of the shapes: a coal geometry, where it is, what it weighs. Immutable, picklable.
 
     placement : pin.SE3 of the shape's frame in the hand's world frame, or a position (3,) [m]; None: the origin.
-    mass : [kg], ≥ 0; weighs at the centre of mass.
+    mass : [kg], ≥ 0; weighs at the centre of mass. None: 0, or what the density says.
+    density : [kg/m³], ≥ 0, in place of a mass: mass = density · volume.
+    volume : [m³] that the shape encloses.
+
+    Raises InputError, for a mass and a density both among others.
     """
 
-    __slots__ = ("_args", "_centre", "_placement", "_transform", "geometry", "mass", "triangles")
+    __slots__ = ("_args", "_centre", "_placement", "_transform", "geometry", "mass", "triangles", "volume")
 
     geometry: Any
     mass: float
+    volume: float
     triangles: Array | None
 
     def __init__(
@@ -34,6 +39,8 @@ class Object:
         geometry: Any,
         placement: Any,
         mass: Any,
+        density: Any,
+        volume: float,
         centre: Any,
         args: tuple[Any, ...],
         triangles: Array | None = None,
@@ -41,7 +48,8 @@ class Object:
         self.geometry, self.triangles = geometry, triangles
         self._placement = read_placement(placement)
         self._transform = coal.Transform3s(self._placement.rotation, self._placement.translation)
-        self.mass = number("mass", mass, minimum=0.0)
+        self.volume = volume
+        self.mass = _mass(mass, density, volume)
         self._centre = read_only(np.array(centre, dtype=float))
         self._args = args
 
@@ -92,9 +100,10 @@ class Box(Object):
 
     __slots__ = ("size",)
 
-    def __init__(self, size: Any, placement: Any = None, mass: Any = 0.0) -> None:
+    def __init__(self, size: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.size = _lengths("size", size)
-        super().__init__(coal.Box(*self.size), placement, mass, (0, 0, 0), (self.size,))
+        volume = float(np.prod(self.size))
+        super().__init__(coal.Box(*self.size), placement, mass, density, volume, (0, 0, 0), (self.size,))
 
 
 class Sphere(Object):
@@ -102,9 +111,10 @@ class Sphere(Object):
 
     __slots__ = ("radius",)
 
-    def __init__(self, radius: Any, placement: Any = None, mass: Any = 0.0) -> None:
+    def __init__(self, radius: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.radius = number("radius", radius, above=0.0)
-        super().__init__(coal.Sphere(self.radius), placement, mass, (0, 0, 0), (self.radius,))
+        volume = 4 / 3 * np.pi * self.radius**3
+        super().__init__(coal.Sphere(self.radius), placement, mass, density, volume, (0, 0, 0), (self.radius,))
 
 
 class Cylinder(Object):
@@ -116,10 +126,13 @@ class Cylinder(Object):
 
     __slots__ = ("length", "radius")
 
-    def __init__(self, radius: Any, length: Any, placement: Any = None, mass: Any = 0.0) -> None:
+    def __init__(
+        self, radius: Any, length: Any, placement: Any = None, mass: Any = None, *, density: Any = None
+    ) -> None:
         self.radius, self.length = number("radius", radius, above=0.0), number("length", length, above=0.0)
         geometry = coal.Cylinder(self.radius, self.length)
-        super().__init__(geometry, placement, mass, (0, 0, 0), (self.radius, self.length))
+        volume = np.pi * self.radius**2 * self.length
+        super().__init__(geometry, placement, mass, density, volume, (0, 0, 0), (self.radius, self.length))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Outside: the point clamped to mantle and ends. Inside: straight out through the nearer of the two."""
@@ -149,9 +162,10 @@ class Ellipsoid(Object):
 
     __slots__ = ("radii",)
 
-    def __init__(self, radii: Any, placement: Any = None, mass: Any = 0.0) -> None:
+    def __init__(self, radii: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.radii = _lengths("radii", radii)
-        super().__init__(coal.Ellipsoid(*self.radii), placement, mass, (0, 0, 0), (self.radii,))
+        volume = 4 / 3 * np.pi * float(np.prod(self.radii))
+        super().__init__(coal.Ellipsoid(*self.radii), placement, mass, density, volume, (0, 0, 0), (self.radii,))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Nearest point x = a² c / (t + a²) with |x / a| = 1: the root t by Newton on a convex function, from its
@@ -183,20 +197,24 @@ class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …), in metres after `scale` (a number or (3,)).
 
     A convex mesh is held as its hull, exact for every fingertip. One that is not convex is held as its triangles:
-    contact with spherical fingertips only, and the surface has to be closed. The centre of mass is that of the
-    enclosed volume.
+    contact with spherical fingertips only, and the surface has to be closed. Volume and centre of mass are those of
+    what the surface encloses; of the hull, where a convex mesh has holes. NaN is the volume of an open one that is not
+    convex: it takes no density.
     """
 
     __slots__ = ("convex", "path", "scale")
 
-    def __init__(self, path: Any, scale: Any = 1.0, placement: Any = None, mass: Any = 0.0) -> None:
+    def __init__(
+        self, path: Any, scale: Any = 1.0, placement: Any = None, mass: Any = None, *, density: Any = None
+    ) -> None:
         scales = array("scale", scale, (), (3,))
         if not (scales > 0).all():
             raise InputError("scale", "numbers above 0", repr(scale))
         mesh = load_mesh("path", path, np.ones(3) * scales)
         self.path, self.scale, self.convex = Path(path), scales, mesh.convex
         triangles = None if mesh.convex else mesh.triangles
-        super().__init__(mesh.geometry, placement, mass, mesh.centre, (self.path, self.scale), triangles)
+        args = (self.path, self.scale)
+        super().__init__(mesh.geometry, placement, mass, density, mesh.volume, mesh.centre, args, triangles)
 
 
 def read_placement(value: Any) -> Any:
@@ -212,6 +230,17 @@ def read_placement(value: Any) -> Any:
             raise InputError("placement", "an SE3 with a rotation and finite numbers", repr(value.homogeneous.tolist()))
         return value.copy()
     return pin.SE3(np.eye(3), array("placement", value, (3,), what="a pin.SE3 or a position: finite numbers"))
+
+
+def _mass(mass: Any, density: Any, volume: float) -> float:
+    if density is None:
+        return 0.0 if mass is None else number("mass", mass, minimum=0.0)
+    if mass is not None:
+        raise InputError("density", "None where a mass is given", repr(density))
+    value = number("density", density, minimum=0.0)
+    if not volume > 0:
+        raise InputError("density", "None for a mesh that is not closed (pass its mass)", repr(density))
+    return value * volume
 
 
 def _lengths(argument: str, value: Any) -> Array:

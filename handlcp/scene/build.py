@@ -38,7 +38,8 @@ HAND = {
 }  # fmt: skip
 OBJECT = {
     "size": "object.size_m", "radius": "object.radius_m", "length": "object.length_m", "radii": "object.radii_m",
-    "path": "object.file", "scale": "object.scale", "mass": "object.mass_kg", "placement": "object.position_m",
+    "path": "object.file", "scale": "object.scale", "mass": "object.mass_kg", "density": "object.density_kg_per_m3",
+    "placement": "object.position_m",
 }  # fmt: skip
 GRASP = HAND | {
     "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object", "squeeze": "posture.squeeze_m",
@@ -79,18 +80,19 @@ def shape(scene: SceneFile) -> Object | None:
     if table is None:
         return None
     placement = pin.SE3(pin.rpy.rpyToMatrix(*table.rpy_rad), np.array(table.position_m))
+    weight: dict[str, Any] = {"mass": table.mass_kg, "density": table.density_kg_per_m3}
     with keyed(OBJECT):
         match table:
             case BoxTable():
-                return Box(table.size_m, placement, table.mass_kg)
+                return Box(table.size_m, placement, **weight)
             case SphereTable():
-                return Sphere(table.radius_m, placement, table.mass_kg)
+                return Sphere(table.radius_m, placement, **weight)
             case CylinderTable():
-                return Cylinder(table.radius_m, table.length_m, placement, table.mass_kg)
+                return Cylinder(table.radius_m, table.length_m, placement, **weight)
             case EllipsoidTable():
-                return Ellipsoid(table.radii_m, placement, table.mass_kg)
+                return Ellipsoid(table.radii_m, placement, **weight)
             case MeshTable():
-                return Mesh(scene.folder / table.file, table.scale, placement, table.mass_kg)
+                return Mesh(scene.folder / table.file, table.scale, placement, **weight)
 
 
 def _by_hand(scene: SceneFile) -> Grasp:

@@ -75,8 +75,10 @@ class _Body(Table):
     """where the object's frame is in the hand's world frame"""
     rpy_rad: k.Vector = Field(default=[0.0, 0.0, 0.0])
     """how it is turned: roll, pitch and yaw about fixed axes, as in a URDF"""
-    mass_kg: k.NotNegative = 0.0
-    """weighs at the centre of mass, along gravity_m_per_s2"""
+    mass_kg: k.NotNegative | None = None
+    """weighs at the centre of mass, along gravity_m_per_s2; left out: 0, or what the density says"""
+    density_kg_per_m3: k.NotNegative | None = None
+    """instead of mass_kg: the shape's volume makes a mass of it"""
 
 
 class BoxTable(_Body):

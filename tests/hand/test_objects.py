@@ -194,6 +194,73 @@ def test_objects_pickle_and_stay(tmp_path: Path) -> None:
         np.testing.assert_allclose(moved.center_of_mass[2], 1.0, atol=1e-9)
 
 
+def _cells(path: Path, faces: list[tuple[int, int, int]]) -> Path:
+    """The tetrahedron (0, a, b, c) with edges 1/2, 1/4 and 1/8 m along the axes, which single precision holds exactly,
+    pushed off the origin; only the faces given.
+    """
+    corners = np.array([[0, 0, 0], [0.5, 0, 0], [0, 0.25, 0], [0, 0, 0.125]]) + np.array([1.0, 2.0, -0.5])
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+TETRA = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (1, 4, 3)]
+
+
+def test_a_density_and_a_shape_make_a_mass(tmp_path: Path) -> None:
+    """Closed forms of the volume; weight at the centre of mass; scaled, moved and pickled alike."""
+    cells = _cells(tmp_path / "tetra.obj", TETRA)
+    for obj, volume in (
+        (Box(BOX, density=800.0), 0.04 * 0.05 * 0.06),
+        (Box(0.1, density=800.0), 1e-3),
+        (Sphere(0.03, density=800.0), 4 / 3 * np.pi * 0.03**3),
+        (Cylinder(0.02, 0.1, density=800.0), np.pi * 0.02**2 * 0.1),
+        (Ellipsoid(RADII, PLACEMENT, density=800.0), 4 / 3 * np.pi * 0.02 * 0.03 * 0.04),
+        (Mesh(cells, density=800.0), 0.5 * 0.25 * 0.125 / 6),
+        (Mesh(cells, (1.0, 2.0, 4.0), density=800.0), 8 * 0.5 * 0.25 * 0.125 / 6),
+    ):
+        assert obj.volume == pytest.approx(volume, rel=1e-9)
+        assert obj.mass == pytest.approx(800.0 * volume, rel=1e-9)
+        assert obj.moved_to((0, 0, 1)).mass == pickle.loads(pickle.dumps(obj)).mass == obj.mass
+        assert "mass=" in repr(obj)
+    np.testing.assert_allclose(
+        Mesh(cells, density=1.0).center_of_mass, [1 + 0.5 / 4, 2 + 0.25 / 4, -0.5 + 0.125 / 4], rtol=1e-9
+    )
+    assert Sphere(0.03).mass == Sphere(0.03, density=0.0).mass == 0.0
+
+
+def test_the_volume_of_a_mesh_that_is_not_convex_leaves_its_notch_out(tmp_path: Path) -> None:
+    """Three of the four cells of the hull's square; weight at their centre."""
+    obj = Mesh(angle_file(tmp_path), 1.0, PLACEMENT, density=2000.0)
+    assert not obj.convex
+    assert obj.mass == pytest.approx(2000.0 * 3e-6, rel=1e-6)  # files hold single precision
+    np.testing.assert_allclose(obj.center_of_mass, PLACEMENT.act(np.array([0.025 / 3, 0.025 / 3, 0.005])), atol=1e-8)
+
+
+def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_otherwise(tmp_path: Path) -> None:
+    """A lid left out in a plane through the origin costs the sum over triangles nothing; elsewhere it would."""
+    corners = 0.25 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    path = tmp_path / "open.obj"
+    path.write_text(
+        "\n".join([f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in TETRA[1:]]) + "\n"
+    )
+    hull = Mesh(path, density=600.0)
+    assert hull.convex
+    assert hull.mass == pytest.approx(600.0 * 0.25**3 / 6, rel=1e-9)
+    np.testing.assert_allclose(hull.center_of_mass, 0.25 / 4 * np.ones(3), rtol=1e-9)
+    with pytest.raises(InputError, match="not closed") as caught:
+        Mesh(_cells(tmp_path / "holes.obj", TETRA[1:]), density=600.0)
+    assert caught.value.argument == "density"
+    assert Mesh(_cells(tmp_path / "holes.obj", TETRA[1:]), mass=0.1).mass == 0.1
+
+
+def test_a_dense_object_weighs_in_the_grasp(five: Hand) -> None:
+    """Its weight is that of the mass it stands for."""
+    ball = Sphere(0.03, (0, 0, 0.085), density=1000.0)
+    g = five.at(five.close_on(ball)).grasp(ball)
+    np.testing.assert_allclose(g.scene.force, [0, 0, -9.81e3 * 4 / 3 * np.pi * 0.03**3], rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("make", "argument"),
     [
@@ -204,6 +271,9 @@ def test_objects_pickle_and_stay(tmp_path: Path) -> None:
         (lambda _: Cylinder(0.1, 0), "length"),
         (lambda _: Ellipsoid((0.1, 0.1, np.inf)), "radii"),
         (lambda _: Box(0.1, mass=-1), "mass"),
+        (lambda _: Box(0.1, density=-1), "density"),
+        (lambda _: Box(0.1, density=np.inf), "density"),
+        (lambda _: Sphere(0.1, mass=0.0, density=1.0), "density"),
         (lambda _: Box(0.1, (0, 0)), "placement"),
         (lambda _: Box(0.1, "here"), "placement"),
         (lambda _: Box(0.1, pin.SE3(np.ones((3, 3)), np.zeros(3))), "placement"),

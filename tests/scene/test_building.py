@@ -286,3 +286,11 @@ def test_compliances_that_make_no_sense_name_the_key(text, key):
     with pytest.raises(InputError) as caught:
         read(SOFT + text).build()
     assert caught.value.argument == key
+
+
+def test_a_density_stands_for_a_mass():
+    text = CUBE.replace("mass_kg = 0.2", "density_kg_per_m3 = 1600.0")
+    assert read(text).shape().mass == pytest.approx(0.2, rel=1e-9)
+    same(read(text).build(), read(CUBE.replace("mass_kg = 0.2", f"mass_kg = {read(text).shape().mass!r}")).build())
+    with pytest.raises(InputError, match=r"^object\.density_kg_per_m3: expected None where a mass is given"):
+        read(CUBE.replace("mass_kg = 0.2", "mass_kg = 0.2\ndensity_kg_per_m3 = 1600.0")).build()
