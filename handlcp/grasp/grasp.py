@@ -188,7 +188,7 @@ class Grasp:
         if flexibility is not None:
             changes["flexibility"] = arguments.flexibility(flexibility, n, scene.plane is not None)
         if offset is not None or preload is not None:
-            changes["offset"] = arguments.offset(offset, 0.0 if preload is None else preload, n)
+            changes["offset"] = self._shifted(arguments.offset(offset, 0.0 if preload is None else preload, n))
         return changed(self, **changes)
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
@@ -223,6 +223,10 @@ class Grasp:
             return self._complete(conclude_first(self.scene, self.reference, self.names, found, trace))
         effects = found.kind.design.effects
         return self._solution(effects, section, found.candidate, found.verdict, found.iterations, trace)
+
+    def _shifted(self, offset: Array) -> Array:
+        """The scene's offset from one that was asked for: what a hand adds to it is nothing here."""
+        return offset
 
     def _complete(self, solution: GraspSolution) -> GraspSolution:
         """What a hand adds to it: nothing here."""

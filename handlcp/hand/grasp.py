@@ -5,7 +5,7 @@ off.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -14,6 +14,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.contact import Contact
+from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid
@@ -22,6 +23,7 @@ from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
+from handlcp.hand.weight import FingerWeight, line, read_weight, tip_sag
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 if TYPE_CHECKING:
@@ -35,7 +37,8 @@ class HandGraspSolution(GraspSolution):
     """A `GraspSolution` with what the joints have to do; NaN where there is no answer.
 
     torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
-    joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces.
+    joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
+        weight where that is part of the elastic balance.
     torque_check : joint by joint torque, limit, utilisation, and the binding joint.
     """
 
@@ -54,7 +57,10 @@ class HandGrasp(Grasp):
 
     state : the posture. fingertips : n names. target : the object, or None for contacts given one by one.
     jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints.
+    finger_weight : what was asked for, as in `HandState.grasp`.
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
+    sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
+        balance. The scene's offset has what that does to the tips, `tip_sag`, added.
     gravity : (3,) [m/s²] that weighs the fingers; zero unless that was asked for.
     """
 
@@ -62,7 +68,9 @@ class HandGrasp(Grasp):
     fingertips: tuple[str, ...]
     target: Object | None
     jacobian: Array
+    finger_weight: FingerWeight
     gravity_torque: Array
+    sag: Array
     gravity: Array
 
     def __init__(self, *_: Any, **__: Any) -> None:
@@ -85,12 +93,31 @@ class HandGrasp(Grasp):
         """As `Grasp.solve`, with torques."""
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
 
+    def explain(self, faces: int | str | Pyramid = 8) -> Explanation:
+        """As `Grasp.explain`, with the fingers' weight."""
+        e = super().explain(faces)
+        lines = sorted(
+            (*e.effects, line(self.finger_weight, self.gravity_torque, self.tip_sag)), key=lambda x: not x.on
+        )
+        return replace(e, effects=tuple(lines))
+
+    @property
+    def tip_sag(self) -> Array:
+        """(n, 3) J K⁻¹ g(q) [m], contact axes: object minus fingertip, for tips that sag under the fingers' weight."""
+        return tip_sag(self.jacobian, self.sag, self.scene.plane is not None)
+
+    def _shifted(self, offset: Array) -> Array:
+        return read_only(offset + self.tip_sag) if self.finger_weight is True else offset
+
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand = self.state.hand
         torque = solution.forces.reshape(-1) @ self.jacobian
         total = read_only(torque + self.gravity_torque)
         check = torque_check(hand.joint_names, total, hand.torques.limits, hand.torques.known)
-        deflection = read_only(hand.stiffness.deflection(torque))
+        deflection = hand.stiffness.deflection(torque)
+        if self.finger_weight is True:
+            deflection = deflection + self.sag
+        deflection = read_only(deflection)
         return HandGraspSolution(**vars(solution), torques=total, joint_deflection=deflection, torque_check=check)
 
 
@@ -107,7 +134,7 @@ def grasp(
     fingers: Sequence[str] | None = None,
     max_gap: Any = 1e-3,
     effects: Iterable[Any] = (),
-    finger_weight: bool = False,
+    finger_weight: FingerWeight = False,
     plane: Any = None,
 ) -> HandGrasp:
     """The grasp of an object by a hand in a posture; as a method, `state.grasp(target, …)`.
@@ -123,13 +150,15 @@ def grasp(
     reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
     fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
     max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
-    effects, plane : as in `Grasp`. finger_weight : add the fingers' own weight to the torques.
+    effects, plane : as in `Grasp`.
+    finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
+        the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
+        "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
 
     Raises NotReached (naming each finger and its gap), UnknownName, InputError.
     """
     hand = state.hand
-    if not isinstance(finger_weight, bool):
-        raise InputError("finger_weight", "True or False", repr(finger_weight))
+    heavy = read_weight(finger_weight)
     obj = target if isinstance(target, Object) else None
     if obj is not None:
         tips = hand.tip_numbers("fingers", fingers)
@@ -159,6 +188,10 @@ def grasp(
         point = arguments.reference(reference, normal, positions)
     load = arguments.wrench(wrench, normal, arguments.lift(positions, point, normal))
     load = _with_weight(load, obj, g, point, positions, normal)
+    weigh = hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv)
+    sag = hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv)
+    if heavy is True:
+        shift = shift + tip_sag(jacobian, sag, normal is not None)
     made = HandGrasp.__new__(HandGrasp)
     made._place(
         contacts,
@@ -173,9 +206,8 @@ def grasp(
     )
     made.state, made.target, made.jacobian = state, obj, read_only(jacobian)
     made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
-    made.gravity = g if finger_weight else _WEIGHTLESS
-    weigh = hand.kinematics.gravity_torque(state.q, g) if finger_weight else np.zeros(hand.nv)
-    made.gravity_torque = read_only(weigh)
+    made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
+    made.gravity_torque, made.sag = read_only(weigh), read_only(sag)
     return made
 
 

@@ -19,6 +19,7 @@ from handlcp.grasp.pyramid import Pyramid, as_section
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.posture import contact_jacobian, flexibility
 from handlcp.hand.update import GraspUpdate
+from handlcp.hand.weight import tip_sag
 
 __all__ = ["GraspStream"]
 
@@ -60,6 +61,9 @@ class GraspStream:
         # The fingers' own E; where nothing is added to it, what is solved itself
         self._own = grasp.flexibility.copy() if grasp.effects else self._flexibility
         self._posture = _Posture(grasp) if isinstance(grasp, HandGrasp) else None
+        # The offset without what the fingers' weight adds; where that is nothing, what is solved itself
+        self._sags = isinstance(grasp, HandGrasp) and grasp.finger_weight is True
+        self._given = scene.offset - grasp.tip_sag if isinstance(grasp, HandGrasp) and self._sags else self._offset
         self._lift = arguments.lift(scene.positions, grasp.reference, scene.plane)
 
     def update(
@@ -68,12 +72,13 @@ class GraspStream:
         """The answer after a change; what is None stays as it was.
 
         q : (nv,) joint positions [rad, m], or a mapping by joint name. The contact points stay where they are, and so
-        do gaps and preloads, unless they are passed, too. wrench : (6,) the whole load about the grasp's reference,
-        weight included [N, N·m]. offset : (n, 3) [m] as in `Grasp`. positions (n, 3) [m], frames (n, 3, 3) : of the
-        contacts, world axes; x and y tangents, z into the object.
+        do gaps and preloads, unless they are passed, too; fingers whose weight is in the elastic balance sag anew.
+        wrench : (6,) the whole load about the grasp's reference, weight included [N, N·m]. offset : (n, 3) [m] as in
+        `Grasp`. positions (n, 3) [m], frames (n, 3, 3) : of the contacts, world axes; x and y tangents, z into the
+        object.
         Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
         """
-        first, n = self._first, self._kind.n
+        first, n, planar = self._first, self._kind.n, self._first.scene.plane is not None
         # All is checked before any of it is taken over
         posture = None if q is None else self._checked(q)
         load = None if wrench is None else arguments.wrench(wrench, first.scene.plane, self._lift)
@@ -87,7 +92,7 @@ class GraspStream:
             self._moment[:] = load[3:]
             self._moment += (y * c - z * b, z * a - x * c, x * b - y * a)
         if shift is not None:
-            self._offset[:] = shift
+            self._given[:] = shift
         if points is not None:
             self._positions[:] = points
         if axes is not None:
@@ -96,8 +101,9 @@ class GraspStream:
             if self._posture is not None:
                 self._posture.move(posture, self._positions, self._frames, self._own)
             if first.effects:
-                planar = first.scene.plane is not None
                 self._flexibility[:] = softened(self._own, first.effects, self._positions, self._frames, planar)
+        if self._sags and self._posture is not None:
+            self._offset[:] = self._given + tip_sag(self._posture.jacobian, self._posture.sag, planar)
         rows = np.empty((1, self._kind.answer_width))
         answers(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = Found(self._kind, rows[0])
@@ -143,7 +149,7 @@ class _Posture:
     def __init__(self, grasp: HandGrasp) -> None:
         hand = self.hand = grasp.state.hand
         self.q, self.jacobian, self.gravity = grasp.state.q, grasp.jacobian, grasp.gravity
-        self.weight = grasp.gravity_torque
+        self.weight, self.sag, self._sags = grasp.gravity_torque, grasp.sag, grasp.finger_weight is True
         kinematics = hand.kinematics
         self._model, self._data = kinematics.model, kinematics.model.createData()
         self._tips = hand.tip_numbers("fingers", grasp.fingertips)
@@ -158,6 +164,8 @@ class _Posture:
             self.q = q
             if self.gravity.any():
                 self.weight = hand.kinematics.gravity_torque(q, self.gravity)
+                if self._sags:
+                    self.sag = hand.stiffness.deflection(self.weight)
         pin.computeJointJacobians(model, data, hand.kinematics.configuration(self.q))
         if hand.pads.isotropic:
             pads = hand.pads.blocks[list(self._tips)]
@@ -177,3 +185,4 @@ class _Posture:
         assert isinstance(grasp, HandGrasp)
         grasp.state = self.hand.at(self.q)
         grasp.jacobian, grasp.gravity_torque = read_only(self.jacobian), read_only(self.weight)
+        grasp.sag = read_only(self.sag)

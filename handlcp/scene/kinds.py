@@ -13,6 +13,7 @@ __all__ = [
     "Expected",
     "Faces",
     "Finger",
+    "FingerWeight",
     "Flexibility",
     "Friction",
     "FrictionByFinger",
@@ -68,6 +69,7 @@ _ThreeFrom0 = Annotated[list[_From0], Field(min_length=3, max_length=3)]
 Text = Annotated[str, Expected("a string")]
 Names = Annotated[list[str], Field(min_length=1), Expected("a list of names")]
 Switch = Annotated[bool, Expected("true or false")]
+FingerWeight = Annotated[bool | Literal["torques"], Expected('true, false or "torques"')]
 
 Number = Annotated[_Finite, Expected("a finite number")]
 Positive = Annotated[_Above0, Expected("a number > 0")]

@@ -163,8 +163,8 @@ class GraspTable(Table):
     """the fingertips that take part; left out: all"""
     max_gap_m: k.NotNegative = 1e-3
     """the farthest a fingertip may be from the object and still count as touching"""
-    finger_weight: k.Switch = False
-    """add the fingers' own weight to the joint torques"""
+    finger_weight: k.FingerWeight = False
+    """the fingers' own weight in torques and elastic balance, for a commanded posture; "torques": for a measured one"""
     reference_m: k.Vector | None = None
     """point that load and object motion refer to; left out: the object's centre of mass, else the origin"""
     plane: k.Vector | None = None

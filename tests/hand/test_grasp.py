@@ -121,9 +121,9 @@ def test_joint_deflection_is_kinv_jt_f(five: Hand) -> None:
 
 
 def test_fingers_weight_adds_g_of_q(held: HandGrasp) -> None:
-    """Asked for, the fingers' own weight joins the torques, and nothing else changes."""
+    """Asked for in the torques, the fingers' own weight joins them, and nothing else changes."""
     state = held.state
-    heavy = state.grasp(BALL, finger_weight=True)
+    heavy = state.grasp(BALL, finger_weight="torques")
     with_weight, without = heavy.solve(), held.solve()
     np.testing.assert_allclose(with_weight.torques - without.torques, state.gravity_torque(), atol=1e-9)
     np.testing.assert_allclose(with_weight.joint_deflection, without.joint_deflection, atol=1e-9)

@@ -84,7 +84,7 @@ def test_a_key_in_the_wrong_table_is_told_where_it_belongs():
         ("[grasp]\nfriction = 'sticky'", "grasp.friction", "frictionless"),
         ("[grasp]\npreload_m = nan", "grasp.preload_m", "finite"),
         ("[grasp]\ngravity_m_per_s2 = -9.81", "grasp.gravity_m_per_s2", "three finite numbers"),
-        ("[grasp]\nfinger_weight = 1", "grasp.finger_weight", "true or false"),
+        ("[grasp]\nfinger_weight = 1", "grasp.finger_weight", 'true, false or "torques"'),
         ("[load]\nforce_N = [1.0, 2.0]", "load.force_N", "three finite numbers"),
         ("[load]\ntorque_Nm = [0.0, 0.0, inf]", "load.torque_Nm", "three finite numbers"),
         ("[solve]\nfaces = 2", "solve.faces", "integer ≥ 3"),

@@ -174,7 +174,7 @@ def test_a_hand_without_joint_compliance_or_pads_is_the_hand_with_rigid_joints_o
 
 
 def test_leaving_out_the_fingers_weight_changes_torques_alone():
-    found = cost(ball(finger_weight=True), methods=["cone, Newton"], left_out=True)
+    found = cost(ball(finger_weight="torques"), methods=["cone, Newton"], left_out=True)
     (row,) = [e for e in found.left_out if e.effect == "finger weight"]
     assert row.force_error < 1e-12
     assert row.torque_error > 1e-3

@@ -3,7 +3,8 @@
     E_ii += C_i,    ε_i += C_i r_i
 
 In series with the finger: a force that travels through both moves the contact by the sum. Each contact feels its own
-force alone. Source: model, "Flexibility from the hand" (E = E_joint + E_pad, a pad on the object's side).
+force alone. Source: model, "Flexibility from the hand" (a pad on the object's side); Cutkosky & Kao, IEEE Trans.
+Robotics and Automation 5 (1989).
 """
 
 from __future__ import annotations

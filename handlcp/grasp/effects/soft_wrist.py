@@ -4,8 +4,8 @@
 
 The fingers push the object with r, so the palm feels the wrench -W r about the point a and moves by the twist -C W r;
 the tips move along by Wᵀ of that (virtual work), which is motion of the object relative to them by +Wᵀ C W r. It
-couples every finger with every other: the blocks off the diagonal of E. Source: Salisbury & Roth, J. Mech. Trans.
-Autom. Des. 105 (1983), compliances in series; model, "Flexibility from the hand".
+couples every finger with every other: the blocks off the diagonal of E. Source: Cutkosky & Kao, IEEE Trans.
+Robotics and Automation 5 (1989), compliances in series; model, "Flexibility from the hand".
 """
 
 from __future__ import annotations

@@ -50,17 +50,17 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
             yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints)
         if joints.any():
             rest = "soft fingertips" if pads.any() else "rigid fingers"
-            yield "joint compliance", f"stiff joints, {rest}", _with(grasp, pads)
+            yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads)
     elif E.any():
         yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
-    if scene.offset.any():
-        yield "preload and gaps", "fingers that just touch", changed(grasp, offset=read_only(np.zeros((n, 3))))
+    if (bare := grasp.replace(preload=0.0)).scene.offset.tolist() != scene.offset.tolist():
+        yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
         yield "friction", "smooth fingertips", changed(grasp, contacts=tuple(_smooth(c) for c in grasp.contacts))
     for e in grasp.effects:
         yield e.title, "none", changed(grasp, effects=tuple(x for x in grasp.effects if x is not e))
     if isinstance(grasp, HandGrasp) and grasp.gravity_torque.any():
-        light = copy.copy(grasp)
+        light = copy.copy(_unsagged(grasp))
         light.gravity_torque = read_only(np.zeros_like(grasp.gravity_torque))
         yield "finger weight", "fingers without weight", light
 
@@ -82,6 +82,15 @@ def compare(
 
 def _with(grasp: Grasp, flexibility: Array) -> Grasp:
     return changed(grasp, flexibility=read_only(np.ascontiguousarray(flexibility, dtype=float)))
+
+
+def _unsagged(grasp: HandGrasp) -> HandGrasp:
+    """Joints that don't give way to the fingers' weight."""
+    if not grasp.sag.any():
+        return grasp
+    made = changed(grasp, offset=read_only(grasp.scene.offset - grasp.tip_sag))
+    made.sag = read_only(np.zeros_like(grasp.sag))
+    return made
 
 
 def _smooth(contact: Contact) -> Contact:
