@@ -24,6 +24,9 @@ def solve(
         str | None, typer.Option("--faces", help="Faces of the friction pyramids, over the file's.")
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Of the solver, over the file's.")] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Measure each effect's share of the solve, beside its unknowns.")
+    ] = False,
     accuracy: Annotated[
         float | None,
         typer.Option("--accuracy", help="Force error that will do, of the largest force; not with --faces."),
@@ -51,7 +54,7 @@ def solve(
         sides = read_faces(faces)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
-    explanation = grasp.explain(sides)
+    explanation = grasp.explain(sides, measure=explain)
     solution = grasp.solve(None if accuracy is not None else sides, solver, throw=False, accuracy=accuracy)
     judged = verdict(grasp, solution)
     if plot is not None:
@@ -65,6 +68,8 @@ def solve(
         if file.title:
             out.print(Text(file.title, style="bold"), end="\n\n")
         out.print(tables.effect_table(explanation))
+        if explain and explanation.seconds is None:
+            out.print(Text("No shares of the time: they are measured at an answer, and there is none.", style="dim"))
         if solution.held:
             out.print(tables.contact_table(grasp, solution, sides))
             if (check := getattr(solution, "torque_check", None)) is not None:

@@ -13,13 +13,18 @@ __all__ = ["EffectLine", "Explanation", "explain"]
 
 @dataclass(frozen=True, slots=True)
 class EffectLine:
-    """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …)."""
+    """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …).
+
+    share : of a solve's time, as measured (`handlcp.grasp.share`); below 0 where it saves time. None: not measured, or
+        nothing to measure: an effect that is off, or that no scene is without.
+    """
 
     title: str
     equation: str
     on: bool
     why: str
     unknowns: tuple[tuple[str, int, bool], ...]
+    share: float | None = None
 
     @property
     def cost(self) -> int:
@@ -34,12 +39,14 @@ class Explanation:
     unknowns : of all effects together. eliminated : how many of them never reach the solver.
     rcond : reciprocal condition estimate of the free block, which decided about elimination; None for the exact cone,
         where nothing is eliminated.
+    seconds : what a solve takes from its answer on [s], which the shares are of; None: not measured.
     """
 
     effects: tuple[EffectLine, ...]
     unknowns: int
     eliminated: int
     rcond: float | None
+    seconds: float | None = None
 
     @property
     def size(self) -> int:
@@ -53,11 +60,14 @@ class Explanation:
                 ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
                 or "no unknowns"
             )
-            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}" + (f" [{brings}]" if e.on else ""))
+            takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
+            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}" + (f" [{brings}{takes}]" if e.on else ""))
         what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
-        lines.append(
-            f"{self.unknowns} unknowns, {what} (rcond of their block {self.rcond:.1e}): the solver sees {self.size}"
-        )
+        if self.rcond is not None:
+            what += f" (rcond of their block {self.rcond:.1e})"
+        lines.append(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}")
+        if self.seconds is not None:
+            lines.append(f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer")
         return "\n".join(lines)
 
 

@@ -22,6 +22,7 @@ from handlcp.grasp.others import Equilibria, equilibria
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
+from handlcp.grasp.share import measured, without
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.solving import solve, stage_line
 from handlcp.lcp import Auto, ContactSolver, Solver
@@ -107,7 +108,7 @@ class Grasp:
     ) -> None:
         """Take over arrays that are known to be sound (a hand's are, by construction)."""
         self.contacts, self.effects, self.reference = contacts, effects, reference
-        self.flexibility, self.stamped = flexibility, stamped(effects)
+        self.flexibility, self.stamped = flexibility, stamped(effects) if effects else ()
         prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
         moment = read_only(wrench[3:] + cross_rows(reference, wrench[:3]))
         mu = read_only(np.array([c.mu for c in contacts]))
@@ -143,9 +144,18 @@ class Grasp:
         problem.complete()
         return problem
 
-    def explain(self, faces: int | str | Pyramid = 8) -> Explanation:
-        """Which effects are on and off, why, and what each costs in unknowns."""
-        return explain(self.scene, assemble_section(self.scene, self._section(faces), self.effects))
+    def explain(self, faces: int | str | Pyramid = 8, measure: bool = False) -> Explanation:
+        """Which effects are on and off, why, and what each costs in unknowns.
+
+        measure : also in time: each one's share of a solve, from half a second of solves with it and without it.
+        `handlcp.grasp.share` says how. No shares where the grasp has no answer; an effect that no scene is without has
+        none.
+        """
+        section = self._section(faces)
+        e = self._explained(explain(self.scene, assemble_section(self.scene, section, self.effects)))
+        if not measure:
+            return e
+        return measured(self, e, section, self.solve(faces, Auto(search_seconds=0), throw=False))
 
     def solve(
         self,
@@ -227,6 +237,18 @@ class Grasp:
     def _shifted(self, offset: Array) -> Array:
         """The scene's offset from one that was asked for: what a hand adds to it is nothing here."""
         return offset
+
+    def _explained(self, explanation: Explanation) -> Explanation:
+        """With the effects of a hand: nothing here."""
+        return explanation
+
+    def _without(self) -> list[tuple[str, Grasp]]:
+        """(title, the grasp without it) for each effect that can be left out."""
+        return list(without(self))
+
+    def _placed(self) -> Self:
+        """Made anew from its numbers."""
+        return changed(self)
 
     def _complete(self, solution: GraspSolution) -> GraspSolution:
         """What a hand adds to it: nothing here."""

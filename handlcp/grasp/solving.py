@@ -21,7 +21,7 @@ from handlcp.lcp import Auto, ContactSolver, Proposal, Solver, Status, as_chain,
 if TYPE_CHECKING:
     from handlcp.grasp.grasp import Grasp
 
-__all__ = ["solve", "stage_line", "stages"]
+__all__ = ["natural_start", "solve", "stage_line", "stages"]
 
 
 def solve(
@@ -63,7 +63,7 @@ def stages(
     problem = make(scene, section, grasp.stamped)
     trace: list[str] = []
     best: tuple[Candidate, Verdict, int] | None = None
-    for name, proposal in proposals(problem, solver, _natural(problem, start), first):
+    for name, proposal in proposals(problem, solver, natural_start(problem, start), first):
         candidate = problem.candidate(proposal.z)
         verdict = judge(scene, problem.effects, section, candidate)
         trace.append(stage_line(name, proposal, verdict.residuals.worst))
@@ -103,7 +103,7 @@ def _search(
     return replace(solution, status=Status.NO_EQUILIBRIUM, bounds=bounds, required_preload=squeeze, trace=trace)
 
 
-def _natural(problem: GraspProblem | GraspContact, start: Array) -> Array | None:
+def natural_start(problem: GraspProblem | GraspContact, start: Array) -> Array | None:
     """The start as unknowns of this problem; None: there is none."""
     if not len(start):
         return None

@@ -4,6 +4,7 @@ off.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
@@ -13,6 +14,7 @@ import numpy as np
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
+from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
@@ -23,7 +25,7 @@ from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
-from handlcp.hand.weight import FingerWeight, line, read_weight, tip_sag
+from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_sag
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 if TYPE_CHECKING:
@@ -93,18 +95,29 @@ class HandGrasp(Grasp):
         """As `Grasp.solve`, with torques."""
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
 
-    def explain(self, faces: int | str | Pyramid = 8) -> Explanation:
-        """As `Grasp.explain`, with the fingers' weight."""
-        e = super().explain(faces)
-        lines = sorted(
-            (*e.effects, line(self.finger_weight, self.gravity_torque, self.tip_sag)), key=lambda x: not x.on
-        )
-        return replace(e, effects=tuple(lines))
-
     @property
     def tip_sag(self) -> Array:
         """(n, 3) J K⁻¹ g(q) [m], contact axes: object minus fingertip, for tips that sag under the fingers' weight."""
         return tip_sag(self.jacobian, self.sag, self.scene.plane is not None)
+
+    def _explained(self, explanation: Explanation) -> Explanation:
+        weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
+        lines = sorted((*explanation.effects, weight), key=lambda x: not x.on)  # what is on comes first
+        return replace(explanation, effects=tuple(lines))
+
+    def _without(self) -> list[tuple[str, Grasp]]:
+        light = copy.copy(self)
+        light.finger_weight = False
+        return [*super()._without(), (WEIGHT, light)]
+
+    def _placed(self) -> HandGrasp:
+        made = changed(self)
+        if self.finger_weight:
+            hand, planar = self.state.hand, self.scene.plane is not None
+            weigh = hand.kinematics.gravity_torque(self.state.q, self.gravity)
+            if self.finger_weight is True:
+                tip_sag(self.jacobian, hand.stiffness.deflection(weigh), planar)
+        return made
 
     def _shifted(self, offset: Array) -> Array:
         return read_only(offset + self.tip_sag) if self.finger_weight is True else offset

@@ -18,9 +18,11 @@ from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.grasp.explain import EffectLine
 
-__all__ = ["FingerWeight", "line", "read_weight", "tip_sag"]
+__all__ = ["WEIGHT", "FingerWeight", "line", "read_weight", "tip_sag"]
 
 FingerWeight: TypeAlias = bool | Literal["torques"]
+
+WEIGHT = "finger weight"  # what `explain()` calls it
 
 
 def read_weight(value: Any) -> FingerWeight:
@@ -48,4 +50,4 @@ def line(weight: FingerWeight, torque: Array, offset: Array) -> EffectLine:
         why = f"asked for: up to {abs(torque).max(initial=0.0):.3g} N·m in a joint"
         moved = float(np.sqrt((offset * offset).sum(axis=1)).max(initial=0.0))
         why += f", a fingertip sags by up to {moved:.3g} m" if weight is True else "; the posture has sagged already"
-    return EffectLine("finger weight", "τ += g(q),  d += J K⁻¹ g(q)", bool(weight), why, ())
+    return EffectLine(WEIGHT, "τ += g(q),  d += J K⁻¹ g(q)", bool(weight), why, ())

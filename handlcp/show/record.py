@@ -33,7 +33,14 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                 "verdict": {"word": v.word, "text": v.text, "notes": v.notes, "exit_code": v.exit_code},
                 "load": {"force_N": scene.force, "torque_Nm": _torque(grasp), "reference_m": grasp.reference},
                 "effects": [
-                    {"title": e.title, "on": e.on, "why": e.why, "equation": e.equation, "unknowns": e.cost}
+                    {
+                        "title": e.title,
+                        "on": e.on,
+                        "why": e.why,
+                        "equation": e.equation,
+                        "unknowns": e.cost,
+                        "share_of_solve": e.share,
+                    }
                     for e in explanation.effects
                 ],
                 "problem": {
@@ -41,6 +48,7 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                     "eliminated": explanation.eliminated,
                     "solved": explanation.size,
                     "rcond": explanation.rcond,
+                    "solve_s": explanation.seconds,
                 },
                 "contacts": _contacts(grasp, solution),
                 "object_displacement": {"linear_m": u[:3], "angular_rad": u[3:]},

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp.grasp import Explanation, Grasp, GraspSolution
+from handlcp.grasp.explain import EffectLine
 from handlcp.show import units
 
 __all__ = ["contact_table", "effect_table", "friction_used", "hand_table", "key_table", "plain", "torque_table"]
@@ -23,14 +24,21 @@ def effect_table(explanation: Explanation) -> Table:
     """Which effects are on and off, why, and what each costs."""
     e = explanation
     solved = f"{e.unknowns} unknowns, of which the solver sees {e.size}" if e.eliminated else f"{e.unknowns} unknowns"
+    measured = e.seconds is not None
+    if e.seconds is not None:
+        solved += f"; {1e6 * e.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
     table = plain("Effects", caption=solved)
     for heading in ("", "effect", "why"):
         table.add_column(heading, no_wrap=heading == "")
     table.add_column("unknowns", justify="right", no_wrap=True)
+    if measured:
+        table.add_column("of time", justify="right", no_wrap=True)
     for line in e.effects:
         brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
         mark = Text("on", style="green") if line.on else Text("–", style="dim")
-        table.add_row(mark, Text(line.title), Text(line.why), brings, style=None if line.on else "dim")
+        share = _share(line) if line.on else ""
+        cells = [brings, share] if measured else [brings]
+        table.add_row(mark, Text(line.title), Text(line.why), *cells, style=None if line.on else "dim")
     return table
 
 
@@ -130,6 +138,10 @@ def plain(title: str, caption: str | None = None) -> Table:
         pad_edge=False,
         padding=(0, 1),
     )
+
+
+def _share(line: EffectLine) -> str:
+    return "–" if line.share is None else f"{round(100 * line.share)} %"
 
 
 def _number(value: float, digits: int = 3) -> str:

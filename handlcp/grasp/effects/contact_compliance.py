@@ -59,7 +59,6 @@ class ContactCompliance(Compliance):
     def matrix(self, positions: Array, frames: Array) -> Array:
         """Blocks on the diagonal."""
         n = len(positions)
-        out = np.zeros((3 * n, 3 * n))
-        for i, block in enumerate(np.broadcast_to(self.flexibility, (n, 3, 3))):
-            out[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
-        return out
+        out, each = np.zeros((n, 3, n, 3)), np.arange(n)
+        out[each, :, each] = self.flexibility
+        return out.reshape(3 * n, 3 * n)

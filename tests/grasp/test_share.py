@@ -1,0 +1,108 @@
+"""What each effect costs: every effect that can be left out is compared, and with a scene that has the same answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.first import find
+from handlcp.grasp.pyramid import as_section
+from handlcp.grasp.share import best_times, measured
+
+from .scenes import cube_example, pinch, ring
+
+
+def flat():
+    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0.001), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
+    wrist = hl.SoftWrist((1e-3, 1e-3, 0, 0, 0, 0.5), (0, 0, -0.1))
+    return hl.Grasp(contacts, (0.2, -1.0, 0.001), flexibility=1e-4, preload=2e-4, effects=[wrist])
+
+
+def loaded():
+    contacts, data = ring(np.random.default_rng(3))
+    known = hl.PrescribedForce(0, (0.1, 0.0, 4.0))
+    effects = [known, hl.TotalForceBound(40.0), hl.ContactCompliance(1e-4), hl.SoftWrist(np.full(6, 1e-3))]
+    return hl.Grasp(contacts, **data, effects=effects)
+
+
+def sliding():
+    contacts, data = ring(np.random.default_rng(4), mu=0.25)
+    return hl.Grasp(contacts, **data)
+
+
+def heavy():
+    hand = hl.example_hand("five_finger", joint_stiffness=5.0)
+    ball = hl.Sphere(0.03, (0, 0, 0.085), density=900)
+    return hand.at(hand.close_on(ball, squeeze=4e-3)).grasp(ball, finger_weight=True)
+
+
+SCENES = {"pinch": pinch, "cube": cube_example, "plane": flat, "effects": loaded, "sliding": sliding, "hand": heavy}
+ALWAYS = {"object balance", "unilateral contact"}
+
+
+def count(runs):
+    """A clock by which everything takes two seconds, each scene without an effect half a second less."""
+    return {k: 2.0 if k < 0 else 1.5 for k, run in runs.items() if run()}
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+@pytest.mark.parametrize("name", SCENES)
+def test_the_scene_without_an_effect_has_the_answer_that_it_is_started_at(name, faces):
+    """Each run ends in a certified answer, and its share is what leaving it out saves."""
+    g = SCENES[name]()
+    solution = g.solve(faces, throw=False)
+    section = as_section(faces, planar=g.scene.plane is not None)
+    e = measured(g, g.explain(faces), section, solution, count)
+    assert solution.held
+    assert e.seconds == 2.0
+    for line in e.effects:
+        assert line.share == (0.25 if line.on and line.title not in ALWAYS else None), line.title
+
+
+def test_an_answer_is_reached_from_itself_in_no_steps(monkeypatch):
+    """The scene without friction, or without flexibility, is solved by the old forces: nothing is searched for."""
+    g, seen = sliding(), []
+
+    def watched(*arguments):
+        seen.append(find(*arguments))
+        return seen[-1]
+
+    monkeypatch.setattr("handlcp.grasp.share.find", watched)
+    solution = g.solve("cone")
+    assert "sliding" in solution.contact_state
+    measured(g, g.explain("cone"), as_section("cone"), solution, count)
+    assert len(seen) > 2
+    for found in seen:
+        assert found.iterations == 0
+        np.testing.assert_allclose(found.forces[:, 2], solution.forces[:, 2], rtol=1e-6, atol=1e-8)
+
+
+def test_without_an_answer_nothing_is_measured():
+    g = pinch(load=(0, 0, -1e3))
+    e = g.explain(measure=True)
+    assert e == g.explain()
+    assert e.seconds is None
+
+
+def test_explain_measures_when_asked_and_says_so():
+    g = loaded()
+    assert all(line.share is None for line in g.explain().effects)
+    e = g.explain(measure=True)
+    assert e.seconds > 0
+    shares = {line.title: line.share for line in e.effects if line.on}
+    assert all((shares[title] is None) == (title in ALWAYS) for title in shares)
+    assert all(share is None or share < 1 for share in shares.values())
+    assert "% of the solve" in str(e)
+    assert "µs from the numbers" in str(e)
+    assert "rcond" not in str(g.explain("cone")), "nothing is eliminated on the cone"
+
+
+def test_best_times_runs_everything_and_leaves_the_collector_as_it_was():
+    import gc
+
+    ran = []
+    times = best_times({0: lambda: ran.append(0) or True, 1: lambda: ran.append(1) or True})
+    assert set(ran) == set(times) == {0, 1}
+    assert all(0 <= t < 0.1 for t in times.values())
+    assert gc.isenabled()
