@@ -4,7 +4,14 @@ from handlcp.grasp.achieved import Accuracy
 from handlcp.grasp.assemble import GraspProblem
 from handlcp.grasp.certify import Residuals
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import ContactCompliance, Effect, PrescribedForce, SoftWrist, TotalForceBound
+from handlcp.grasp.effects import (
+    ContactCompliance,
+    Effect,
+    FingerForceBound,
+    PrescribedForce,
+    SoftWrist,
+    TotalForceBound,
+)
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.fingertips import wrench_from_fingertip_forces
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
@@ -24,6 +31,7 @@ __all__ = [
     "Effect",
     "Equilibria",
     "Explanation",
+    "FingerForceBound",
     "Friction",
     "Frictionless",
     "Grasp",

@@ -10,8 +10,9 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import ContactCompliance, Effect, PrescribedForce
+from handlcp.grasp.effects import Effect
 from handlcp.grasp.first import NOWHERE, start_at
+from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
@@ -153,8 +154,10 @@ def offset(value: Any, preload: Any, n: int) -> Array:
     return read_only(d)
 
 
-def effects(value: Any, n: int) -> tuple[Effect, ...]:
-    """Effects asked for by name; each kind once, except prescribed forces, once a contact."""
+def effects(value: Any, n: int, joints: Joints | None = None) -> tuple[Effect, ...]:
+    """Effects asked for by name, completed for n contacts of a hand with these joints; each kind once, except
+    prescribed forces, once a contact.
+    """
     try:
         out = (value,) if isinstance(value, Effect) else tuple(value)
     except TypeError:
@@ -165,17 +168,10 @@ def effects(value: Any, n: int) -> tuple[Effect, ...]:
             raise InputError(
                 f"effects[{k}]", "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))", repr(e)
             )
-        key: object = type(e)
-        if isinstance(e, PrescribedForce):
-            if e.contact >= n:
-                raise InputError(f"effects[{k}].contact", f"a contact's number from 0 to {n - 1}", e.contact)
-            key = e.contact
-        if isinstance(e, ContactCompliance) and e.flexibility.ndim == 3 and len(e.flexibility) != n:
-            raise InputError(f"effects[{k}].flexibility", f"{n} blocks, one for each contact", len(e.flexibility))
-        if key in seen:
+        if e.key in seen:
             raise InputError(f"effects[{k}]", "each effect once", f"a second {e!r}")
-        seen.add(key)
-    return out
+        seen.add(e.key)
+    return tuple(e.for_grasp(f"effects[{k}]", n, joints, out) for k, e in enumerate(out))
 
 
 def frames(value: Any, n: int) -> Array:

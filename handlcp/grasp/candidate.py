@@ -37,7 +37,7 @@ def decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) 
     )  # fmt: skip
     if scene.freedom is not None:
         twist = twist @ scene.freedom
-    extra = {g.name: x[at[g.name]] * scene.size(g.measure) for g in system.layout.extra}
+    extra = {g.name: x[at[g.name]] * g.sizes(scene)[0] for g in system.layout.extra}
     for e in effects:
         if isinstance(e, PrescribedForce):
             forces[e.contact] = e.force

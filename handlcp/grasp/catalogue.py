@@ -9,6 +9,7 @@ from handlcp.grasp.effects import (
     CoulombPyramid,
     Effect,
     FingerFlexibility,
+    FingerForceBound,
     ObjectBalance,
     PrescribedForce,
     SoftWrist,
@@ -41,6 +42,7 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
 
 
 _FROM_DATA = (ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility)
+_BY_NAME = (TotalForceBound, FingerForceBound, PrescribedForce, ContactCompliance, SoftWrist)
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
@@ -63,9 +65,5 @@ def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect
         CoulombCone: friction,
         CoulombPlanar: friction if scene.plane is not None or not scene.rough else "the scene is not planar",
         FingerFlexibility: "E is zero: rigid fingers",
-        TotalForceBound: "not asked for",
-        PrescribedForce: "not asked for",
-        ContactCompliance: "not asked for",
-        SoftWrist: "not asked for",
-    }
+    } | dict.fromkeys(_BY_NAME, "not asked for")
     return tuple((kind, why) for kind, why in reasons.items() if kind not in on)

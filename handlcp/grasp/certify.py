@@ -72,9 +72,10 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
     """Recompute balance, contact, friction and elastic compatibility of a candidate."""
     f, u = candidate.forces, candidate.twist
     offset = scene.offset
-    for e in effects:
-        if (opening := e.opening(scene, candidate.extra)) is not None:
-            offset = offset + opening
+    with np.errstate(invalid="ignore"):  # what is infinite becomes NaN, which never passes
+        for e in effects:
+            if (opening := e.opening(scene, candidate.extra)) is not None:
+                offset = offset + opening
     units = scene.units
     limits = section.limit(scene.mu)
     v, values = examine(
@@ -84,5 +85,6 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
     lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then
     if F == F:
-        others = max([e.residual(scene, f, candidate.extra, F, motion) for e in effects], default=0.0)
+        own = [e.residual(scene, f, candidate.extra, F, motion) for e in effects]
+        others = max(own) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
     return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))

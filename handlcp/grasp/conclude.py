@@ -42,7 +42,7 @@ def conclude(
         states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)
         free = free_branches(scene, effects, section, states, candidate)
         if free:
-            smallest = minimum_norm(scene, section, states, candidate, verdict.motion, free)
+            smallest = minimum_norm(scene, effects, section, states, candidate, verdict.motion, free)
             if (checked := judge(scene, effects, section, smallest)).residuals.passes:
                 candidate, verdict = smallest, checked
                 states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)

@@ -46,8 +46,8 @@ class EquilibriumSearch:
 
 
 def applicable(effects: tuple[Effect, ...]) -> bool:
-    """Whether contact modes describe the scene: no effect opens contacts by unknowns of its own (TotalForceBound)."""
-    return all(type(e).opening is Effect.opening for e in effects)
+    """Whether contact modes describe the scene: no effect opens contacts by unknowns of its own (a force bound)."""
+    return not any(e.opens for e in effects)
 
 
 def widest(scene: Scene, offset: Array | None = None) -> float:

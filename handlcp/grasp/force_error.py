@@ -269,5 +269,5 @@ def _unknowns(problem: GraspContact, solution: GraspSolution, at: dict[str, int]
     x = problem.natural(Candidate(solution.forces, twist, {}))
     for g in problem.groups:
         if g.name in solution.extra:
-            x[at[g.name] :][: g.count] = solution.extra[g.name] / scene.size(g.measure)
+            x[at[g.name] :][: g.count] = solution.extra[g.name] / g.sizes(scene)[0]
     return x

@@ -14,7 +14,7 @@ from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["escaping_twist", "is_escape", "jammed", "least_total", "load_to_balance"]
+__all__ = ["escaping_twist", "generators", "is_escape", "jammed", "least_total", "load_to_balance"]
 
 
 def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
@@ -92,18 +92,23 @@ def jammed(scene: Scene) -> bool:
     return lp.x is not None and float(lp.x[-1]) < -CERTIFY * size
 
 
-def _generators(scene: Scene, section: Section) -> Array:
-    """(dof, g) wrenches of the edges of all friction pyramids (of the normals where there is no friction)."""
+def generators(scene: Scene, section: Section) -> tuple[Array, Array]:
+    """(3n, g) forces along the edges of all friction pyramids (the normals where there is no friction), each with a
+    normal force of one, contact axes; and their (dof, g) wrenches.
+    """
     edges, limits = section.edges, section.limit(scene.mu)
-    G = scene.natural.every.reshape(scene.dof, scene.n, 3)
-    out = []
+    parts = []
     for i in range(scene.n):
         if not scene.governed[i]:
             continue
-        r = (
-            np.array([[0.0], [0.0], [1.0]])
-            if limits[i] <= 0
-            else np.vstack([limits[i] * edges, np.ones(edges.shape[1])])
-        )
-        out.append(G[:, i] @ r)
-    return np.hstack(out) if out else np.zeros((scene.dof, 0))
+        r = np.ones((1, 1)) if limits[i] <= 0 else np.vstack([limits[i] * edges, np.ones(edges.shape[1])])
+        part = np.zeros((3 * scene.n, r.shape[1]))
+        part[3 * i + 3 - len(r) : 3 * i + 3] = r
+        parts.append(part)
+    forces = np.hstack(parts) if parts else np.zeros((3 * scene.n, 0))
+    return forces, scene.natural.every @ forces
+
+
+def _generators(scene: Scene, section: Section) -> Array:
+    """(dof, g) wrenches alone."""
+    return generators(scene, section)[1]

@@ -9,11 +9,13 @@ from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.diagnosis import Within
-from handlcp.grasp.effects import TotalForceBound
+from handlcp.grasp.effects import Effect, TotalForceBound
 from handlcp.grasp.equilibria import Believer, applicable, find_equilibrium, widest
 from handlcp.grasp.holdable import jammed, least_total, load_to_balance
 from handlcp.grasp.mode_table import PER_SECOND, mode_table
+from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Section
+from handlcp.grasp.scene import Scene
 from handlcp.lcp.search import search
 
 __all__ = ["Found", "last_resort"]
@@ -39,7 +41,15 @@ def _cause(problem: GraspProblem | GraspContact, section: Section) -> str:
             least = least_total(scene, section, load_to_balance(scene, effects))
             short = least is not None and least > 1.001 * e.limit  # so that the two numbers differ in print
             return f"{bound}, and balance needs {least:.4g} N" if short else bound
+    if overload(scene, section, effects) is not None:
+        return f"{_listed_limits(scene, effects)} no force that balances it"
     return "rigid fingers cannot give way to the squeeze" if applicable(effects) and jammed(scene) else ""
+
+
+def _listed_limits(scene: Scene, effects: tuple[Effect, ...]) -> str:
+    """Their titles, and a verb."""
+    titles = [e.title for e in effects if e.limits(scene)]
+    return f"the {' and the '.join(titles)} {'leaves' if len(titles) == 1 else 'leave'}"
 
 
 def _found(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
@@ -52,6 +62,9 @@ def _found(problem: GraspProblem | GraspContact, section: Section, seconds: floa
         found = find_equilibrium(scene, effects, section, left)
         words = f"over contact modes, {found.outcome}"
         return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
+    if overload(scene, section, effects) is not None:
+        size = widest(scene)  # this proof has no bounds; those of a search are stated
+        return None, (size * scene.units.force, size * scene.units.motion), "limits on the forces, none"
     plain = None
     if isinstance(problem, GraspProblem):
         plain = problem

@@ -21,6 +21,7 @@ from handlcp.grasp.catalogue import asked_for
 from handlcp.grasp.certify import judge
 from handlcp.grasp.equilibria import Believer, applicable
 from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
+from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.solution import GraspSolution
 from handlcp.lcp import Auto
@@ -91,6 +92,8 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
     first = grasp.solve(faces, Auto(search_seconds=0.0), throw=False)
     if first.status is Status.NOT_HOLDABLE:
         return _result(grasp, [], True, "no forces within friction balance the load", start)
+    if not first.held and overload(grasp.scene, section, grasp.effects) is not None:
+        return _result(grasp, [], True, "no forces within friction and limits balance the load", start)
     found = [first] if first.held else []
     problem = assemble_contact(grasp.scene, section, grasp.effects)
     if found and not len(problem.blocks):

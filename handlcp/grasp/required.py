@@ -21,6 +21,7 @@ from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
 from handlcp.grasp.friction import Coulomb
 from handlcp.grasp.holdable import escaping_twist, load_to_balance
+from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Section, as_section
 from handlcp.lcp import Auto, proposals
 
@@ -60,7 +61,7 @@ class Required:
         unit = f" {self.unit}" if self.unit else ""
         if self.value is None:
             if self.proven:
-                return "no value found that holds: no force within friction balances the load"
+                return "no value found that holds: no force within friction and limits balances the load"
             return f"no value up to {self.limit:.3g}{unit} found that holds" + (f": {self.hint}" if self.hint else "")
         if self.value == 0.0:
             return "holds with nothing added" if self.unit else "holds without friction"
@@ -186,8 +187,10 @@ def with_friction(grasp: Grasp, mu: float) -> Grasp:
 
 
 def _escapes(grasp: Grasp, section: Section) -> bool:
-    """Whether it is proven that no force within friction balances the load."""
-    return escaping_twist(grasp.scene, section, load_to_balance(grasp.scene, grasp.effects)) is not None
+    """Whether it is proven that no force within friction, and within what effects limit, balances the load."""
+    if escaping_twist(grasp.scene, section, load_to_balance(grasp.scene, grasp.effects)) is not None:
+        return True
+    return overload(grasp.scene, section, grasp.effects) is not None
 
 
 def _tolerance(value: float) -> float:

@@ -14,9 +14,16 @@ from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["Layout", "Measure", "System", "Unknown", "layout"]
 
-Measure: TypeAlias = Literal["force", "motion", "twist", "wrench"]
+Measure: TypeAlias = Literal["force", "motion", "twist", "wrench", "angle", "torque"]
 
-_SI: dict[Measure, str] = {"force": "N", "motion": "m", "twist": "m, rad", "wrench": "N, N·m"}
+_SI: dict[Measure, str] = {
+    "force": "N",
+    "motion": "m",
+    "twist": "m, rad",
+    "wrench": "N, N·m",
+    "angle": "rad",
+    "torque": "N·m",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +34,7 @@ class Unknown:
     count : how many.
     free : rows are equations and the unknowns have no sign; otherwise 0 ≤ x ⟂ w ≥ 0.
     measure, row_measure : what x and its row w measure, and therefore their natural units.
+    levers : (count,) [m] of angles and torques: what makes a motion of one, and a force of the other.
     """
 
     name: str
@@ -34,6 +42,7 @@ class Unknown:
     free: bool
     measure: Measure
     row_measure: Measure
+    levers: tuple[float, ...] = ()
 
     @property
     def unit(self) -> str:
@@ -44,6 +53,13 @@ class Unknown:
     def row_unit(self) -> str:
         """SI unit of w, for people."""
         return _SI[self.row_measure]
+
+    def sizes(self, scene: Scene) -> tuple[float | Array, float | Array]:
+        """SI sizes of one natural unit of x and of w, one or one each."""
+        if self.levers:
+            levers = np.array(self.levers)
+            return scene.units.motion / levers, scene.units.force * levers
+        return scene.size(self.measure), scene.size(self.row_measure)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +124,7 @@ class System:
         """(N,) SI sizes of one natural unit of every x and every w."""
         x, w = np.empty(len(self.q)), np.empty(len(self.q))
         for g in self.layout.groups:
-            x[self.at[g.name]], w[self.at[g.name]] = scene.size(g.measure), scene.size(g.row_measure)
+            x[self.at[g.name]], w[self.at[g.name]] = g.sizes(scene)
         return x, w
 
 

@@ -10,6 +10,7 @@ Around a solution with given contact states the model is linear in the changes �
 
 with Δv = GᵀΔu + EΔr. It is square; what its null space spans stays free (model, "Not unique"). A contact that rests,
 touching without force, may either take up force or open: each choice is a branch of its own, with one-sided changes.
+So is each choice for an effect's limit that is just reached; one that gives way adds Δv = AᵀΔs and the row A Δr = 0.
 """
 
 from __future__ import annotations
@@ -19,9 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect
+from handlcp.grasp.limits import at_answer
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, VERTEX, States
@@ -37,12 +39,15 @@ _FAR = 1e6  # a row that no unit change lifts beyond 1 / _FAR is 0
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """One choice for the contacts at rest: kind (n,) as in `states`, and basis (3n + dof, k), orthonormal changes
-    (Δr, Δu) in natural units, k ≥ 1.
+    """One choice for what is at rest: kind (n,) as in `states`, active (m,) which of the effects' limits give way, and
+    basis (3n + dof, k), orthonormal changes (Δr, Δu) in natural units, k ≥ 1. multipliers (active.sum(), k): the Δs
+    that go with them.
     """
 
     kind: Ints
+    active: Bools
     basis: Array
+    multipliers: Array
 
 
 def free_branches(
@@ -51,27 +56,30 @@ def free_branches(
     """The branches that leave something free; none when the solution is locally unique (decided by elimination)."""
     planar = scene.plane is not None
     limits = section.limit(scene.mu)
-    rows = [c for e in effects if (c := e.coupling(scene, candidate.extra)) is not None]
-    coupling = np.array(rows) if rows else np.empty((0, 3 * scene.n))
+    limited = at_answer(scene, effects, candidate)
     governed = states.kind if all(scene.governed) else np.where(scene.governed_mask, states.kind, SEPARATED)
     softness = scene.units.force / scene.units.motion
     out = []
-    for kind in _choices(governed, limits):
+    for kind, active in itertools.product(_choices(governed, limits), limited.choices()):
         A, rank = tangent_system(
-            scene.natural.every, scene.flexibility, softness, kind, states.faces, states.turn, limits, planar, coupling
-        )
+            scene.natural.every, scene.flexibility, softness, kind, states.faces, states.turn, limits, planar,
+            limited.rows[active],
+        )  # fmt: skip
         if rank == len(A):
             continue
         _, sv, Vt = np.linalg.svd(A)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
-        basis = _orthonormal(Vt[sv <= RANK * sv[0]].T[: 3 * scene.n + scene.dof])
+        basis, multipliers = _orthonormal(Vt[sv <= RANK * sv[0]].T, 3 * scene.n + scene.dof)
         resting = np.flatnonzero(governed == RESTING)
-        if len(resting) and basis.shape[1]:
+        if (len(resting) or limited.resting.any()) and basis.shape[1]:
             D, _ = inequalities(scene, section, kind, states.faces, candidate.forces * 0, candidate.forces * 0, resting)
             # Rows of a friction beyond measure are as long as it is; only their directions matter
-            basis = basis @ _span(D / abs(D).max(axis=1, keepdims=True) @ basis)
+            D = D / abs(D).max(axis=1, keepdims=True) @ basis
+            at_limits, _ = limited.conditions(basis, active, multipliers)
+            span = _span(np.vstack([D, at_limits[limited.resting]]))
+            basis, multipliers = basis @ span, multipliers @ span
         if basis.shape[1]:
-            out.append(Branch(kind, basis))
+            out.append(Branch(kind, active, basis, multipliers))
     return tuple(out)
 
 
@@ -91,9 +99,11 @@ def _choices(kind: Ints, limits: Array) -> list[Ints]:
     return out
 
 
-def _orthonormal(columns: Array) -> Array:
-    U, s, _ = np.linalg.svd(columns, full_matrices=False)
-    return U[:, s > 1e-9]
+def _orthonormal(columns: Array, k: int) -> tuple[Array, Array]:
+    """An orthonormal basis of the first k rows, and the other rows that go with it."""
+    U, s, Wt = np.linalg.svd(columns[:k], full_matrices=False)
+    kept = s > 1e-9
+    return U[:, kept], columns[k:] @ Wt[kept].T / s[kept]
 
 
 def _span(D: Array) -> Array:

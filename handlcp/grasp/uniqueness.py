@@ -8,6 +8,8 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.limits import at_answer
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene, shifted
 from handlcp.grasp.states import States
@@ -71,13 +73,20 @@ def describe(scene: Scene, branches: tuple[Branch, ...], arm: Array) -> Uniquene
 
 
 def minimum_norm(
-    scene: Scene, section: Section, states: States, candidate: Candidate, motion: Array, branches: tuple[Branch, ...]
+    scene: Scene,
+    effects: tuple[Effect, ...],
+    section: Section,
+    states: States,
+    candidate: Candidate,
+    motion: Array,
+    branches: tuple[Branch, ...],
 ) -> Candidate:
     """The member of least norm (natural units) that keeps every contact in its state; motion (n, 3) as it is now [m].
 
     In each branch min ‖x₀ + B c‖ subject to the inequalities of the states (forces push, gaps stay open, friction
     within its limit, slip against the faces): a least-distance problem, solved as nonnegative least squares
-    (Lawson & Hanson, Solving Least Squares Problems, chapter 23).
+    (Lawson & Hanson, Solving Least Squares Problems, chapter 23). What effects limit stays within its limit, and what
+    gives way goes on giving way.
     """
     from scipy.optimize import nnls  # half a second of import that only loose scenes should pay
 
@@ -85,7 +94,8 @@ def minimum_norm(
     u0 = candidate.twist if scene.freedom is None else scene.freedom @ candidate.twist
     x0 = np.concatenate([candidate.forces.ravel() / units.force, u0 / scene.twist_units])
     forces, moved = candidate.forces / units.force, motion / units.motion
-    best, least = x0, float(x0 @ x0)
+    best, least, extra = x0, float(x0 @ x0), candidate.extra
+    limited = at_answer(scene, effects, candidate)
     for branch in branches:
         B = branch.basis
         rows, now = inequalities(scene, section, branch.kind, states.faces, forces, moved)
@@ -93,8 +103,12 @@ def minimum_norm(
         # nor make a condition of a row that these directions do not touch.
         A = rows @ B
         touched = abs(A).max(axis=1) > 1e-10 * abs(rows).max(axis=1)
-        A = A[touched]
-        h = A @ (B.T @ x0) - np.maximum(now[touched], 0.0)
+        A, now = A[touched], now[touched]
+        if len(limited.rows):
+            D, slack = limited.conditions(B, branch.active, branch.multipliers)
+            touched = abs(D).max(axis=1) > 1e-10
+            A, now = np.vstack([A, D[touched]]), np.append(now, slack[touched])
+        h = A @ (B.T @ x0) - np.maximum(now, 0.0)
         y = np.zeros(B.shape[1])
         if len(A):  # scipy's nnls crashes without columns
             E, e = np.vstack([A.T, h]), np.append(y, 1.0)
@@ -105,4 +119,5 @@ def minimum_norm(
         x = x0 + B @ (y - B.T @ x0)
         if float(x @ x) < least:
             best, least = x, float(x @ x)
-    return Candidate((best[: 3 * n] * units.force).reshape(n, 3), scene.twist(best[3 * n :]), candidate.extra)
+            extra = limited.moved(scene, branch.active, branch.multipliers @ (y - B.T @ x0))
+    return Candidate((best[: 3 * n] * units.force).reshape(n, 3), scene.twist(best[3 * n :]), extra)

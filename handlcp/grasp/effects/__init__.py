@@ -11,6 +11,8 @@ from handlcp.grasp.effects.coulomb_cone import CoulombCone
 from handlcp.grasp.effects.coulomb_planar import CoulombPlanar
 from handlcp.grasp.effects.coulomb_pyramid import CoulombPyramid
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
+from handlcp.grasp.effects.finger_force_bound import FingerForceBound
+from handlcp.grasp.effects.limit import Limit
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
 from handlcp.grasp.effects.soft_wrist import SoftWrist
@@ -25,6 +27,8 @@ __all__ = [
     "CoulombPyramid",
     "Effect",
     "FingerFlexibility",
+    "FingerForceBound",
+    "Limit",
     "ObjectBalance",
     "PrescribedForce",
     "SoftWrist",

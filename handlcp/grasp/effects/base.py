@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Self
+
+import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.effects.limit import Limit
+from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
 
@@ -12,7 +16,8 @@ __all__ = ["Effect"]
 
 
 class Effect:
-    """One physical effect. Subclasses declare unknowns and stamp blocks; most need nothing else.
+    """One physical effect. Subclasses declare unknowns and stamp blocks, or `limits`, from which both follow; most need
+    nothing else.
 
     title : what `explain()` calls it. equation : its law in one line.
     """
@@ -20,32 +25,48 @@ class Effect:
     title: ClassVar[str]
     equation: ClassVar[str]
 
+    @property
+    def key(self) -> object:
+        """A grasp has one effect of each key: of its kind, unless a kind says otherwise."""
+        return type(self)
+
+    @property
+    def opens(self) -> bool:
+        """Whether it moves contacts by unknowns of its own, so that contact modes do not describe the scene."""
+        return type(self).limits is not Effect.limits or type(self).opening is not Effect.opening
+
+    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
+        """This effect, completed for a grasp of n contacts by a hand with these joints (None: no hand), beside others.
+
+        argument : what to call it in an InputError, which says what does not fit.
+        """
+        return self
+
     def why(self, scene: Scene) -> str:
         """Why the scene has this effect, for `explain()`."""
         raise NotImplementedError
 
+    def limits(self, scene: Scene) -> tuple[Limit, ...]:
+        """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying."""
+        return ()
+
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """The groups this effect brings."""
-        return ()
+        return tuple(limit.unknown for limit in self.limits(scene))
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Add this effect's blocks."""
-        raise NotImplementedError
+        for limit in self.limits(scene):
+            limit.stamp(scene, system)
 
     def opening(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
         """(n, 3) motion between object and fingertips that this effect adds to Gᵀu + E r + d [m, contact axes].
 
-        `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI.
-        None: nothing.
+        `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
+        none is left out. None: nothing.
         """
-        return None
-
-    def coupling(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
-        """(3n,) a: an active bound aᵀr = const on the contact forces, whose multiplier moves the contacts along a.
-
-        None where the effect has no such bound, or it is not active. For the count of what a solution leaves free.
-        """
-        return None
+        moved = [limit.opening(extra) for limit in self._present(scene)]
+        return np.sum(moved, axis=0) if moved else None
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
@@ -54,4 +75,8 @@ class Effect:
 
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """
-        return 0.0
+        parts = [limit.residual(scene, forces, extra, force_size, motion_size) for limit in self._present(scene)]
+        return float(np.max(parts)) if parts else 0.0
+
+    def _present(self, scene: Scene) -> tuple[Limit, ...]:
+        return tuple(limit for limit in self.limits(scene) if len(limit.room))

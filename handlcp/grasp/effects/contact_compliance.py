@@ -10,13 +10,15 @@ Robotics and Automation 5 (1989).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.compliance import Compliance
+from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
 
 __all__ = ["ContactCompliance"]
@@ -50,6 +52,12 @@ class ContactCompliance(Compliance):
             else:
                 value = np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(value)]).reshape(-1, 3, 3)
         object.__setattr__(self, "flexibility", read_only(value))
+
+    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
+        """As many blocks as contacts."""
+        if self.flexibility.ndim == 3 and len(self.flexibility) != n:
+            raise InputError(f"{argument}.flexibility", f"{n} blocks, one for each contact", len(self.flexibility))
+        return self
 
     def why(self, scene: Scene) -> str:
         """Asked for."""

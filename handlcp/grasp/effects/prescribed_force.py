@@ -9,10 +9,12 @@ joints. Source: paper, Example 2 (after Panagiotopoulos); model, table of effect
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from handlcp.check import Array, array, integer
+from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System
 
@@ -32,6 +34,17 @@ class PrescribedForce(Effect):
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("PrescribedForce.contact", contact, 0))
         object.__setattr__(self, "force", array("PrescribedForce.force", force, (3,)))
+
+    @property
+    def key(self) -> object:
+        """One a contact."""
+        return type(self), self.contact
+
+    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
+        """At a contact that there is."""
+        if self.contact >= n:
+            raise InputError(f"{argument}.contact", f"a contact's number from 0 to {n - 1}", self.contact)
+        return self
 
     def why(self, scene: Scene) -> str:
         """Asked for."""

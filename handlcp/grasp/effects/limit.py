@@ -1,0 +1,81 @@
+"""Limits on the contact forces, and what gives way at them: the common form of bounds and of joints that yield.
+
+    0 ≤ s ⟂ b - A r ≥ 0,    ε += Aᵀ s
+
+A row of A says what is limited (a normal force, a sum of them, a joint's torque Jᵀr), b how much of it there may be.
+The same row says how the contacts move while it gives way, so that it does no work but at the limit: A r = b there, and
+s takes up b s. Source: model, table of effects ("total normal-force bound", "per-finger force bound", "torque
+saturation"); the paper, equations (14) to (16), has the first of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.scene import Scene
+from handlcp.grasp.system import System, Unknown
+
+__all__ = ["Limit"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """k limits of one kind, SI.
+
+    name : of the group of unknowns s. rows : (k, 3n) A, contact axes; zero for contacts whose force is prescribed.
+    room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the lengths that turn
+    them into a force and a motion, for natural units; None for forces.
+    """
+
+    name: str
+    rows: Array
+    room: Array
+    levers: Array | None = None
+
+    @property
+    def unknown(self) -> Unknown:
+        """The group of the s."""
+        if self.levers is None:
+            return Unknown(self.name, len(self.room), False, "motion", "force")
+        return Unknown(self.name, len(self.room), False, "angle", "torque", tuple(self.levers.tolist()))
+
+    @property
+    def natural_rows(self) -> Array:
+        """(k, 3n) A in natural units."""
+        return self.rows if self.levers is None else self.rows / self.levers[:, None]
+
+    def natural_room(self, scene: Scene) -> Array:
+        """(k,) b in natural units."""
+        return self.room / (scene.units.force if self.levers is None else scene.units.force * self.levers)
+
+    def natural_motion(self, scene: Scene, extra: dict[str, Array]) -> Array:
+        """(k,) s in natural units; `extra` as in `Effect.opening`."""
+        s = extra[self.name] / scene.units.motion
+        return s if self.levers is None else s * self.levers
+
+    def natural_slack(self, scene: Scene, forces: Array) -> Array:
+        """(k,) b - A r in natural units, from forces (n, 3) N."""
+        return self.natural_room(scene) - self.natural_rows @ (forces.ravel() / scene.units.force)
+
+    def stamp(self, scene: Scene, system: System) -> None:
+        """Slack, and the motion of the contacts that goes with it."""
+        for forces, index in (("r_N", scene.normal_index), ("r_T", scene.tangent_index)):
+            block = self.natural_rows[:, index]
+            system.add(forces, self.name, block.T)
+            system.add(self.name, forces, -block)
+        system.load(self.name, self.natural_room(scene))
+
+    def opening(self, extra: dict[str, Array]) -> Array:
+        """(n, 3) Aᵀ s [m]."""
+        return (extra[self.name] @ self.rows).reshape(-1, 3)
+
+    def residual(
+        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
+    ) -> float:
+        """Worst |min(s, b - A r)|, relative."""
+        s = self.natural_motion(scene, extra) * (scene.units.motion / motion_size)
+        slack = self.natural_slack(scene, forces) * (scene.units.force / force_size)
+        return float(abs(np.minimum(s, slack)).max(initial=0.0))

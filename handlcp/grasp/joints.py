@@ -1,0 +1,24 @@
+"""What a hand tells the effects of its grasp about its joints; this room knows no robots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from handlcp.check import Array
+
+__all__ = ["Joints"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joints:
+    """nv independent joints of the hand that grasps with n contacts.
+
+    names : (nv,). jacobian : (3n, nv) velocity of the contact points in contact axes [m/rad, m/m].
+    weight : (nv,) g(q), torque for the fingers' own weight, zero unless it counts [N·m, N].
+    limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
+    """
+
+    names: tuple[str, ...]
+    jacobian: Array
+    weight: Array
+    limits: Array

@@ -1,0 +1,245 @@
+"""Per-finger force bounds against closed forms; nothing to pay without one; certificates; what cannot be held."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.errors import InputError
+from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.certify import judge
+from handlcp.grasp.overload import is_overload, overload
+from handlcp.grasp.pyramid import as_section
+from tests.grasp.scenes import pinch, ring
+
+C, SQUEEZE = 1e-4, 1e-3  # m/N and m of the pinch: 10 N a finger where nothing is bounded
+SECTIONS = [4, 8, "cone"]
+EXACT = {"rtol": 1e-9, "atol": 1e-15}
+
+
+def at_centre(g, s):
+    u = s.object_displacement
+    return np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
+
+
+def work_balances(g, s, bounds):
+    """Where no contact slides: the load's work on the object = Σ r·(E r + d) + Σ r̄ z̄ (virtual work on the answer)."""
+    r = s.forces.ravel()
+    put_in = g.scene.wrench @ at_centre(g, s)
+    taken = r @ g.scene.flexibility @ r + r @ g.scene.offset.ravel() + bounds @ s.extra["z̄_i"]
+    size = abs(r @ g.scene.offset.ravel())
+    assert abs(put_in - taken) < 1e-9 * size
+
+
+# ---------------------------------------------------------------- closed forms
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_both_fingers_give_way_at_their_bound(faces):
+    """Both push with r̄, and each gives way by δ - C r̄. Where the object stops between them is not determined."""
+    g = pinch(effects=[hl.FingerForceBound(6.0)])
+    s = g.solve(faces)
+    np.testing.assert_allclose(s.normal_force, [6, 6], **EXACT)
+    np.testing.assert_allclose(s.extra["z̄_i"], [SQUEEZE - 6 * C] * 2, **EXACT)
+    np.testing.assert_allclose(s.forces[:, 0], 0.5, **EXACT)  # tangents point up: half the load each
+    np.testing.assert_allclose(s.object_displacement, [0, 0, -0.5 * C, 0, 0, 0], atol=1e-15)
+    assert s.uniqueness.loose_motions == 2  # along the fingers' line, and about it
+    assert s.uniqueness.forces_determined
+    assert s.contact_state == ("sticking", "sticking")
+    work_balances(g, s, np.array([6.0, 6.0]))
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_one_finger_gives_way_and_the_other_pushes_the_object_after_it(faces):
+    """Both push with r̄; v_2 = -u + C r̄ - δ = 0 gives u, and v_1 = u + C r̄ - δ + z̄ = 0 gives z̄ = 2 (δ - C r̄)."""
+    g = pinch(effects=[hl.FingerForceBound([6.0, np.inf])])
+    s = g.solve(faces)
+    np.testing.assert_allclose(s.normal_force, [6, 6], **EXACT)
+    np.testing.assert_allclose(s.extra["z̄_i"], [2 * (SQUEEZE - 6 * C)], **EXACT)
+    np.testing.assert_allclose(s.object_displacement[:3], [6 * C - SQUEEZE, 0, -0.5 * C], atol=1e-13)
+    assert s.uniqueness.loose_motions == 1
+    work_balances(g, s, np.array([6.0]))
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_the_weaker_bound_decides(faces):
+    s = pinch(effects=[hl.FingerForceBound([7.0, 4.0])]).solve(faces)
+    np.testing.assert_allclose(s.normal_force, [4, 4], **EXACT)
+    np.testing.assert_allclose(s.extra["z̄_i"], [0, 2 * (SQUEEZE - 4 * C)], **EXACT)
+
+
+def test_in_a_plane_the_other_fingers_take_over():
+    """Three fingers 120° apart, no friction, flexibility C, squeezed by δ, and a push P towards finger 1: finger i has
+    r_i = δ/C - (2/3) P cos(its angle to finger 1)… until its bound; then r_1 = r̄ and r_2 = r_3 = r̄ - P by balance.
+    """
+    t = np.deg2rad([90, 210, 330])
+    contacts = [hl.Contact((np.cos(a), np.sin(a)), (-np.cos(a), -np.sin(a)), hl.Frictionless()) for a in t]
+    data = {"wrench": (0, 3.0, 0), "flexibility": C, "preload": SQUEEZE}
+    free = hl.Grasp(contacts, **data).solve()
+    np.testing.assert_allclose(free.normal_force, [12, 9, 9], rtol=1e-9)
+    s = hl.Grasp(contacts, **data, effects=[hl.FingerForceBound(11.0)]).solve()
+    np.testing.assert_allclose(s.normal_force, [11, 8, 8], rtol=1e-9)
+    # Fingers 2 and 3: u_y sin 30° … v = u_y / 2 + C 8 - δ = 0; finger 1: v = -u_y + C 11 - δ + z̄ = 0
+    u = 2 * (SQUEEZE - 8 * C)
+    np.testing.assert_allclose(s.object_displacement[1], u, rtol=1e-9)
+    np.testing.assert_allclose(s.extra["z̄_i"], [u - 11 * C + SQUEEZE, 0, 0], rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+@pytest.mark.parametrize("seed", range(3))
+def test_in_a_ring_every_bound_is_kept_and_the_answer_solves_the_free_grasp_with_the_opened_gaps(faces, seed):
+    """What gives way is an offset of its finger: with it in the data, the grasp without bounds answers the same."""
+    contacts, data = ring(np.random.default_rng(seed), n=5)
+    free = hl.Grasp(contacts, **data).solve(faces)
+    bound = 0.8 * free.normal_force.max()
+    g = hl.Grasp(contacts, **data, effects=[hl.FingerForceBound(bound)])
+    s = g.solve(faces)
+    assert s.normal_force.max() == pytest.approx(bound, rel=1e-9)
+    z = s.extra["z̄_i"]
+    assert (z >= 0).all()
+    assert z.max() > 1e-5
+    assert (z[s.normal_force < 0.999 * bound] < 1e-12).all()
+    offset = np.zeros((5, 3))
+    offset[:, 2] = z
+    again = hl.Grasp(contacts, **data, offset=offset).solve(faces, start=s)
+    np.testing.assert_allclose(again.forces, s.forces, atol=1e-8 * bound)
+
+
+# ---------------------------------------------------------------- what it costs, and what it doesn't
+def test_a_bound_costs_one_unknown_a_bounded_contact():
+    def sizes(bounds, **more):
+        g = pinch(effects=[hl.FingerForceBound(bounds), *more.get("beside", [])])
+        return {u.name: (u.count, u.free) for u in g.problem().groups}
+
+    assert sizes(6.0)["z̄_i"] == (2, False)
+    assert sizes([6.0, np.inf])["z̄_i"] == (1, False)
+    assert "z̄_i" not in sizes(np.inf)
+    assert sizes(6.0, beside=[hl.PrescribedForce(0, (0, 0, 1.0))])["z̄_i"] == (1, False)
+    both = sizes(6.0, beside=[hl.TotalForceBound(9.0)])
+    assert (both["z̄_i"], both["z̄"]) == ((2, False), (1, False))
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_no_bound_is_no_effect_bit_for_bit(faces):
+    contacts, data = ring(np.random.default_rng(1))
+    absent, neutral = hl.Grasp(contacts, **data), hl.Grasp(contacts, **data, effects=[hl.FingerForceBound(np.inf)])
+    a, b = (g.problem(faces) for g in (absent, neutral))
+    a, b = (p if faces == "cone" else p.scaled for p in (a, b))
+    np.testing.assert_array_equal(a.M, b.M)
+    np.testing.assert_array_equal(a.q, b.q)
+    s, t = absent.solve(faces), neutral.solve(faces)
+    np.testing.assert_allclose(t.forces, s.forces, atol=1e-12 * abs(s.forces).max())
+    assert t.extra == {}
+    assert "no bound is finite" in str(neutral.explain(faces))
+
+
+@pytest.mark.parametrize("effects", [[], [hl.TotalForceBound(8.0)]])
+def test_an_absent_bound_changes_no_bit(effects):
+    plain, bounded = pinch(effects=effects), pinch(effects=[*effects, hl.FingerForceBound(6.0)])
+    a, b = plain.problem().scaled, bounded.problem().scaled
+    keep = [k for k, name in enumerate(bounded.problem().labels) if not name.startswith("z̄_i")]
+    np.testing.assert_array_equal(a.M, b.M[np.ix_(keep, keep)])
+    np.testing.assert_array_equal(a.q, b.q[keep])
+
+
+def test_beside_the_total_bound_the_tighter_of_the_two_holds():
+    one = pinch(effects=[hl.FingerForceBound(6.0), hl.TotalForceBound(20.0)]).solve()
+    np.testing.assert_allclose(one.normal_force, 6.0, rtol=1e-9)
+    other = pinch(effects=[hl.FingerForceBound(6.0), hl.TotalForceBound(8.0)]).solve()
+    np.testing.assert_allclose(other.normal_force, 4.0, rtol=1e-9)
+
+
+def test_rigid_fingers_are_bounded_too():
+    """Stiff fingers squeezed by anything push with their bounds: what a rigid grasp alone cannot say."""
+    s = pinch(flexibility=0.0, effects=[hl.FingerForceBound(6.0)]).solve()
+    np.testing.assert_allclose(s.normal_force, 6.0, rtol=1e-9)
+
+
+# ---------------------------------------------------------------- certificates
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_the_certifier_rejects_what_it_should(faces):
+    contacts, data = ring(np.random.default_rng(0))
+    free = hl.Grasp(contacts, **data).solve(faces)
+    bound = 0.8 * free.normal_force.max()
+    g = hl.Grasp(contacts, **data, effects=[hl.FingerForceBound(bound)])
+    s, section = g.solve(faces), as_section(faces)
+    effects = g.problem(faces).effects
+
+    def residuals(forces, extra):
+        return judge(g.scene, effects, section, Candidate(forces, at_centre(g, s), extra)).residuals
+
+    z = s.extra["z̄_i"]
+    assert residuals(s.forces, {"z̄_i": z}).passes
+    for i in range(len(z)):
+        for change in (1e-4, -1e-4, np.nan, np.inf):
+            bad = z.copy()
+            bad[i] += change * max(z)
+            assert not residuals(s.forces, {"z̄_i": bad}).passes
+    # the free grasp's answer keeps every law but the bound
+    u = free.object_displacement
+    there = np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
+    over = judge(g.scene, effects, section, Candidate(free.forces, there, {"z̄_i": 0 * z})).residuals
+    assert max(over.balance, over.normal, over.cone, over.slip) < 1e-8
+    assert over.effects > 1e-2
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_bounds_too_low_for_the_load_are_proven_so(faces):
+    """0.5 on each side carries 2 · 0.5 · 0.9 < 1 N; pyramids less. The proof is recomputed by its signs."""
+    g = pinch(effects=[hl.FingerForceBound(0.9)])
+    s = g.solve(faces, throw=False)
+    assert s.status is hl.Status.NO_EQUILIBRIUM
+    assert s.required_preload is None
+    assert s.diagnosis.endswith("the per-finger force bound leaves no force that balances it")
+    section = as_section(faces)
+    proof = overload(g.scene, section, g.effects)
+    assert is_overload(g.scene, section, g.effects, proof)
+    assert not is_overload(g.scene, section, g.effects, -proof)
+    assert not is_overload(g.scene, section, g.effects, np.full(8, np.nan))
+    enough = pinch(effects=[hl.FingerForceBound(1.0 / np.cos(np.pi / 4) + 1e-3)])
+    assert overload(enough.scene, section, enough.effects) is None
+    assert not is_overload(enough.scene, section, enough.effects, proof)
+    assert enough.solve(faces).held
+
+
+def test_no_squeeze_beats_a_bound_and_more_friction_does():
+    g = pinch(effects=[hl.FingerForceBound(0.9)])
+    r = g.required_preload()
+    assert (r.value, r.proven) == (None, True)
+    mu = g.required_friction("cone", tolerance=1e-6)
+    np.testing.assert_allclose(mu.value, 1.0 / 1.8, rtol=2e-3)  # proven on a polygon around the cone
+    found = g.equilibria()
+    assert (len(found), found.complete) == (0, True)
+
+
+def test_what_cannot_be_held_at_all_still_has_its_twist():
+    s = pinch(load=(0, 50.0, 0), mu=0.0, effects=[hl.FingerForceBound(0.9)]).solve(throw=False)
+    assert s.status is hl.Status.NOT_HOLDABLE
+    assert s.certificate is not None
+
+
+# ---------------------------------------------------------------- input and company
+@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, "a", None, [1.0, 0.0], [1.0, "a"], [[1.0]]])
+def test_bad_bounds_are_named(bad):
+    with pytest.raises(InputError, match=r"FingerForceBound\.limits"):
+        hl.FingerForceBound(bad)
+
+
+def test_as_many_bounds_as_contacts():
+    with pytest.raises(InputError, match=r"effects\[0\]\.limits: .*2, one for each contact.* 3") as e:
+        pinch(effects=[hl.FingerForceBound([1.0, 2.0, 3.0])])
+    assert e.value.argument == "effects[0].limits"
+    with pytest.raises(InputError, match="each effect once"):
+        pinch(effects=[hl.FingerForceBound(1.0), hl.FingerForceBound(2.0)])
+
+
+def test_replaced_pickled_and_solved_in_numbers_it_stays():
+    g = pinch(effects=[hl.FingerForceBound(6.0)])
+    again = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2.0, 0, 0, 0))
+    s = again.solve()
+    np.testing.assert_allclose(s.normal_force, 6.0, rtol=1e-9)
+    many = hl.solve_many([g, again, pinch()], workers=1)
+    np.testing.assert_allclose([m.normal_force for m in many], [[6, 6], [6, 6], [10, 10]], rtol=1e-9)
+    close = g.solve(accuracy=1e-9)
+    assert close.accuracy.met
