@@ -169,7 +169,7 @@ def _checked(
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp, or a HandGrasp", type(grasp).__name__)
     names = tuple(METHODS) if methods is None else _several("methods", methods, "method names")
-    if unknown := [str(n) for n in names if n not in METHODS]:
+    if unknown := [str(n) for n in names if not isinstance(n, str) or n not in METHODS]:
         raise UnknownName("methods", "a method", unknown, METHODS)
     sides = FACES if faces is None else _several("faces", faces, "numbers of faces")
     tols = TOLERANCES if tolerances is None else _several("tolerances", tolerances, "tolerances")

@@ -41,8 +41,12 @@ class Convergence:
     runs: tuple[Run, ...]
 
     def select(self, units: UnitsOf = "natural", sampling: Sampling = "greedy") -> tuple[Run, ...]:
-        """The runs of one kind, seed by seed."""
-        return tuple(r for r in self.runs if (r.units, r.sampling) == (units, sampling))
+        """The runs of one kind, seed by seed. Raises InputError for a kind that was not run."""
+        found = tuple(r for r in self.runs if (r.units, r.sampling) == (units, sampling))
+        if not found:
+            kinds = " or ".join(sorted({f"{r.units}, {r.sampling}" for r in self.runs}))
+            raise InputError("units, sampling", kinds, f"{units}, {sampling}")
+        return found
 
     def rate(self, units: UnitsOf = "natural", sampling: Sampling = "greedy") -> float:
         """Median measured rate: the decrease of ln ‖Φ‖ per step."""
