@@ -10,6 +10,7 @@ from handlcp.grasp.effects import (
     FingerForceBound,
     PrescribedForce,
     SoftWrist,
+    TorqueSaturation,
     TotalForceBound,
 )
 from handlcp.grasp.explain import Explanation
@@ -43,6 +44,7 @@ __all__ = [
     "Residuals",
     "SoftWrist",
     "Solutions",
+    "TorqueSaturation",
     "TotalForceBound",
     "Uniqueness",
     "solve_many",

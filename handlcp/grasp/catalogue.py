@@ -13,6 +13,7 @@ from handlcp.grasp.effects import (
     ObjectBalance,
     PrescribedForce,
     SoftWrist,
+    TorqueSaturation,
     TotalForceBound,
     UnilateralContact,
 )
@@ -42,7 +43,7 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
 
 
 _FROM_DATA = (ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility)
-_BY_NAME = (TotalForceBound, FingerForceBound, PrescribedForce, ContactCompliance, SoftWrist)
+_BY_NAME = (TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist)
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

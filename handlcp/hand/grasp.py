@@ -7,7 +7,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
@@ -16,11 +16,14 @@ from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
+from handlcp.grasp.effects import TorqueSaturation
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.joints import Joints
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.solution import GraspSolution
+from handlcp.hand.command import COMMAND, command_line, commanded, read_command
 from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
@@ -40,12 +43,15 @@ class HandGraspSolution(GraspSolution):
 
     torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
     joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
-        weight where that is part of the elastic balance.
+        weight where that is part of the elastic balance, from where they are commanded to be.
+    joint_yield : (nv,) [rad] how far joints at their limit are driven back beyond that (`TorqueSaturation`): s⁺ - s⁻,
+        with the sign of the torque; 0 for all others. Such a joint's torque is its limit.
     torque_check : joint by joint torque, limit, utilisation, and the binding joint.
     """
 
     torques: Array
     joint_deflection: Array
+    joint_yield: Array
     torque_check: TorqueCheck
 
     def __str__(self) -> str:
@@ -64,6 +70,7 @@ class HandGrasp(Grasp):
     sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
         balance. The scene's offset has what that does to the tips, `tip_sag`, added.
     gravity : (3,) [m/s²] that weighs the fingers; zero unless that was asked for.
+    joint_offset : (nv,) δq [rad, m], how far beyond the posture the joints are commanded.
     """
 
     state: HandState
@@ -74,6 +81,7 @@ class HandGrasp(Grasp):
     gravity_torque: Array
     sag: Array
     gravity: Array
+    joint_offset: Array
 
     def __init__(self, *_: Any, **__: Any) -> None:
         """Not called: a hand's grasp is made from a posture."""
@@ -83,6 +91,31 @@ class HandGrasp(Grasp):
     def names(self) -> tuple[str, ...]:
         """(n,) the fingertips' names."""
         return self.fingertips
+
+    @property
+    def tip_offset(self) -> Array:
+        """(n, 3) the scene's offset without what the hand adds to it: gaps, preloads and `offset` [m]."""
+        offset = commanded(self.scene.offset, self.jacobian, -self.joint_offset)
+        return read_only(offset - self.tip_sag) if self.finger_weight is True else offset
+
+    def replace(
+        self,
+        *,
+        wrench: Any = None,
+        flexibility: Any = None,
+        offset: Any = None,
+        preload: Any = None,
+        joint_offset: Any = None,
+    ) -> Self:
+        """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
+        what the joints' command and the fingers' weight add comes on top, here as there.
+        """
+        told = self
+        if joint_offset is not None:
+            told = copy.copy(self)
+            told.joint_offset = read_command(joint_offset, self.state.hand.joint_names)
+            told = changed(told, offset=told._shifted(self.tip_offset))
+        return super(HandGrasp, told).replace(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload)
 
     def solve(
         self,
@@ -102,13 +135,14 @@ class HandGrasp(Grasp):
 
     def _explained(self, explanation: Explanation) -> Explanation:
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
-        lines = sorted((*explanation.effects, weight), key=lambda x: not x.on)  # what is on comes first
+        command = command_line(self.state.hand.joint_names, self.joint_offset)
+        lines = sorted((*explanation.effects, weight, command), key=lambda x: not x.on)  # what is on comes first
         return replace(explanation, effects=tuple(lines))
 
     def _without(self) -> list[tuple[str, Grasp]]:
-        light = copy.copy(self)
-        light.finger_weight = False
-        return [*super()._without(), (WEIGHT, light)]
+        light, still = copy.copy(self), copy.copy(self)
+        light.finger_weight, still.joint_offset = False, np.zeros_like(self.joint_offset)
+        return [*super()._without(), (WEIGHT, light), (COMMAND, still)]
 
     def _placed(self) -> HandGrasp:
         made = changed(self)
@@ -117,21 +151,30 @@ class HandGrasp(Grasp):
             weigh = hand.kinematics.gravity_torque(self.state.q, self.gravity)
             if self.finger_weight is True:
                 tip_sag(self.jacobian, hand.stiffness.deflection(weigh), planar)
+        commanded(self.scene.offset, self.jacobian, self.joint_offset)
         return made
 
     def _shifted(self, offset: Array) -> Array:
-        return read_only(offset + self.tip_sag) if self.finger_weight is True else offset
+        sagged = read_only(offset + self.tip_sag) if self.finger_weight is True else offset
+        return commanded(sagged, self.jacobian, self.joint_offset)
 
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand = self.state.hand
         torque = solution.forces.reshape(-1) @ self.jacobian
-        total = read_only(torque + self.gravity_torque)
-        check = torque_check(hand.joint_names, total, hand.torques.limits, hand.torques.known)
+        total, yielded = torque + self.gravity_torque, np.zeros(hand.nv)
+        for e in self.effects:
+            if isinstance(e, TorqueSaturation):
+                total, yielded = e.read(self.scene, total, solution.extra)
+        yielding = tuple(name for name, s in zip(hand.joint_names, yielded.tolist(), strict=True) if abs(s) > 0.0)
+        total = read_only(total)
+        check = torque_check(hand.joint_names, total, hand.torques.limits, hand.torques.known, yielding)
         deflection = hand.stiffness.deflection(torque)
         if self.finger_weight is True:
             deflection = deflection + self.sag
-        deflection = read_only(deflection)
-        return HandGraspSolution(**vars(solution), torques=total, joint_deflection=deflection, torque_check=check)
+        return HandGraspSolution(
+            **vars(solution), torques=total, joint_deflection=read_only(deflection), joint_yield=read_only(yielded),
+            torque_check=check,
+        )  # fmt: skip
 
 
 def grasp(
@@ -149,6 +192,7 @@ def grasp(
     effects: Iterable[Any] = (),
     finger_weight: FingerWeight = False,
     plane: Any = None,
+    joint_offset: Any = None,
 ) -> HandGrasp:
     """The grasp of an object by a hand in a posture; as a method, `state.grasp(target, …)`.
 
@@ -163,10 +207,12 @@ def grasp(
     reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
     fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
     max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
-    effects, plane : as in `Grasp`.
+    effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield.
     finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
         the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
         "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
+    joint_offset : squeeze in joint space, (nv,) or a mapping by joint name [rad, m]: the joints are commanded this far
+        beyond the posture, which adds -J δq to the offsets.
 
     Raises NotReached (naming each finger and its gap), UnknownName, InputError.
     """
@@ -201,10 +247,14 @@ def grasp(
         point = arguments.reference(reference, normal, positions)
     load = arguments.wrench(wrench, normal, arguments.lift(positions, point, normal))
     load = _with_weight(load, obj, g, point, positions, normal)
-    weigh = hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv)
-    sag = hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv)
+    weigh = read_only(hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv))
+    sag = read_only(hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv))
     if heavy is True:
         shift = shift + tip_sag(jacobian, sag, normal is not None)
+    command = read_command(joint_offset, hand.joint_names)
+    shift = commanded(read_only(shift), jacobian, command)
+    jacobian = read_only(jacobian)
+    asked = arguments.effects(effects, n, Joints(hand.joint_names, jacobian, weigh, hand.torques.limits))
     made = HandGrasp.__new__(HandGrasp)
     made._place(
         contacts,
@@ -213,14 +263,15 @@ def grasp(
         load,
         point,
         read_only(flexibility),
-        read_only(shift),
-        arguments.effects(effects, n),
+        shift,
+        asked,
         normal,
     )
-    made.state, made.target, made.jacobian = state, obj, read_only(jacobian)
+    made.state, made.target, made.jacobian = state, obj, jacobian
     made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
+    made.joint_offset = command
     made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
-    made.gravity_torque, made.sag = read_only(weigh), read_only(sag)
+    made.gravity_torque, made.sag = weigh, sag
     return made
 
 

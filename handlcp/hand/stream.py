@@ -16,6 +16,7 @@ from handlcp.grasp.effects import softened
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid, as_section
+from handlcp.hand.command import commanded, read_command
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.posture import contact_jacobian, flexibility
 from handlcp.hand.update import GraspUpdate
@@ -61,13 +62,20 @@ class GraspStream:
         # The fingers' own E; where nothing is added to it, what is solved itself
         self._own = grasp.flexibility.copy() if grasp.effects else self._flexibility
         self._posture = _Posture(grasp) if isinstance(grasp, HandGrasp) else None
-        # The offset without what the fingers' weight adds; where that is nothing, what is solved itself
-        self._sags = isinstance(grasp, HandGrasp) and grasp.finger_weight is True
-        self._given = scene.offset - grasp.tip_sag if isinstance(grasp, HandGrasp) and self._sags else self._offset
+        # The offset without what the hand adds to it: fingers that sag under their weight, joints commanded elsewhere
+        self._adds = self._posture is not None and self._posture.adds
+        self._given = np.array(grasp.tip_offset if isinstance(grasp, HandGrasp) else scene.offset)
         self._lift = arguments.lift(scene.positions, grasp.reference, scene.plane)
 
     def update(
-        self, q: Any = None, *, wrench: Any = None, offset: Any = None, positions: Any = None, frames: Any = None
+        self,
+        q: Any = None,
+        *,
+        wrench: Any = None,
+        offset: Any = None,
+        positions: Any = None,
+        frames: Any = None,
+        joint_offset: Any = None,
     ) -> GraspUpdate:
         """The answer after a change; what is None stays as it was.
 
@@ -75,12 +83,14 @@ class GraspStream:
         do gaps and preloads, unless they are passed, too; fingers whose weight is in the elastic balance sag anew.
         wrench : (6,) the whole load about the grasp's reference, weight included [N, N·m]. offset : (n, 3) [m] as in
         `Grasp`. positions (n, 3) [m], frames (n, 3, 3) : of the contacts, world axes; x and y tangents, z into the
-        object.
+        object. joint_offset : (nv,) or a mapping by joint name [rad, m], how far beyond q the joints are commanded, as
+        in `state.grasp`; it comes on top of offset, and follows the posture.
         Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
         """
         first, n, planar = self._first, self._kind.n, self._first.scene.plane is not None
         # All is checked before any of it is taken over
         posture = None if q is None else self._checked(q)
+        command = None if joint_offset is None else self._hand("joint_offset", joint_offset).read(joint_offset)
         load = None if wrench is None else arguments.wrench(wrench, first.scene.plane, self._lift)
         shift = None if offset is None else array("offset", offset, (n, 3))
         points = None if positions is None else self._spatial("positions", array("positions", positions, (n, 3)))
@@ -92,7 +102,7 @@ class GraspStream:
             self._moment[:] = load[3:]
             self._moment += (y * c - z * b, z * a - x * c, x * b - y * a)
         if shift is not None:
-            self._given[:] = shift
+            self._given[:] = self._offset[:] = shift
         if points is not None:
             self._positions[:] = points
         if axes is not None:
@@ -102,8 +112,11 @@ class GraspStream:
                 self._posture.move(posture, self._positions, self._frames, self._own)
             if first.effects:
                 self._flexibility[:] = softened(self._own, first.effects, self._positions, self._frames, planar)
-        if self._sags and self._posture is not None:
-            self._offset[:] = self._given + tip_sag(self._posture.jacobian, self._posture.sag, planar)
+        if command is not None or self._adds:
+            assert self._posture is not None  # nothing else has joints
+            self._posture.command = self._posture.command if command is None else command
+            self._adds = self._posture.adds
+            self._offset[:] = self._posture.shifted(self._given, planar)
         rows = np.empty((1, self._kind.answer_width))
         answers(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = Found(self._kind, rows[0])
@@ -133,9 +146,12 @@ class GraspStream:
         return (GraspStream, (self.grasp, self._section, self._seed))
 
     def _checked(self, q: Any) -> Array:
+        return self._hand("q", q).hand.kinematics.posture("q", q)
+
+    def _hand(self, argument: str, value: Any) -> _Posture:
         if self._posture is None:
-            raise InputError("q", "None for a grasp without a hand", repr(q)[:80])
-        return self._posture.hand.kinematics.posture("q", q)
+            raise InputError(argument, "None for a grasp without a hand", repr(value)[:80])
+        return self._posture
 
     def _spatial(self, argument: str, value: Array) -> Array:
         if self._first.scene.plane is not None:
@@ -150,12 +166,27 @@ class _Posture:
         hand = self.hand = grasp.state.hand
         self.q, self.jacobian, self.gravity = grasp.state.q, grasp.jacobian, grasp.gravity
         self.weight, self.sag, self._sags = grasp.gravity_torque, grasp.sag, grasp.finger_weight is True
+        self.command = grasp.joint_offset
         kinematics = hand.kinematics
         self._model, self._data = kinematics.model, kinematics.model.createData()
         self._tips = hand.tip_numbers("fingers", grasp.fingertips)
         self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
         self._factor = hand.stiffness.factor
+
+    def read(self, command: Any) -> Array:
+        """(nv,) joint offsets from what users pass."""
+        return read_command(command, self.hand.joint_names)
+
+    @property
+    def adds(self) -> bool:
+        """Whether the scene's offset is another than the one given."""
+        return self._sags or bool(self.command.any())
+
+    def shifted(self, offset: Array, planar: bool) -> Array:
+        """(n, 3) the scene's offset from the one given."""
+        sagged = offset + tip_sag(self.jacobian, self.sag, planar) if self._sags else offset
+        return commanded(sagged, self.jacobian, self.command)
 
     def move(self, q: Array | None, positions: Array, frames: Array, E: Array) -> None:
         """Take the hand to q (None: it stays) and write the flexibility at the contacts into E."""
@@ -185,4 +216,4 @@ class _Posture:
         assert isinstance(grasp, HandGrasp)
         grasp.state = self.hand.at(self.q)
         grasp.jacobian, grasp.gravity_torque = read_only(self.jacobian), read_only(self.weight)
-        grasp.sag = read_only(self.sag)
+        grasp.sag, grasp.joint_offset = read_only(self.sag), self.command

@@ -32,6 +32,7 @@ class TorqueCheck:
     utilisation : (nv,) |torque| / limit, a finite number always (NaN if the torque is): 0 where the limit is infinite
         or unknown.
     known : nv booleans. unknown : names of the joints without a known limit.
+    yielding : names of the joints at their limit that give way there (`TorqueSaturation`); their utilisation is 1.
     binding : the joint with the highest utilisation among the known limits; None when no limit is known.
     ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf
         for none).
@@ -42,6 +43,7 @@ class TorqueCheck:
     limit: Array
     utilisation: Array
     known: tuple[bool, ...]
+    yielding: tuple[str, ...] = ()
 
     @property
     def unknown(self) -> tuple[str, ...]:
@@ -80,7 +82,7 @@ class TorqueCheck:
         width = max(5, *(len(name) for name in self.joints))
         lines = [f"{'joint':<{width}}  torque [N·m]  limit [N·m]  utilisation"]
         for r in self:
-            mark = "  ← binding" if r.joint == self.binding else ""
+            mark = "  ← yields" if r.joint in self.yielding else "  ← binding" if r.joint == self.binding else ""
             lines.append(f"{r.joint:<{width}}  {r.torque:12.4f}  {_limit(r):>11}  {_share(r):>11}{mark}")
         return "\n".join([*lines, self.verdict])
 
@@ -94,6 +96,8 @@ class TorqueCheck:
             return "No torques: the grasp was not solved."
         if self.unknown:
             return f"Not known: {', '.join(self.unknown)} without a torque limit (pass torque_limits)."
+        if self.yielding:
+            return f"All joints hold; at the limit, giving way: {', '.join(self.yielding)}."
         return f"All joints hold; {self.binding} is nearest to its limit."
 
     def __rich__(self) -> Any:
@@ -110,9 +114,11 @@ class TorqueCheck:
         return table
 
 
-def torque_check(joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool]) -> TorqueCheck:
-    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up."""
-    return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known))
+def torque_check(
+    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = ()
+) -> TorqueCheck:
+    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding : names."""
+    return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding)
 
 
 def _no_joint(joint: str, joints: Sequence[str]) -> TorqueRow:

@@ -14,10 +14,12 @@ from handlcp.grasp import (
     Contact,
     ContactCompliance,
     Coulomb,
+    FingerForceBound,
     Frictionless,
     Grasp,
     PrescribedForce,
     SoftWrist,
+    TorqueSaturation,
     TotalForceBound,
 )
 from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SoftWristTable, SphereTable
@@ -44,7 +46,8 @@ OBJECT = {
 GRASP = HAND | {
     "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object", "squeeze": "posture.squeeze_m",
     "friction": "grasp.friction", "gravity": "grasp.gravity_m_per_s2", "preload": "grasp.preload_m",
-    "fingers": "grasp.fingers", "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
+    "fingers": "grasp.fingers", "joint_offset": "grasp.joint_offset_rad",
+    "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
     "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
 }  # fmt: skip
 
@@ -107,7 +110,7 @@ def _by_hand(scene: SceneFile) -> Grasp:
         return the_hand.at(q).grasp(
             obj, laws, _wrench(scene), g.gravity_m_per_s2, _by_finger("grasp.preload_m", g.preload_m, fingers),
             reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=_effects(scene, fingers),
-            finger_weight=g.finger_weight, plane=g.plane,
+            finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad,
         )  # fmt: skip
 
 
@@ -149,18 +152,26 @@ def _law(value: Any) -> Friction:
     return Frictionless() if value == "frictionless" else Coulomb(value)
 
 
-def _by_finger(key: str, value: Any, fingers: Sequence[str]) -> Any:
-    """A table by finger as a list in the fingers' order, 0 for those left out."""
+def _by_finger(key: str, value: Any, fingers: Sequence[str], otherwise: float = 0.0) -> Any:
+    """A table by finger as a list in the fingers' order, `otherwise` for those left out."""
     if not isinstance(value, dict):
         return value
     _known(key, value, fingers)
-    return [value.get(f, 0.0) for f in fingers]
+    return [value.get(f, otherwise) for f in fingers]
 
 
 def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
     effects: list[Effect] = []
     if (bound := scene.effects.total_force_bound_N) is not None:
         effects.append(TotalForceBound(bound))
+    if (bounds := scene.effects.finger_force_bound_N) is not None:
+        key = "effects.finger_force_bound_N"
+        bounds = _by_finger(key, bounds, fingers, np.inf)
+        if isinstance(bounds, list) and len(bounds) != len(fingers):
+            raise InputError(key, f"a number, or {len(fingers)}, one for each contact", f"{len(bounds)}")
+        effects.append(FingerForceBound(bounds))
+    if scene.effects.torque_saturation:
+        effects.append(TorqueSaturation())
     soft: Any = scene.effects.contact_compliance_m_per_N
     if isinstance(soft, dict):
         _known("effects.contact_compliance_m_per_N", soft, fingers)

@@ -72,9 +72,13 @@ class SceneFile(Table):
                 words = "none with a [hand]: its joints and pads are the flexibility"
                 raise InputError("grasp.flexibility_m_per_N", words, "a value")
         else:
-            for key in ("fingers", "max_gap_m", "finger_weight"):
+            for key in ("fingers", "max_gap_m", "finger_weight", "joint_offset_rad"):
                 if key in given:
                     raise InputError(f"grasp.{key}", "a [hand] that it is about", "a scene without one")
+            if self.effects.torque_saturation:
+                raise InputError(
+                    "effects.torque_saturation", "a [hand] whose joints have limits", "a scene without one"
+                )
             if "posture" in self.model_fields_set:
                 raise InputError("posture", "a [hand] that it is about", "a scene without one")
         return self

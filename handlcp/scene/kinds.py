@@ -15,6 +15,7 @@ __all__ = [
     "Finger",
     "FingerWeight",
     "Flexibility",
+    "ForceBounds",
     "Friction",
     "FrictionByFinger",
     "Lengths",
@@ -113,6 +114,10 @@ Flexibility = Annotated[
 Compliance = Annotated[
     _From0 | _ThreeFrom0 | dict[str, _From0 | _ThreeFrom0],
     Expected("a number ≥ 0, three of them, or a table by finger"),
+]
+ForceBounds = Annotated[
+    _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
+    Expected("a number > 0 (inf: no bound), one for each contact, or a table by finger"),
 ]
 Softness = Annotated[_From0 | _ThreeFrom0, Expected("a number ≥ 0 or three of them")]
 _Six = Annotated[list[_Finite], Field(min_length=6, max_length=6)]

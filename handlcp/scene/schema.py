@@ -159,6 +159,8 @@ class GraspTable(Table):
     """on the object's mass, and on the fingers' when finger_weight is on; world axes"""
     preload_m: k.Preload = 0.0
     """squeeze of the normals before any load"""
+    joint_offset_rad: k.Posture | None = None
+    """squeeze in joint space: how far beyond the posture the joints are commanded; joints left out: not at all"""
     fingers: k.Names | None = None
     """the fingertips that take part; left out: all"""
     max_gap_m: k.NotNegative = 1e-3
@@ -209,6 +211,10 @@ class EffectsTable(Table):
 
     total_force_bound_N: k.Positive | None = None
     """the most that all normal forces may add up to"""
+    finger_force_bound_N: k.ForceBounds | None = None
+    """the most that a finger's normal force may be; fingers left out of a table have no bound"""
+    torque_saturation: k.Switch = False
+    """joints at their torque limit yield, and the load moves to the other fingers; a scene with a [hand]"""
     contact_compliance_m_per_N: k.Compliance | None = None
     """of the object's surface at the contacts, in contact axes (x, y, normal); a table by finger: 0 for the others"""
     soft_wrist: SoftWristTable | None = None

@@ -118,8 +118,9 @@ def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
             "utilisation": r.utilisation if r.known else None,
             "limit_known": r.known,
             "binding": r.joint == check.binding,
+            "yield_rad": float(y),
         }
-        for r in check
+        for r, y in zip(check, vars(solution)["joint_yield"], strict=True)
     ]
 
 

@@ -88,6 +88,8 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
                 if np.isfinite(r.limit)
                 else "no joint has a limit"
             )
+        if check.yielding:
+            parts.append(f"{_listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
         if check.unknown:
             notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
     parts += [_sliding(s), _motion(grasp, s)]

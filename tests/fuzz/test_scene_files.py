@@ -37,6 +37,7 @@ force_N = [0.0, 0.0, -1.0]
 torque_Nm = [0.0, 0.0, 0.0]
 [effects]
 total_force_bound_N = 50.0
+finger_force_bound_N = 40.0
 [[effects.prescribed_force]]
 contact = "left"
 force_N = [0.0, 0.0, 5.0]

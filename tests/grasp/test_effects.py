@@ -87,8 +87,8 @@ def test_explain_accounts_for_every_unknown():
     off = {line.title for line in e.effects if not line.on}
     assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
     others = {"Coulomb friction, planar", "Coulomb friction, cone"}
-    asked = {"total normal-force bound", "per-finger force bound", "prescribed contact force"}
-    assert off == others | asked | {"contact compliance", "soft wrist"}
+    asked = (hl.TotalForceBound, hl.FingerForceBound, hl.TorqueSaturation, hl.PrescribedForce)
+    assert off == others | {e.title for e in (*asked, hl.ContactCompliance, hl.SoftWrist)}
     assert "27" in str(e)
 
 

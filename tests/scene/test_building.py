@@ -13,6 +13,7 @@ from handlcp import (
     Contact,
     ContactCompliance,
     Coulomb,
+    FingerForceBound,
     Frictionless,
     Grasp,
     PrescribedForce,
@@ -294,3 +295,30 @@ def test_a_density_stands_for_a_mass():
     same(read(text).build(), read(CUBE.replace("mass_kg = 0.2", f"mass_kg = {read(text).shape().mass!r}")).build())
     with pytest.raises(InputError, match=r"^object\.density_kg_per_m3: expected None where a mass is given"):
         read(CUBE.replace("mass_kg = 0.2", "mass_kg = 0.2\ndensity_kg_per_m3 = 1600.0")).build()
+
+
+TWO = """
+    [[contact]]
+    position_m = [0.03, 0.0, 0.0]
+    normal = [-1.0, 0.0, 0.0]
+    name = "thumb"
+    [[contact]]
+    position_m = [-0.03, 0.0, 0.0]
+    normal = [1.0, 0.0, 0.0]
+    [effects]
+"""
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [("5", 5.0), ("[5.0, inf]", (5.0, np.inf)), ("{thumb = 5.0}", (5.0, np.inf))]
+)
+def test_force_bounds_are_a_number_a_list_or_a_table(value, expected):
+    grasp = read(f"{TWO}finger_force_bound_N = {value}").build()
+    assert grasp.effects == (FingerForceBound(expected),)
+
+
+@pytest.mark.parametrize("value", ["[5.0]", "{index = 5.0}"])
+def test_force_bounds_of_other_fingers_are_named(value):
+    with pytest.raises(InputError) as caught:
+        read(f"{TWO}finger_force_bound_N = {value}").build()
+    assert caught.value.argument == "effects.finger_force_bound_N"

@@ -91,6 +91,7 @@ def test_a_key_in_the_wrong_table_is_told_where_it_belongs():
         ("[solve]\nfaces = 8.0", "solve.faces", "integer ≥ 3"),
         ("[solve]\nseed = -1", "solve.seed", "integer ≥ 0"),
         ("[effects]\ntotal_force_bound_N = 0", "effects.total_force_bound_N", "> 0"),
+        ("[effects]\nfinger_force_bound_N = [1.0, 0.0]", "effects.finger_force_bound_N", "> 0"),
         ("[effects]\ncontact_compliance_m_per_N = -1e-4", "effects.contact_compliance_m_per_N", "≥ 0"),
         ("[effects.soft_wrist]\nflexibility = [1.0]", "effects.soft_wrist.flexibility", "six rows of six"),
         ("[effects.soft_wrist]\ntranslation_m_per_N = [1.0]", "effects.soft_wrist.translation_m_per_N", "three"),

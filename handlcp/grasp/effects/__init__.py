@@ -16,6 +16,7 @@ from handlcp.grasp.effects.limit import Limit
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
 from handlcp.grasp.effects.soft_wrist import SoftWrist
+from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.effects.total_force_bound import TotalForceBound
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 
@@ -32,6 +33,7 @@ __all__ = [
     "ObjectBalance",
     "PrescribedForce",
     "SoftWrist",
+    "TorqueSaturation",
     "TotalForceBound",
     "UnilateralContact",
     "softened",

@@ -1,0 +1,51 @@
+"""Squeeze given in joint space: the joints are commanded beyond where they stand, and the contacts are preloaded.
+
+    d = … - J δq
+
+The motors pull towards q + δq while the hand stands at q. Left alone the tips would move by J δq; the object's motion
+relative to them falls short by as much. It is data, like any preload. Source: model, "Displacements" (d carries the
+commanded tip offsets).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, number, read_only
+from handlcp.grasp.explain import EffectLine
+from handlcp.hand.stiffness import per_name
+
+__all__ = ["COMMAND", "command_line", "commanded", "read_command"]
+
+COMMAND = "commanded joint offset"  # what `explain()` calls it
+
+
+def read_command(value: Any, joints: Sequence[str]) -> Array:
+    """(nv,) δq [rad, m] from as many numbers or a mapping by joint name, 0 for those left out; None: all 0.
+
+    Raises InputError, UnknownName.
+    """
+    if value is None:
+        return read_only(np.zeros(len(joints)))
+    if isinstance(value, Mapping):
+        named = per_name("joint_offset", value, joints, "a joint")
+        given = {joint: number(f"joint_offset[{joint!r}]", v) for joint, v in named.items()}
+        return read_only(np.array([given.get(joint, 0.0) for joint in joints]))
+    return array("joint_offset", value, (len(joints),))
+
+
+def commanded(offset: Array, jacobian: Array, command: Array) -> Array:
+    """(n, 3) offset of the tips and what the command (nv,) adds to it; the same array where that is nothing."""
+    if not command.any():
+        return offset
+    return read_only(offset - (jacobian @ command).reshape(-1, 3))
+
+
+def command_line(joints: Sequence[str], command: Array) -> EffectLine:
+    """What `explain` says of it."""
+    moved = [f"{joint} {x:+.3g}" for joint, x in zip(joints, command.tolist(), strict=True) if x]
+    some = f"{', '.join(moved[:4])}{f' and {len(moved) - 4} more' if len(moved) > 4 else ''} rad: data, in the offsets"
+    return EffectLine(COMMAND, "d = … - J δq", bool(moved), some if moved else "none given", ())

@@ -1,0 +1,276 @@
+"""Joints that yield at their torque limit, against answers written down; certificates; no limit, no cost."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handlcp import Grasp, GraspStream, PrescribedForce, Status, TorqueSaturation
+from handlcp.errors import InputError
+from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.certify import judge
+from handlcp.grasp.pyramid import as_section
+from handlcp.hand import Hand, HandGrasp, HandGraspSolution, Sphere, example_hand
+from handlcp.scene import read
+from handlcp.show.record import record
+from handlcp.show.verdict import verdict
+
+from .levers import MASS, MU, PAD, C, K, L, lever_hand, lever_pinch
+
+Writer = Callable[[str], Path]
+BALL = Sphere(0.03, (0.001, -0.002, 0.09), mass=0.03)
+SQUEEZE = 5e-3  # m: 12 N a finger, 0.95 N·m, where no joint yields
+SECTIONS = [4, 8, "cone"]
+EXACT = {"rtol": 1e-9, "atol": 1e-14}
+
+
+def saturating(hand: Hand, **more: object) -> HandGrasp:
+    settings = {"preload": SQUEEZE, "effects": [TorqueSaturation()]} | more
+    return lever_pinch(hand, **settings)
+
+
+def at_centre(g: Grasp, s: HandGraspSolution) -> np.ndarray:
+    u = s.object_displacement
+    return np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
+
+
+# ---------------------------------------------------------------- written down
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_the_joint_that_yields_holds_its_limit_and_the_other_carries_the_rest(write: Writer, faces: int | str) -> None:
+    """A push P towards the right finger, whose joint holds 0.6 N·m: N₂ = 0.6 / L, N₁ = N₂ - P. The left one keeps
+    touching, u = δ - C N₁; the right one retreats by C N₂ + L s = δ + u.
+    """
+    hand, push = lever_hand(write, torque_limits={"right_joint": 0.6}), 1.5
+    g = saturating(hand, force=(push, 0, -1.0))
+    s = g.solve(faces)
+    right = 0.6 / L
+    np.testing.assert_allclose(s.normal_force, [right - push, right], **EXACT)
+    u = SQUEEZE - C * (right - push)
+    np.testing.assert_allclose(s.object_displacement, [u, 0, -0.5 * PAD, 0, 0, 0], **EXACT)
+    given_way = (SQUEEZE + u - C * right) / L
+    np.testing.assert_allclose(s.joint_yield, [0.0, given_way], **EXACT)
+    np.testing.assert_allclose([s.extra["s⁺"], s.extra["s⁻"]], [[0, given_way], [0, 0]], **EXACT)
+    np.testing.assert_allclose(s.torques, [(right - push) * L, 0.6], **EXACT)
+    assert s.torques[1] == 0.6
+    np.testing.assert_allclose(s.joint_deflection, s.torques / K, **EXACT)
+    row = s.torque_check["right_joint"]
+    assert (row.utilisation, s.torque_check.binding, s.torque_check.yielding) == (1.0, "right_joint", ("right_joint",))
+    assert s.torque_check.ok
+    assert "yields" in str(s)
+    assert "at the limit, giving way: right_joint" in str(s)
+    assert s.uniqueness.forces_determined  # type: ignore[union-attr]
+    # virtual work, nothing slides: w·u = r·(E r + d) + τ_max s
+    r = s.forces.ravel()
+    work = push * u - 1.0 * s.object_displacement[2]
+    assert work == pytest.approx(r @ g.scene.flexibility @ r + r @ g.scene.offset.ravel() + 0.6 * given_way, rel=1e-9)
+
+
+def test_without_the_effect_the_same_joint_is_too_weak(write: Writer) -> None:
+    hand = lever_hand(write, torque_limits={"right_joint": 0.6})
+    s = lever_pinch(hand, preload=SQUEEZE).solve()
+    np.testing.assert_allclose(s.normal_force, SQUEEZE / C, rtol=1e-9)
+    assert not s.torque_check.ok
+    np.testing.assert_array_equal(s.joint_yield, 0.0)
+
+
+def test_where_both_yield_the_object_may_be_anywhere_between(write: Writer) -> None:
+    """N = 0.6 / L on both sides; either joint yields by (δ - C N) / L; one loose direction more."""
+    s = saturating(lever_hand(write, torque_limits=0.6)).solve()
+    np.testing.assert_allclose(s.normal_force, 0.6 / L, **EXACT)
+    np.testing.assert_allclose(s.joint_yield, (SQUEEZE - C * 0.6 / L) / L, **EXACT)
+    np.testing.assert_allclose(s.object_displacement[:2], 0.0, atol=1e-15)
+    assert s.uniqueness.loose_motions == 2  # type: ignore[union-attr]
+
+
+def test_a_joint_that_is_pulled_yields_the_other_way(write: Writer) -> None:
+    """A joint with its axis turned round holds -L N."""
+    text = Path(write("")).parent / "turned.urdf"
+    hand = lever_hand(lambda urdf: (text.write_text(urdf.replace("0 -1 0", "0 1 0")), text)[1], torque_limits=0.6)
+    s = saturating(hand, force=(1.5, 0, -1.0)).solve()
+    assert s.torques[1] == -0.6
+    assert s.extra["s⁺"][1] == 0.0
+    assert s.extra["s⁻"][1] > 0.0
+    np.testing.assert_allclose(s.joint_yield[1], -s.extra["s⁻"][1])
+    np.testing.assert_allclose(s.normal_force, [0.6 / L - 1.5, 0.6 / L], **EXACT)
+
+
+def test_gravity_takes_its_share_of_the_limit(write: Writer) -> None:
+    """Along -x it pulls the fingers' middles: the motors hold τ = L N + g(q), ∓ m g L / 2 for left and right."""
+    hand, g = lever_hand(write, torque_limits=0.6), 9.81
+    s = saturating(hand, gravity=(-g, 0, 0), finger_weight=True, force=(0, 0, -1.0)).solve()
+    own = MASS * g * L / 2
+    # The left finger has to hold its weight as well: it is the weaker
+    np.testing.assert_allclose(s.normal_force, (0.6 - own) / L, **EXACT)
+    assert s.torques[0] == 0.6
+    np.testing.assert_allclose(s.torques[1], 0.6 - 2 * own, **EXACT)
+
+
+def test_a_prescribed_force_takes_its_share_too(write: Writer) -> None:
+    """A joint whose finger pushes with a known force has nothing left to limit; the other one has all of its own."""
+    hand = lever_hand(write, torque_limits={"left_joint": 0.6, "right_joint": 0.6})
+    known = PrescribedForce(0, (0.5, 0.0, 6.0))
+    g = saturating(hand, effects=[known, TorqueSaturation()])
+    assert {u.name: u.count for u in g.problem().groups}["s⁺"] == 1
+    s = g.solve()
+    np.testing.assert_allclose(s.normal_force, 6.0, rtol=1e-9)
+    np.testing.assert_array_equal(s.joint_yield, 0.0)
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_on_a_real_hand_what_yields_is_an_offset_of_its_tip(faces: int | str) -> None:
+    """J (s⁺ - s⁻) put into the data gives the grasp without the effect the same forces; no torque exceeds its limit."""
+    free = example_hand("five_finger", torque_limits=10.0)
+    state = free.at(free.close_on(BALL, squeeze=6e-3))
+    limit = 0.8 * abs(state.grasp(BALL).solve(faces).torques).max()
+    hand = example_hand("five_finger", torque_limits=limit)
+    g = hand.at(state.q).grasp(BALL, effects=[TorqueSaturation()])
+    s = g.solve(faces)
+    assert s.torque_check.yielding
+    assert abs(s.torques).max() == limit
+    np.testing.assert_allclose(s.torques, s.forces.ravel() @ g.jacobian, atol=1e-8 * limit)
+    assert (s.joint_yield[abs(s.torques) < 0.999 * limit] == 0).all()
+    assert (s.joint_yield * s.torques >= 0).all()
+    moved = (g.jacobian @ s.joint_yield).reshape(-1, 3)
+    again = state.grasp(BALL, offset=moved).solve(faces, start=s)
+    np.testing.assert_allclose(again.forces, s.forces, atol=1e-7 * abs(s.forces).max())
+
+
+# ---------------------------------------------------------------- what it costs, and what it doesn't
+def test_it_costs_two_unknowns_a_limited_joint(write: Writer) -> None:
+    def sizes(limits: object) -> dict[str, tuple[int, bool]]:
+        hand = lever_hand(write, torque_limits=limits)
+        return {u.name: (u.count, u.free) for u in saturating(hand).problem().groups if u.name.startswith("s")}
+
+    assert sizes({"left_joint": 0.6, "right_joint": np.inf}) == {"s⁺": (1, False), "s⁻": (1, False)}
+    assert sizes(0.6) == {"s⁺": (2, False), "s⁻": (2, False)}
+    assert sizes(np.inf) == {}
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_without_limits_it_is_no_effect_bit_for_bit(write: Writer, faces: int | str) -> None:
+    hand = lever_hand(write, torque_limits=np.inf)
+    absent, neutral = lever_pinch(hand, preload=SQUEEZE), saturating(hand)
+    a, b = (g.problem(faces) for g in (absent, neutral))
+    a, b = (getattr(p, "scaled", p) for p in (a, b))
+    np.testing.assert_array_equal(a.M, b.M)
+    np.testing.assert_array_equal(a.q, b.q)
+    s, t = absent.solve(faces), neutral.solve(faces)
+    np.testing.assert_allclose(t.forces, s.forces, atol=1e-12 * abs(s.forces).max())
+    assert t.extra == {}
+    np.testing.assert_array_equal(t.joint_yield, 0.0)
+
+
+def test_absent_it_leaves_no_bit(write: Writer) -> None:
+    hand = lever_hand(write, torque_limits=0.6)
+    plain, g = lever_pinch(hand, preload=SQUEEZE).problem(), saturating(hand).problem()
+    keep = [k for k, name in enumerate(g.labels) if not name.startswith("s")]
+    np.testing.assert_array_equal(plain.scaled.M, g.scaled.M[np.ix_(keep, keep)])
+    np.testing.assert_array_equal(plain.scaled.q, g.scaled.q[keep])
+    assert any("torque saturation" in line.title and line.cost == 4 for line in saturating(hand).explain().effects)
+
+
+def test_other_units_of_length_change_nothing(write: Writer) -> None:
+    """The natural problem knows no metres: a limit's row is one long whatever its lever."""
+    g = saturating(lever_hand(write, torque_limits=0.6))
+    p = g.problem("cone")
+    own = [k for k, name in enumerate(p.labels) if name.startswith("s")]
+    np.testing.assert_allclose(np.linalg.norm(p.M[own], axis=1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(p.units.z[own] * L, g.scene.units.motion, rtol=1e-12)
+
+
+# ---------------------------------------------------------------- certificates
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_the_certifier_rejects_what_it_should(write: Writer, faces: int | str) -> None:
+    hand = lever_hand(write, torque_limits={"right_joint": 0.6})
+    g = saturating(hand, force=(1.5, 0, -1.0))
+    s, section, effects = g.solve(faces), as_section(faces), g.problem(faces).effects
+
+    def passes(forces: np.ndarray, extra: dict[str, np.ndarray], twist: np.ndarray) -> bool:
+        return judge(g.scene, effects, section, Candidate(forces, twist, extra)).residuals.passes
+
+    u = at_centre(g, s)
+    assert passes(s.forces, s.extra, u)
+    for name in ("s⁺", "s⁻"):
+        for i in range(2):
+            for change in (1e-5, -1e-5, np.nan, np.inf):
+                bad = {k: v.copy() for k, v in s.extra.items()}
+                bad[name][i] += change
+                assert not passes(s.forces, bad, u)
+    free = lever_pinch(hand, preload=SQUEEZE, force=(1.5, 0, -1.0)).solve(faces)
+    nothing = {k: 0 * v for k, v in s.extra.items()}
+    over = judge(g.scene, effects, section, Candidate(free.forces, at_centre(g, free), nothing)).residuals
+    assert max(over.balance, over.normal, over.cone, over.slip) < 1e-8
+    assert over.effects > 1e-2
+
+
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_limits_too_low_for_the_load_are_proven_so(write: Writer, faces: int | str) -> None:
+    """Two fingers carry 2 μ τ_max / L at most."""
+    hand = lever_hand(write, torque_limits=0.6)
+    s = saturating(hand, force=(0, 0, -1.01 * 2 * MU * 0.6 / L)).solve(faces, throw=False)
+    assert s.status is Status.NO_EQUILIBRIUM
+    assert s.diagnosis.endswith("the torque saturation leaves no force that balances it")
+    assert np.isnan(s.torques).all()
+    assert np.isnan(s.joint_yield).all()
+    assert not s.torque_check.yielding
+    assert saturating(hand, force=(0, 0, -0.9 * 2 * MU * 0.6 / L * np.cos(np.pi / 4))).solve(faces).held
+
+
+# ---------------------------------------------------------------- company
+def test_a_plain_grasp_says_what_to_do(write: Writer) -> None:
+    g = saturating(lever_hand(write, torque_limits=0.6))
+    for effect in (TorqueSaturation(), *g.effects):
+        with pytest.raises(InputError, match=r"hand\.at\(q\)\.grasp") as e:
+            Grasp(g.contacts, effects=[effect])
+        assert e.value.argument == "effects[0]"
+    with pytest.raises(InputError, match="TorqueSaturation"):
+        GraspStream(g)
+
+
+def test_it_stays_when_numbers_change_and_between_processes(write: Writer) -> None:
+    hand = lever_hand(write, torque_limits=0.6)
+    g = pickle.loads(pickle.dumps(saturating(hand))).replace(wrench=(1.5, 0, -1, 0, 0, 0), joint_offset=[0.01, 0.01])
+    s = g.solve(start=g.solve())
+    np.testing.assert_allclose(s.normal_force, [0.6 / L - 1.5, 0.6 / L], **EXACT)
+    assert g.solve(accuracy=1e-9).accuracy.met  # type: ignore[union-attr]
+    assert not g.equilibria().complete
+
+
+def test_the_verdict_and_the_record_name_the_joint(write: Writer) -> None:
+    g = saturating(lever_hand(write, torque_limits={"right_joint": 0.6, "left_joint": 5.0}), force=(1.5, 0, -1.0))
+    s = g.solve()
+    v = verdict(g, s)
+    assert v.word == "HELD"
+    assert "right_joint yields at the limit" in v.text
+    rows = {r["joint"]: r["yield_rad"] for r in record(g, s, g.explain())["torques"]}
+    assert rows["left_joint"] == 0.0
+    assert rows["right_joint"] == pytest.approx(s.joint_yield[1])
+
+
+def test_a_scene_file_asks_for_it() -> None:
+    text = """
+    [hand]
+    name = "two_finger"
+    torque_limits_Nm = 0.04
+    [object]
+    shape = "box"
+    size_m = [0.03, 0.04, 0.06]
+    position_m = [0.0, 0.0, 0.08]
+    [grasp]
+    preload_m = 5e-3
+    [effects]
+    torque_saturation = true
+    """
+    s = read(text).solve()
+    assert isinstance(s, HandGraspSolution)
+    assert s.torque_check.ok
+    assert s.torque_check.yielding
+    assert abs(s.torques).max() == 0.04
+    assert not read(text.replace("true", "false")).build().effects
+    contact = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[effects]\ntorque_saturation = true"
+    with pytest.raises(InputError, match=r"effects\.torque_saturation: .*\[hand\]"):
+        read(contact)
