@@ -72,10 +72,9 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
     """Recompute balance, contact, friction and elastic compatibility of a candidate."""
     f, u = candidate.forces, candidate.twist
     offset = scene.offset
-    with np.errstate(invalid="ignore"):  # what is infinite becomes NaN, which never passes
-        for e in effects:
-            if (opening := e.opening(scene, candidate.extra)) is not None:
-                offset = offset + opening
+    for e in effects:
+        if (opening := e.opening(scene, candidate.extra)) is not None:
+            offset = offset + opening
     units = scene.units
     limits = section.limit(scene.mu)
     v, values = examine(

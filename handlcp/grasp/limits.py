@@ -20,7 +20,10 @@ _MOST_RESTING = 4  # limits just reached whose 2^k choices are all looked at; be
 
 def rows_and_room(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Array, Array]:
     """(m, 3n) rows A and (m,) room b of all limits A r ≤ b, natural units, in the effects' order."""
-    every = _every(scene, effects)
+    return _rows_and_room(scene, _every(scene, effects))
+
+
+def _rows_and_room(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
     rows = [np.zeros((0, 3 * scene.n)), *(limit.natural_rows for limit in every)]
     return np.concatenate(rows), np.concatenate([np.zeros(0), *(limit.natural_room(scene) for limit in every)])
 
@@ -42,6 +45,8 @@ class Limits:
 
     def choices(self) -> list[Bools]:
         """Which limits give way: those that do, with those at rest in every way."""
+        if not len(self.rows):
+            return _NO_CHOICE
         moving, at = self.motion > ACTIVE, np.flatnonzero(self.resting)
         patterns = list(itertools.product((False, True), repeat=len(at)))
         if len(at) > _MOST_RESTING:
@@ -74,8 +79,8 @@ class Limits:
 def at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -> Limits:
     """The limits where this candidate stands."""
     if not (every := _every(scene, effects)):
-        return Limits(np.zeros((0, 3 * scene.n)), _NONE, _NONE, _NONE > 0.0, (), candidate.extra)
-    rows, room = rows_and_room(scene, effects)
+        return Limits(np.zeros((0, 3 * scene.n)), _NONE, _NONE, _NO_CHOICE[0], (), candidate.extra)
+    rows, room = _rows_and_room(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
     slack = room - rows @ (candidate.forces.ravel() / scene.units.force)
     resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
@@ -83,7 +88,8 @@ def at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -
 
 
 _NONE = np.zeros(0)
+_NO_CHOICE = [_NONE > 0.0]
 
 
 def _every(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Limit, ...]:
-    return tuple(limit for e in effects for limit in e.limits(scene) if len(limit.room))
+    return tuple([limit for e in effects for limit in e.limits(scene) if len(limit.room)])

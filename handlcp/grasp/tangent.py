@@ -103,7 +103,8 @@ def _orthonormal(columns: Array, k: int) -> tuple[Array, Array]:
     """An orthonormal basis of the first k rows, and the other rows that go with it."""
     U, s, Wt = np.linalg.svd(columns[:k], full_matrices=False)
     kept = s > 1e-9
-    return U[:, kept], columns[k:] @ Wt[kept].T / s[kept]
+    basis = U[:, kept]
+    return basis, columns[k:] @ Wt[kept].T / s[kept] if len(columns) > k else np.empty((0, basis.shape[1]))
 
 
 def _span(D: Array) -> Array:

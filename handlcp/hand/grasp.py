@@ -16,7 +16,7 @@ from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import TorqueSaturation
+from handlcp.grasp.effects import Effect, TorqueSaturation
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
@@ -161,11 +161,11 @@ class HandGrasp(Grasp):
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand = self.state.hand
         torque = solution.forces.reshape(-1) @ self.jacobian
-        total, yielded = torque + self.gravity_torque, np.zeros(hand.nv)
+        total, yielded, yielding = torque + self.gravity_torque, np.zeros(hand.nv), _NOBODY
         for e in self.effects:
             if isinstance(e, TorqueSaturation):
                 total, yielded = e.read(self.scene, total, solution.extra)
-        yielding = tuple(name for name, s in zip(hand.joint_names, yielded.tolist(), strict=True) if abs(s) > 0.0)
+                yielding = tuple(j for j, s in zip(hand.joint_names, yielded.tolist(), strict=True) if abs(s) > 0.0)
         total = read_only(total)
         check = torque_check(hand.joint_names, total, hand.torques.limits, hand.torques.known, yielding)
         deflection = hand.stiffness.deflection(torque)
@@ -252,9 +252,11 @@ def grasp(
     if heavy is True:
         shift = shift + tip_sag(jacobian, sag, normal is not None)
     command = read_command(joint_offset, hand.joint_names)
-    shift = commanded(read_only(shift), jacobian, command)
+    shift = read_only(shift) if joint_offset is None else commanded(read_only(shift), jacobian, command)
     jacobian = read_only(jacobian)
-    asked = arguments.effects(effects, n, Joints(hand.joint_names, jacobian, weigh, hand.torques.limits))
+    asked: tuple[Effect, ...] = ()
+    if not isinstance(effects, tuple) or effects:
+        asked = arguments.effects(effects, n, Joints(hand.joint_names, jacobian, weigh, hand.torques.limits))
     made = HandGrasp.__new__(HandGrasp)
     made._place(
         contacts,
@@ -276,6 +278,7 @@ def grasp(
 
 
 _WEIGHTLESS = read_only(np.zeros(3))
+_NOBODY: tuple[str, ...] = ()
 
 
 def _frictions(friction: Any, names: list[str]) -> list[Friction]:

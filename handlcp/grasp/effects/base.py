@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar, Self
 
-import numpy as np
-
 from handlcp.check import Array
 from handlcp.grasp.effects.limit import Limit
 from handlcp.grasp.joints import Joints
@@ -65,8 +63,11 @@ class Effect:
         `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
         none is left out. None: nothing.
         """
-        moved = [limit.opening(extra) for limit in self._present(scene)]
-        return np.sum(moved, axis=0) if moved else None
+        total = None
+        for limit in self._present(scene):
+            part = limit.opening(extra)
+            total = part if total is None else total + part
+        return total
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
@@ -75,8 +76,12 @@ class Effect:
 
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """
-        parts = [limit.residual(scene, forces, extra, force_size, motion_size) for limit in self._present(scene)]
-        return float(np.max(parts)) if parts else 0.0
+        worst = 0.0
+        for limit in self._present(scene):
+            part = limit.residual(scene, forces, extra, force_size, motion_size)
+            worst = part if not part <= worst else worst  # NaN stays
+        return worst
 
     def _present(self, scene: Scene) -> tuple[Limit, ...]:
-        return tuple(limit for limit in self.limits(scene) if len(limit.room))
+        limits = self.limits(scene)
+        return limits and tuple([limit for limit in limits if len(limit.room)])

@@ -70,7 +70,10 @@ class Limit:
 
     def opening(self, extra: dict[str, Array]) -> Array:
         """(n, 3) Aᵀ s [m]."""
-        return (extra[self.name] @ self.rows).reshape(-1, 3)
+        s = extra[self.name]
+        if not np.isfinite(s).all():
+            return np.full((self.rows.shape[1] // 3, 3), np.nan)  # which never passes
+        return np.asarray(s @ self.rows).reshape(-1, 3)
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
