@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.catalogue import absent
@@ -52,11 +52,6 @@ class Explanation:
     def size(self) -> int:
         """Unknowns the solver sees."""
         return self.unknowns - self.eliminated
-
-    def beside(self, line: EffectLine) -> Explanation:
-        """The same with one more line, after those that are on."""
-        last = sum(e.on for e in self.effects)
-        return replace(self, effects=(*self.effects[:last], line, *self.effects[last:]))
 
     def __str__(self) -> str:
         lines = []

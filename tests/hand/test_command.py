@@ -11,7 +11,7 @@ import pytest
 
 from handlcp import GraspStream
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import Hand, Sphere, example_hand
+from handlcp.hand import Hand, HandGrasp, Sphere, example_hand
 from handlcp.scene import read
 
 from .levers import PAD, C, K, L, lever_hand, lever_pinch
@@ -144,6 +144,45 @@ def test_a_stream_follows_it(five: Hand) -> None:
     fixed["preload"] = 1e-3
     same(stream.update(offset=offset), command, q, **fixed)
     same(stream.update(q, joint_offset=np.zeros(five.nv)), np.zeros(five.nv), q, **fixed)
+
+
+def test_fingers_that_sag_are_commanded_too(five: Hand) -> None:
+    """-J δq and J K⁻¹ g(q) both come on top of what is given; changes and streams keep both."""
+    q = five.close_on(BALL, squeeze=3e-3)
+    contacts = five.at(q).grasp(BALL).contacts
+    fixed = {"wrench": (0, 0, -0.3, 0, 0, 0), "finger_weight": True}
+    one, other = np.full((2, five.nv), 0.01) * [[1.0], [1.5]]
+
+    def made(posture: np.ndarray, command: np.ndarray | None, preload: float) -> HandGrasp:
+        return five.at(posture).grasp(contacts, joint_offset=command, preload=preload, **fixed)
+
+    def same(grasp: HandGrasp, other: HandGrasp) -> None:
+        np.testing.assert_allclose(grasp.scene.offset, other.scene.offset, atol=1e-17)
+        np.testing.assert_allclose(grasp.tip_offset, other.tip_offset, atol=1e-17)
+
+    grasp, sagging = made(q, one, 2e-3), made(q, None, 2e-3)
+    np.testing.assert_allclose(grasp.tip_offset, [[0, 0, -2e-3]] * 5, atol=1e-17)
+    shift = sagging.scene.offset - (grasp.jacobian @ one).reshape(-1, 3)
+    np.testing.assert_allclose(grasp.scene.offset, shift, atol=1e-17)
+    a, b = grasp.solve(), sagging.solve()
+    expected = five.stiffness.deflection(a.forces.reshape(-1) @ grasp.jacobian) + grasp.sag
+    np.testing.assert_allclose(a.joint_deflection, expected, atol=1e-15)
+    assert abs(a.forces - b.forces).max() > 1e-2
+    same(grasp.replace(preload=1e-3), made(q, one, 1e-3))
+    same(grasp.replace(joint_offset=other), made(q, other, 2e-3))
+    same(grasp.replace(joint_offset=other, preload=1e-3), made(q, other, 1e-3))
+    on = {line.title for line in grasp.explain(measure=True).effects if line.share is not None}
+    assert {"commanded joint offset", "finger weight"} <= on
+    stream = GraspStream(grasp)
+    q = q + 2e-3
+    update = stream.update(q)
+    same(stream.grasp, made(q, one, 2e-3))
+    np.testing.assert_allclose(update.forces, made(q, one, 2e-3).solve().forces, atol=1e-8)
+    stream = pickle.loads(pickle.dumps(stream))
+    stream.update(joint_offset=other, offset=[[0, 0, -1e-3]] * 5)
+    same(stream.grasp, made(q, other, 1e-3))
+    stream.update(joint_offset={})
+    same(stream.grasp, made(q, None, 1e-3))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp import Contact, Frictionless, Grasp, GraspSolution
+from handlcp.grasp import Contact, Effect, Frictionless, Grasp, GraspSolution, arguments
 from handlcp.grasp.changed import changed
+from handlcp.grasp.joints import Joints
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
 from handlcp.study.accuracy.measure import Errors
@@ -58,11 +59,11 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     if (scene.mu > 0).any():
         yield "friction", "smooth fingertips", changed(grasp, contacts=tuple(_smooth(c) for c in grasp.contacts))
     for e in grasp.effects:
-        yield e.title, "none", changed(grasp, effects=tuple(x for x in grasp.effects if x is not e))
+        yield e.title, "none", _with_effects(grasp, tuple(x for x in grasp.effects if x is not e))
     if isinstance(grasp, HandGrasp) and grasp.gravity_torque.any():
         light = copy.copy(_unsagged(grasp))
         light.gravity_torque = read_only(np.zeros_like(grasp.gravity_torque))
-        yield "finger weight", "fingers without weight", light
+        yield "finger weight", "fingers without weight", _with_effects(light, light.effects)
 
 
 def compare(
@@ -82,6 +83,15 @@ def compare(
 
 def _with(grasp: Grasp, flexibility: Array) -> Grasp:
     return changed(grasp, flexibility=read_only(np.ascontiguousarray(flexibility, dtype=float)))
+
+
+def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
+    """Effects that count weight or given forces are told what is left of them."""
+    joints = None
+    if isinstance(grasp, HandGrasp):
+        hand = grasp.state.hand
+        joints = Joints(hand.joint_names, grasp.jacobian, grasp.gravity_torque, hand.torques.limits)
+    return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints))
 
 
 def _unsagged(grasp: HandGrasp) -> HandGrasp:
