@@ -28,7 +28,7 @@ from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
-from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_sag
+from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class HandGrasp(Grasp):
     @property
     def tip_offset(self) -> Array:
         """(n, 3) the scene's offset without what the hand adds to it: gaps, preloads and `offset` [m]."""
-        offset = commanded(self.scene.offset, self.jacobian, -self.joint_offset)
+        offset = commanded(self.scene.offset, self.jacobian, -self.joint_offset, self.scene.plane is not None)
         return read_only(offset - self.tip_sag) if self.finger_weight is True else offset
 
     def replace(
@@ -131,7 +131,7 @@ class HandGrasp(Grasp):
     @property
     def tip_sag(self) -> Array:
         """(n, 3) J K⁻¹ g(q) [m], contact axes: object minus fingertip, for tips that sag under the fingers' weight."""
-        return tip_sag(self.jacobian, self.sag, self.scene.plane is not None)
+        return tip_motion(self.jacobian, self.sag, self.scene.plane is not None)
 
     def _explained(self, explanation: Explanation) -> Explanation:
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
@@ -145,18 +145,18 @@ class HandGrasp(Grasp):
         return [*super()._without(), (WEIGHT, light), (COMMAND, still)]
 
     def _placed(self) -> HandGrasp:
-        made = changed(self)
+        made, planar = changed(self), self.scene.plane is not None
         if self.finger_weight:
-            hand, planar = self.state.hand, self.scene.plane is not None
+            hand = self.state.hand
             weigh = hand.kinematics.gravity_torque(self.state.q, self.gravity)
             if self.finger_weight is True:
-                tip_sag(self.jacobian, hand.stiffness.deflection(weigh), planar)
-        commanded(self.scene.offset, self.jacobian, self.joint_offset)
+                tip_motion(self.jacobian, hand.stiffness.deflection(weigh), planar)
+        commanded(self.scene.offset, self.jacobian, self.joint_offset, planar)
         return made
 
     def _shifted(self, offset: Array) -> Array:
         sagged = read_only(offset + self.tip_sag) if self.finger_weight is True else offset
-        return commanded(sagged, self.jacobian, self.joint_offset)
+        return commanded(sagged, self.jacobian, self.joint_offset, self.scene.plane is not None)
 
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand = self.state.hand
@@ -250,9 +250,9 @@ def grasp(
     weigh = read_only(hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv))
     sag = read_only(hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv))
     if heavy is True:
-        shift = shift + tip_sag(jacobian, sag, normal is not None)
+        shift = shift + tip_motion(jacobian, sag, normal is not None)
     command = read_command(joint_offset, hand.joint_names)
-    shift = read_only(shift) if joint_offset is None else commanded(read_only(shift), jacobian, command)
+    shift = commanded(read_only(shift), jacobian, command, normal is not None)
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:

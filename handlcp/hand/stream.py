@@ -20,7 +20,7 @@ from handlcp.hand.command import commanded, read_command
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.posture import contact_jacobian, flexibility
 from handlcp.hand.update import GraspUpdate
-from handlcp.hand.weight import tip_sag
+from handlcp.hand.weight import tip_motion
 
 __all__ = ["GraspStream"]
 
@@ -185,8 +185,8 @@ class _Posture:
 
     def shifted(self, offset: Array, planar: bool) -> Array:
         """(n, 3) the scene's offset from the one given."""
-        sagged = offset + tip_sag(self.jacobian, self.sag, planar) if self._sags else offset
-        return commanded(sagged, self.jacobian, self.command)
+        sagged = offset + tip_motion(self.jacobian, self.sag, planar) if self._sags else offset
+        return commanded(sagged, self.jacobian, self.command, planar)
 
     def move(self, q: Array | None, positions: Array, frames: Array, E: Array) -> None:
         """Take the hand to q (None: it stays) and write the flexibility at the contacts into E."""

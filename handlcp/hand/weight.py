@@ -18,7 +18,7 @@ from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.grasp.explain import EffectLine
 
-__all__ = ["WEIGHT", "FingerWeight", "line", "read_weight", "tip_sag"]
+__all__ = ["WEIGHT", "FingerWeight", "line", "read_weight", "tip_motion"]
 
 FingerWeight: TypeAlias = bool | Literal["torques"]
 
@@ -32,12 +32,13 @@ def read_weight(value: Any) -> FingerWeight:
     raise InputError("finger_weight", 'True, False or "torques"', repr(value))
 
 
-def tip_sag(jacobian: Array, sag: Array, planar: bool) -> Array:
-    """(n, 3) J K⁻¹ g [m, contact axes]: how far the object lies off the tips that sag (nv,) = K⁻¹ g [rad] moves away.
+def tip_motion(jacobian: Array, joints: Array, planar: bool) -> Array:
+    """(n, 3) J δ [m, contact axes]: how far joints that move by δ (nv,) [rad, m] take the tips; with the sag K⁻¹ g,
+    how far the object lies off the tips that sag away from it.
 
     planar : what lies across the plane is left out.
     """
-    offset = np.asarray(jacobian @ sag).reshape(-1, 3)
+    offset = np.asarray(jacobian @ joints).reshape(-1, 3)
     if planar:
         offset[:, 1] = 0.0
     return offset

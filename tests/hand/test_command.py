@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handlcp import GraspStream
+from handlcp import Contact, GraspStream
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand, HandGrasp, Sphere, example_hand
 from handlcp.scene import read
@@ -229,3 +229,19 @@ def test_a_scene_file_says_it_by_joint() -> None:
     contact = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[grasp]\njoint_offset_rad = [0.1]"
     with pytest.raises(InputError, match=r"grasp\.joint_offset_rad: .*\[hand\]"):
         read(contact)
+
+
+def test_in_a_plane_only_what_lies_in_it_counts() -> None:
+    """A joint that moves the tips out of the plane squeezes nothing."""
+    hand = example_hand("five_finger", joint_stiffness=5.0)
+    state = hand.at(np.full(hand.nv, 0.4))
+    p = state.tip_positions[:2] * (1, 1, 0)
+    normal = (p[1] - p[0]) / np.linalg.norm(p[1] - p[0])
+    contacts = [Contact(p[0], normal), Contact(p[1], -normal)]
+    fingers = hand.fingertips[:2]
+    g = state.grasp(contacts, fingers=fingers, plane=(0, 0, 1), joint_offset=np.full(hand.nv, 0.02))
+    across = (g.jacobian @ g.joint_offset).reshape(-1, 3)
+    assert abs(across[:, 1]).max() > 1e-5
+    np.testing.assert_array_equal(g.scene.offset[:, 1], 0.0)
+    np.testing.assert_allclose(g.scene.offset[:, [0, 2]], -across[:, [0, 2]], atol=1e-18)
+    np.testing.assert_allclose(g.tip_offset, 0.0, atol=1e-18)
