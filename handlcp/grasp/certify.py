@@ -85,5 +85,5 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then
     if F == F:
         own = [e.residual(scene, f, candidate.extra, F, motion) for e in effects]
-        others = max(own) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
+        others = max(own, default=0.0) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
     return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))
