@@ -126,7 +126,7 @@ def kaczmarz_step(console: Console) -> None:
 
         def run(M=M, MT=MT, MMT=MMT, q=q, free=free, history=history, n=n, steps=steps):
             state = np.zeros(1, np.uint64)
-            kaczmarz(M, MT, MMT, q, free, np.zeros(n), q.copy(), state, steps, 0.0, 0, history)
+            kaczmarz(M, MT, MMT, q, free, np.zeros(n), q.copy(), state, steps, 0.0, 0, history, True)
 
         us = median_us(run, 15, 2) / steps
         table.add_row(str(n), f"{us:.3f}", f"{1e3 * us / n:.1f}")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp.kernels.kaczmarz import kaczmarz, uniform, uniform_kaczmarz
+from handlcp.lcp.kernels.kaczmarz import kaczmarz, uniform
 from tests.lcp.problems import random_p
 
 
@@ -23,11 +23,12 @@ def jacobian(M, q, free, z):
     )
 
 
-def one_step(M, q, free, z, seed, run=kaczmarz):
+def one_step(M, q, free, z, seed, greedy=True):
     z, w = z.copy(), M @ z + q
-    steps, norm, _ = run(
-        M, np.ascontiguousarray(M.T), M @ M.T, q, free, z, w, np.full(1, seed, np.uint64), 1, 0.0, 0, np.empty((0, 2))
-    )
+    steps, norm, _ = kaczmarz(
+        M, np.ascontiguousarray(M.T), M @ M.T, q, free, z, w, np.full(1, seed, np.uint64), 1, 0.0, 0, np.empty((0, 2)),
+        greedy,
+    )  # fmt: skip
     assert steps == 1
     return z, w, norm
 
@@ -66,7 +67,7 @@ def test_uniform_sampling_draws_every_row_with_a_residual_alike_and_no_other():
     free = np.array([False, False, True, False])
     hits = np.zeros(4)
     for seed in range(6000):
-        z, w, _ = one_step(M, q, free, np.zeros(4), seed, uniform_kaczmarz)
+        z, w, _ = one_step(M, q, free, np.zeros(4), seed, greedy=False)
         row = np.flatnonzero(z)[0]
         hits[row] += 1
         # equation (20)

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Seeds", "greedy_row", "kaczmarz", "multiply_add", "uniform", "uniform_kaczmarz"]
+__all__ = ["Seeds", "greedy_row", "kaczmarz", "multiply_add", "uniform"]
 
 Seeds = npt.NDArray[np.uint64]
 
@@ -141,8 +141,9 @@ def kaczmarz(
     tolerance: float,
     stride: int,
     history: Array,
+    greedy: bool,
 ) -> tuple[int, float, int]:
-    """Take up to `steps` greedy steps in place; stop at ‖Φ(z)‖₂ ≤ tolerance.
+    """Take up to `steps` steps in place, on rows of `greedy_row` or else of `any_row`; stop at ‖Φ(z)‖₂ ≤ tolerance.
 
     MT (n, n) is Mᵀ and MMT (n, n) is M Mᵀ, all contiguous, so that every loop runs along a row; z and w (n,) belong
     together on entry and on return. Every `stride` steps (0: never) a row (step, ‖Φ‖) goes into `history`.
@@ -160,45 +161,12 @@ def kaczmarz(
         if stride > 0 and step % stride == 0 and written < len(history):
             history[written, 0], history[written, 1] = step, norm
             written += 1
-        # NaN stops, too, and so does a row of zeros that no step can mend
-        if not norm > tolerance or step == steps or not best < np.inf:
+        if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
-        i = greedy_row(p2, g2, best, total, frobenius, state)
-        project(M, MT, MMT, i, phi[i] / g2[i], a[i], b[i], z, w)
-    return steps, norm, written
-
-
-@kernel
-def uniform_kaczmarz(
-    M: Array,
-    MT: Array,
-    MMT: Array,
-    q: Array,
-    free: Bools,
-    z: Array,
-    w: Array,
-    state: Seeds,
-    steps: int,
-    tolerance: float,
-    stride: int,
-    history: Array,
-) -> tuple[int, float, int]:
-    """As `kaczmarz`, with every row that has a residual equally likely to be the next."""
-    n = len(q)
-    a, b, p2, g2, phi = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    two_diagonal, rows = 2.0 * np.diag(M), np.diag(MMT).copy()
-    norm, written = np.inf, 0
-    for step in range(steps + 1):
-        if step % (4 * n) == 0 and step > 0:
-            multiply_add(M, z, q, w)
-        total, _, _ = linearise(two_diagonal, rows, free, z, w, phi, a, b, p2, g2)
-        norm = np.sqrt(total)
-        if stride > 0 and step % stride == 0 and written < len(history):
-            history[written, 0], history[written, 1] = step, norm
-            written += 1
-        if not norm > tolerance or step == steps:
-            return step, norm, written
-        i = any_row(p2, g2, state)
+        if greedy:  # a row of zeros that no step can mend has them all
+            i = greedy_row(p2, g2, best, total, frobenius, state) if best < np.inf else -1
+        else:
+            i = any_row(p2, g2, state)
         if i < 0:
             return step, norm, written
         project(M, MT, MMT, i, phi[i] / g2[i], a[i], b[i], z, w)

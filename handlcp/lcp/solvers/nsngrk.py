@@ -11,7 +11,7 @@ from handlcp.check import Array, Bools, integer, number
 from handlcp.errors import InputError, Unsupported
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.kaczmarz import Seeds, kaczmarz, multiply_add, uniform_kaczmarz
+from handlcp.lcp.kernels.kaczmarz import Seeds, kaczmarz, multiply_add
 from handlcp.lcp.kernels.newton import active_set, damped_newton, size
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
@@ -69,12 +69,12 @@ class NSNGRK:
                 M, MT, MMT, problem.q, problem.free, z, state, most, self.tol, self.stride, history, RANK
             )
         else:
-            run = kaczmarz if self.sampling == "greedy" else uniform_kaczmarz
             w = np.empty(n)
             multiply_add(M, z, problem.q, w)
-            steps, norm, written = run(
-                M, MT, MMT, problem.q, problem.free, z, w, state, most, self.tol, self.stride, history
-            )
+            steps, norm, written = kaczmarz(
+                M, MT, MMT, problem.q, problem.free, z, w, state, most, self.tol, self.stride, history,
+                self.sampling == "greedy",
+            )  # fmt: skip
             ok = norm <= self.tol
         outcome = "converged" if ok else f"{steps} Kaczmarz steps spent"
         return Proposal(z, steps, outcome, history[:written] if self.stride else None)
@@ -110,7 +110,7 @@ def _polished(
     best, best_z = np.inf, z.copy()
     while True:
         done, _norm, rows = kaczmarz(
-            M, MT, MMT, q, free, z, w, state, min(batch, most - taken), tolerance, stride, history[written:]
+            M, MT, MMT, q, free, z, w, state, min(batch, most - taken), tolerance, stride, history[written:], True
         )
         for k in range(written, written + rows):
             history[k, 0] += taken
