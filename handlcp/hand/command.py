@@ -17,9 +17,8 @@ import numpy as np
 from handlcp.check import Array, array, number, read_only
 from handlcp.grasp.explain import EffectLine
 from handlcp.hand.stiffness import per_name
-from handlcp.hand.weight import tip_motion
 
-__all__ = ["COMMAND", "command_line", "commanded", "read_command"]
+__all__ = ["COMMAND", "command_line", "read_command"]
 
 COMMAND = "commanded joint offset"  # what `explain()` calls it
 
@@ -36,16 +35,6 @@ def read_command(value: Any, joints: Sequence[str]) -> Array:
         given = {joint: number(f"joint_offset[{joint!r}]", v) for joint, v in named.items()}
         return read_only(np.array([given.get(joint, 0.0) for joint in joints]))
     return array("joint_offset", value, (len(joints),))
-
-
-def commanded(offset: Array, jacobian: Array, command: Array, planar: bool) -> Array:
-    """(n, 3) offset of the tips and what the command (nv,) adds to it; the same array where that is nothing.
-
-    planar : what lies across the plane is left out.
-    """
-    if not command.any():
-        return offset
-    return read_only(offset - tip_motion(jacobian, command, planar))
 
 
 def command_line(joints: Sequence[str], command: Array) -> EffectLine:

@@ -23,7 +23,7 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.solution import GraspSolution
-from handlcp.hand.command import COMMAND, command_line, commanded, read_command
+from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
@@ -95,8 +95,7 @@ class HandGrasp(Grasp):
     @property
     def tip_offset(self) -> Array:
         """(n, 3) the scene's offset without what the hand adds to it: gaps, preloads and `offset` [m]."""
-        offset = commanded(self.scene.offset, self.jacobian, -self.joint_offset, self.scene.plane is not None)
-        return read_only(offset - self.tip_sag) if self.finger_weight is True else offset
+        return read_only(self.scene.offset - self._added) if self._adds else self.scene.offset
 
     def replace(
         self,
@@ -145,18 +144,28 @@ class HandGrasp(Grasp):
         return [*super()._without(), (WEIGHT, light), (COMMAND, still)]
 
     def _placed(self) -> HandGrasp:
-        made, planar = changed(self), self.scene.plane is not None
+        made = changed(self)
         if self.finger_weight:
             hand = self.state.hand
             weigh = hand.kinematics.gravity_torque(self.state.q, self.gravity)
             if self.finger_weight is True:
-                tip_motion(self.jacobian, hand.stiffness.deflection(weigh), planar)
-        commanded(self.scene.offset, self.jacobian, self.joint_offset, planar)
+                hand.stiffness.deflection(weigh)
+        if self._adds:
+            self._added  # noqa: B018  the work is what counts: its result is in the scene's offset
         return made
 
+    @property
+    def _adds(self) -> bool:
+        """Whether the scene's offset is another than the one asked for."""
+        return self.finger_weight is True or bool(self.joint_offset.any())
+
+    @property
+    def _added(self) -> Array:
+        """(n, 3) J (K⁻¹ g - δq) [m]: what sagging and commanded joints add to the offset."""
+        return tip_motion(self.jacobian, self.sag - self.joint_offset, self.scene.plane is not None)
+
     def _shifted(self, offset: Array) -> Array:
-        sagged = read_only(offset + self.tip_sag) if self.finger_weight is True else offset
-        return commanded(sagged, self.jacobian, self.joint_offset, self.scene.plane is not None)
+        return read_only(offset + self._added) if self._adds else offset
 
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand = self.state.hand
@@ -168,9 +177,7 @@ class HandGrasp(Grasp):
                 yielding = tuple(j for j, s in zip(hand.joint_names, yielded.tolist(), strict=True) if abs(s) > 0.0)
         total = read_only(total)
         check = torque_check(hand.joint_names, total, hand.torques.limits, hand.torques.known, yielding)
-        deflection = hand.stiffness.deflection(torque)
-        if self.finger_weight is True:
-            deflection = deflection + self.sag
+        deflection = hand.stiffness.deflection(torque) + self.sag
         return HandGraspSolution(
             **vars(solution), torques=total, joint_deflection=read_only(deflection), joint_yield=read_only(yielded),
             torque_check=check,
@@ -249,10 +256,9 @@ def grasp(
     load = _with_weight(load, obj, g, point, positions, normal)
     weigh = read_only(hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv))
     sag = read_only(hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv))
-    if heavy is True:
-        shift = shift + tip_motion(jacobian, sag, normal is not None)
     command = read_command(joint_offset, hand.joint_names)
-    shift = commanded(read_only(shift), jacobian, command, normal is not None)
+    if heavy is True or joint_offset is not None:
+        shift = shift + tip_motion(jacobian, sag - command, normal is not None)
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
@@ -265,7 +271,7 @@ def grasp(
         load,
         point,
         read_only(flexibility),
-        shift,
+        read_only(shift),
         asked,
         normal,
     )

@@ -16,7 +16,8 @@ from handlcp.grasp.effects import softened
 from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid, as_section
-from handlcp.hand.command import commanded, read_command
+from handlcp.grasp.scene import cross_rows
+from handlcp.hand.command import read_command
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.posture import contact_jacobian, flexibility
 from handlcp.hand.update import GraspUpdate
@@ -96,11 +97,8 @@ class GraspStream:
         points = None if positions is None else self._spatial("positions", array("positions", positions, (n, 3)))
         axes = None if frames is None else self._spatial("frames", arguments.frames(frames, n))
         if load is not None:
-            x, y, z = first.reference.tolist()
-            a, b, c = load[:3].tolist()
             self._force[:] = load[:3]
-            self._moment[:] = load[3:]
-            self._moment += (y * c - z * b, z * a - x * c, x * b - y * a)
+            self._moment[:] = load[3:] + cross_rows(first.reference, load[:3])
         if shift is not None:
             self._given[:] = self._offset[:] = shift
         if points is not None:
@@ -185,8 +183,7 @@ class _Posture:
 
     def shifted(self, offset: Array, planar: bool) -> Array:
         """(n, 3) the scene's offset from the one given."""
-        sagged = offset + tip_motion(self.jacobian, self.sag, planar) if self._sags else offset
-        return commanded(sagged, self.jacobian, self.command, planar)
+        return offset + tip_motion(self.jacobian, self.sag - self.command, planar) if self.adds else offset
 
     def move(self, q: Array | None, positions: Array, frames: Array, E: Array) -> None:
         """Take the hand to q (None: it stays) and write the flexibility at the contacts into E."""
