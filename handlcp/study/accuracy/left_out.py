@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp import Contact, Effect, Frictionless, Grasp, GraspSolution, arguments
+from handlcp.grasp import Effect, Grasp, GraspSolution, arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.joints import Joints
+from handlcp.grasp.required import with_friction
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
 from handlcp.study.accuracy.measure import Errors
@@ -57,7 +58,7 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     if (bare := grasp.replace(preload=0.0)).scene.offset.tolist() != scene.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
-        yield "friction", "smooth fingertips", changed(grasp, contacts=tuple(_smooth(c) for c in grasp.contacts))
+        yield "friction", "smooth fingertips", with_friction(grasp, 0.0)
     for e in grasp.effects:
         yield e.title, "none", _with_effects(grasp, tuple(x for x in grasp.effects if x is not e))
     if isinstance(grasp, HandGrasp) and grasp.gravity_torque.any():
@@ -100,12 +101,6 @@ def _unsagged(grasp: HandGrasp) -> HandGrasp:
         return grasp
     made = changed(grasp, offset=read_only(grasp.scene.offset - grasp.tip_sag))
     made.sag = read_only(np.zeros_like(grasp.sag))
-    return made
-
-
-def _smooth(contact: Contact) -> Contact:
-    made = copy.copy(contact)
-    made.friction, made.mu = Frictionless(), 0.0
     return made
 
 
