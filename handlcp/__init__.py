@@ -21,6 +21,7 @@ from handlcp.errors import (
 )
 from handlcp.grasp import (
     Accuracy,
+    AnisotropicCoulomb,
     Contact,
     ContactCompliance,
     Coulomb,
@@ -35,6 +36,7 @@ from handlcp.grasp import (
     Pyramid,
     Required,
     Residuals,
+    SoftFinger,
     SoftWrist,
     Solutions,
     TorqueSaturation,
@@ -74,6 +76,7 @@ __all__ = [
     "NSNGRK",
     "Accuracy",
     "AccuracyCost",
+    "AnisotropicCoulomb",
     "Audit",
     "Auto",
     "Box",
@@ -109,6 +112,7 @@ __all__ = [
     "Residuals",
     "SceneFileError",
     "SemismoothNewton",
+    "SoftFinger",
     "SoftWrist",
     "Solutions",
     "Sphere",

@@ -15,7 +15,7 @@ from handlcp.grasp.effects import (
 )
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.fingertips import wrench_from_fingertip_forces
-from handlcp.grasp.friction import Coulomb, Friction, Frictionless
+from handlcp.grasp.friction import AnisotropicCoulomb, Coulomb, Friction, Frictionless, SoftFinger
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.many import Solutions, solve_many
 from handlcp.grasp.others import Equilibria
@@ -26,6 +26,7 @@ from handlcp.grasp.uniqueness import Uniqueness
 
 __all__ = [
     "Accuracy",
+    "AnisotropicCoulomb",
     "Contact",
     "ContactCompliance",
     "Coulomb",
@@ -42,6 +43,7 @@ __all__ = [
     "Pyramid",
     "Required",
     "Residuals",
+    "SoftFinger",
     "SoftWrist",
     "Solutions",
     "TorqueSaturation",

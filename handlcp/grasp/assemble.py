@@ -23,7 +23,7 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
 
-__all__ = ["Design", "GraspContact", "GraspProblem", "assemble", "assemble_contact", "assemble_section", "design"]
+__all__ = ["Design", "GraspContact", "GraspProblem", "assemble", "assemble_contact", "design"]
 
 
 class GraspProblem(LCP):
@@ -69,11 +69,16 @@ class GraspProblem(LCP):
     def complete(self) -> None:
         """Compute now what is otherwise computed when first asked for."""
         self.M  # noqa: B018
-        self.contact.complete()
+        if self.contact is not None:
+            self.contact.complete()
 
     @lazy
-    def contact(self) -> GraspContact:
-        """The same scene and the same section with friction as a set: smaller, and what the default chain works on."""
+    def contact(self) -> GraspContact | None:
+        """The same scene and the same section with friction as a set: smaller, and what the default chain works on.
+        None where contacts are soft: polyhedra in three tangents are no sets that solvers project on.
+        """
+        if self._scene.soft:
+            return None
         section: Section = Interval() if self._scene.plane is not None else Cone()
         friction = [e for e in self.effects if isinstance(e, CoulombPyramid)]
         asked = asked_for(self.effects)
@@ -81,6 +86,8 @@ class GraspProblem(LCP):
 
     def natural(self, candidate: Candidate) -> Array:
         """(n,) z with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        if self.contact is None:
+            return encode(self._scene, self._system, candidate)[: self.n]
         return self.lift(self.contact.natural(candidate))
 
     def lift(self, x: Array) -> Array:
@@ -88,7 +95,9 @@ class GraspProblem(LCP):
 
         -ε_T = Σ λ_j n_j has a solution with at most two λ_j > 0, those of the faces whose normals enclose -ε_T.
         """
-        contact, at, here = self.contact, self._system.at, self.contact._system.at
+        contact, at = self.contact, self._system.at
+        assert contact is not None  # who has an x has it from there
+        here = contact._system.at
         full = np.zeros(len(self._system.q))
         for name, there in here.items():
             full[at[name]] = x[there]
@@ -115,13 +124,6 @@ def assemble(scene: Scene, effects: tuple[Effect, ...]) -> GraspProblem:
         )
     mixed = np.arange(n) >= c
     return _problem(system.M, system.q, mixed, Units(x_units, w_units), scene, system, effects, None, rcond)
-
-
-def assemble_section(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspProblem | GraspContact:
-    """The problem as `Grasp.problem` gives it: friction with a multiplier a face, or as a set on the exact cone."""
-    if isinstance(section, Cone):
-        return assemble_contact(scene, section, asked)
-    return assemble(scene, called_for(scene, section, asked, multipliers=True))
 
 
 def _problem(
@@ -193,7 +195,7 @@ _MOST_DESIGNS = 1024
 
 def design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> Design:
     """The design of this scene, with friction as a set."""
-    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible)
+    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible, scene.anisotropic > 0)
     if asked or (known := _DESIGNS.get(key)) is None:
         effects = called_for(scene, section, asked, multipliers=False)
         where = layout(u for e in effects for u in e.unknowns(scene))

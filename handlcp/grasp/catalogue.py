@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from handlcp.grasp.effects import (
+    AnisotropicFriction,
     ContactCompliance,
     CoulombCone,
     CoulombPlanar,
@@ -12,6 +13,8 @@ from handlcp.grasp.effects import (
     FingerForceBound,
     ObjectBalance,
     PrescribedForce,
+    SoftFingerCone,
+    SoftFingerPyramid,
     SoftWrist,
     TorqueSaturation,
     TotalForceBound,
@@ -37,12 +40,19 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
             effects.append(CoulombPyramid(section))
         else:
             effects.append(CoulombCone(section))
+    if scene.soft:
+        effects.append(SoftFingerPyramid(section) if isinstance(section, Pyramid) and multipliers else SoftFingerCone())
+    if scene.anisotropic:
+        effects.append(AnisotropicFriction())
     if scene.flexible:
         effects.append(FingerFlexibility())
     return (*effects, *asked)
 
 
-_FROM_DATA = (ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility)
+_FROM_DATA = (
+    ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, SoftFingerCone, SoftFingerPyramid,
+    AnisotropicFriction, FingerFlexibility,
+)  # fmt: skip
 _BY_NAME = (TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist)
 
 
@@ -54,17 +64,23 @@ def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
 def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect], str], ...]:
     """(effect, why it is off) for the effects this scene does without."""
     on = {type(e) for e in present}
-    friction = "no contact has μ > 0"
+    friction = "every contact with friction is soft" if scene.soft else "no contact has μ > 0"
     if CoulombPlanar in on:
         friction = "the scene is planar: one tangent, exact"
     elif CoulombPyramid in on:
         friction = "a pyramid was asked for"
     elif CoulombCone in on:
         friction = "the exact cone was asked for"
+    soft = "no contact is a SoftFinger"
+    if scene.soft:
+        soft = "the exact cone was asked for" if SoftFingerCone in on else "a pyramid was asked for"
     reasons: dict[type[Effect], str] = {
         CoulombPyramid: friction,
         CoulombCone: friction,
         CoulombPlanar: friction if scene.plane is not None or not scene.rough else "the scene is not planar",
+        SoftFingerPyramid: soft,
+        SoftFingerCone: soft,
+        AnisotropicFriction: "every contact holds alike in all directions",
         FingerFlexibility: "E is zero: rigid fingers",
     } | dict.fromkeys(_BY_NAME, "not asked for")
     return tuple((kind, why) for kind, why in reasons.items() if kind not in on)

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.kernels import examine
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_laws import soft_laws
 from handlcp.tolerances import CERTIFY, GROWTH
 
 __all__ = ["Residuals", "Verdict", "judge"]
+
+_NOTHING = read_only(np.zeros(0))
+
+
+def _nothing() -> Array:
+    return _NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,19 +69,24 @@ class Residuals:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What was recomputed: `motion` (n, 3) object minus fingertip in contact axes [m], and the residuals."""
+    """What was recomputed, in the laws' coordinates: `motion` (n, 3) object minus fingertip [m], the residuals, and
+    turn (k,), how far the object turns on the soft fingertips, times their levers [m].
+    """
 
     motion: Array
     residuals: Residuals
+    turn: Array = field(default_factory=_nothing)
 
 
 def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
     """Recompute balance, contact, friction and elastic compatibility of a candidate."""
+    if scene.soft:
+        return judge_soft(scene, effects, section, candidate)
     f, u = candidate.forces, candidate.twist
     offset = scene.offset
     for e in effects:
         if (opening := e.opening(scene, candidate.extra)) is not None:
-            offset = offset + opening
+            offset = offset + opening.reshape(-1, 3)
     units = scene.units
     limits = section.limit(scene.mu)
     v, values = examine(
@@ -84,6 +96,41 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
     lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then
     if F == F:
-        own = [e.residual(scene, f, candidate.extra, F, motion) for e in effects]
-        others = max(own, default=0.0) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
+        others = _own_laws(scene, effects, candidate, F, motion)
     return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion))
+
+
+def _own_laws(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate, F: float, motion: float) -> float:
+    """Worst residual of the effects' own laws."""
+    own = [e.residual(scene, candidate.components, candidate.extra, F, motion) for e in effects]
+    return max(own, default=0.0) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
+
+
+def judge_soft(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
+    """The same where contacts are soft: their moments load the object and turn the fingertips, and join the friction
+    law.
+    """
+    n, governed, c = scene.n, scene.governed_mask.copy(), candidate.components
+    governed[list(scene.soft)] = False  # their laws are examined below
+    E, u = scene.flexibility, candidate.twist
+    wrench = scene.wrench + np.append(np.zeros(3), scene.spin_axes @ candidate.torsion)
+    opened = np.zeros(scene.components)
+    for e in effects:
+        if (opening := e.opening(scene, candidate.extra)) is not None:
+            opened = opened + opening
+    offset = (scene.offset.ravel() + opened[: 3 * n] + E[: 3 * n, 3 * n :] @ candidate.torsion).reshape(-1, 3)
+    units, limits = scene.units, section.limit(scene.mu)
+    v, values = examine(
+        scene.arms, scene.frames, np.ascontiguousarray(E[: 3 * n, : 3 * n]), offset, candidate.forces, u, wrench,
+        limits, governed, section.faces, units.length, units.force, 1e-12 * units.motion, GROWTH,
+    )  # fmt: skip
+    lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
+    turn = scene.spin_axes.T @ u[3:] + E[3 * n :] @ c + opened[3 * n :]
+    others = F
+    if F == F and np.isfinite(turn).all():
+        worst = soft_laws(scene, section, candidate, v, turn, F, opened)
+        normal, cone, slip = (max(a, b) for a, b in zip((normal, cone, slip), worst, strict=True))
+        others = _own_laws(scene, effects, candidate, F, motion)
+    else:
+        others = np.nan
+    return Verdict(v, Residuals(balance, normal, cone, slip, others, lost_force, lost_moment, F, motion), turn)

@@ -26,11 +26,11 @@ def changed(grasp: G, **changes: Any) -> G:
     data = {
         "contacts": grasp.contacts,
         "positions": s.positions,
-        "frames": s.frames,
+        "frames": grasp.frames,
         "wrench": wrench_about(grasp.reference, s.force, s.moment),
         "reference": grasp.reference,
         "flexibility": grasp.flexibility,
-        "offset": s.offset,
+        "offset": grasp.offset,
         "effects": grasp.effects,
         "plane": s.plane,
     }

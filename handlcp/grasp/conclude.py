@@ -39,13 +39,13 @@ def conclude(
     certificate: Array | None = None
     if verdict.residuals.passes:
         status = Status.SOLVED
-        states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)
+        states = classify(scene, section, candidate, verdict)
         free = free_branches(scene, effects, section, states, candidate)
         if free:
-            smallest = minimum_norm(scene, effects, section, states, candidate, verdict.motion, free)
+            smallest = minimum_norm(scene, effects, section, states, candidate, verdict, free)
             if (checked := judge(scene, effects, section, smallest)).residuals.passes:
                 candidate, verdict = smallest, checked
-                states = classify(scene, section, candidate.forces, verdict.motion, verdict.residuals)
+                states = classify(scene, section, candidate, verdict)
         uniqueness = describe(scene, free, arm)
         names = states.names
     else:
@@ -53,8 +53,8 @@ def conclude(
         if (twist := escaping_twist(scene, section, load_to_balance(scene, effects))) is not None:
             status, certificate = Status.NOT_HOLDABLE, read_only(shifted(twist, arm))
         nothing = np.full((scene.n, 3), np.nan)  # so that nobody uses them by accident
-        candidate = Candidate(nothing, np.full(6, np.nan), {})
-        verdict = Verdict(nothing, verdict.residuals)
+        candidate = Candidate(nothing, np.full(6, np.nan), {}, np.full(len(scene.soft), np.nan))
+        verdict = Verdict(nothing, verdict.residuals, candidate.torsion)
     # A finger under force control follows the object: no law makes it keep a gap or a slip
     motion = verdict.motion
     if not all(scene.governed):
@@ -74,9 +74,20 @@ def conclude(
         iterations,
         trace,
         candidate.extra,
+        torsion=_by_contact(scene, candidate.torsion),
+        spin=_by_contact(scene, verdict.turn),
         scene=scene,
         reference=reference,
     )
+
+
+def _by_contact(scene: Scene, soft: Array) -> Array | None:
+    """(n,) from (k,) of the soft contacts; None where there are none."""
+    if not scene.soft:
+        return None
+    out = np.zeros(scene.n)
+    out[list(scene.soft)] = soft
+    return read_only(out)
 
 
 def conclude_first(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, array, read_only, unit
 from handlcp.errors import InputError
-from handlcp.grasp.friction import Coulomb, Friction, Frictionless
+from handlcp.grasp.friction import LAW, LAWS, AnisotropicCoulomb, Coulomb, Friction
 
 __all__ = ["Contact", "frame"]
 
@@ -20,9 +21,10 @@ class Contact:
     ----------
     position : (3,) contact point [m], world axes; (2,) in a planar scene.
     normal : (3,) unit vector into the object, the way the finger pushes; (2,) in a planar scene.
-    friction : `Coulomb(mu)` (default μ = 0.5) or `Frictionless()`.
+    friction : `Coulomb(mu)` (default μ = 0.5), `Frictionless()`, `AnisotropicCoulomb(mu_x, mu_y)` or
+        `SoftFinger(mu, mu_torsion)`.
     tangent : direction of the contact's x axis, projected on the tangent plane; chosen deterministically when None
-        (the world axis nearest to the tangent plane, the first of equals).
+        (`along` of the friction, or the world axis nearest to the tangent plane, the first of equals).
     name : what reports call the finger; "finger 1", "finger 2", … when None.
 
     The contact frame is R = (x, y, z) with z the normal and y = z × x: Pinocchio's contact convention.
@@ -30,12 +32,13 @@ class Contact:
     Raises InputError for wrong shapes, numbers not finite, a normal not of unit length, a tangent along the normal.
     """
 
-    __slots__ = ("friction", "mu", "name", "planar", "position", "rotation")
+    __slots__ = ("friction", "mu", "name", "plain", "planar", "position", "rotation")
 
     position: Array
     rotation: Array
     friction: Friction
     mu: float
+    plain: bool
     planar: bool
     name: str | None
 
@@ -43,8 +46,8 @@ class Contact:
         self, position: Any, normal: Any, friction: Friction | None = None, tangent: Any = None, name: str | None = None
     ) -> None:
         friction = Coulomb(0.5) if friction is None else friction
-        if not isinstance(friction, (Coulomb, Frictionless)):
-            raise InputError("friction", "Coulomb(mu) or Frictionless()", repr(friction))
+        if not isinstance(friction, LAWS):
+            raise InputError("friction", LAW, repr(friction))
         if name is not None and not isinstance(name, str):
             raise InputError("name", "a string", repr(name))
         p = array("position", position, (3,), (2,))
@@ -52,12 +55,25 @@ class Contact:
         if p.shape != z.shape:
             raise InputError("normal", f"as many components as position, {len(p)}", f"{len(z)}")
         self.planar = p.shape == (2,)
+        if tangent is None and isinstance(friction, AnisotropicCoulomb):
+            tangent = friction.along
         x = None if tangent is None else array("tangent", tangent, p.shape)
         if self.planar:
             p, z = _lift(p), _lift(z)
             x = np.cross((0.0, 0.0, 1.0), z) if x is None else _lift(x)
         self.position, self.rotation = read_only(p), frame(z, x)
-        self.friction, self.mu, self.name = friction, friction.mu, name
+        self.name = name
+        self._bears(friction)
+
+    def _bears(self, friction: Friction) -> None:
+        self.friction, self.mu = friction, friction.mu
+        self.plain = friction.lever == 0.0 and friction.scale == (1.0, 1.0)  # Coulomb's law or none
+
+    def with_friction(self, friction: Friction) -> Contact:
+        """The same contact under another law, its axes kept."""
+        other = copy.copy(self)
+        other._bears(friction)
+        return other
 
     @property
     def normal(self) -> Array:

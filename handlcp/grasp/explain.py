@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.catalogue import absent
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_form import GraspBalls
 
 __all__ = ["EffectLine", "Explanation", "explain"]
 
@@ -71,7 +72,7 @@ class Explanation:
         return "\n".join(lines)
 
 
-def explain(scene: Scene, problem: GraspProblem | GraspContact) -> Explanation:
+def explain(scene: Scene, problem: GraspProblem | GraspContact | GraspBalls) -> Explanation:
     """From the assembled problem itself, so that what is printed is what is solved."""
     lines = [
         EffectLine(e.title, e.equation, True, e.why(scene), tuple((u.name, u.count, u.free) for u in e.unknowns(scene)))

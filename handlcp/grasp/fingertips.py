@@ -38,7 +38,7 @@ def wrench_from_fingertip_forces(
     f = array("forces", forces, (n, 3))
     t = np.zeros((n, 3)) if torques is None else array("torques", torques, (n, 3))
     p = scene.positions if positions is None else array("positions", positions, (n, 3))
-    R = scene.frames if frames is None else arguments.frames(frames, n)
+    R = grasp.frames if frames is None else arguments.frames(frames, n)
     push = (R @ f[:, :, None])[:, :, 0]
     twist = (R @ t[:, :, None])[:, :, 0] + cross_rows(p - grasp.reference, push)
     return read_only(-np.concatenate([push.sum(axis=0), twist.sum(axis=0)]))

@@ -24,8 +24,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.assemble import GraspContact
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.scene import shifted
+from handlcp.grasp.candidate import of_solution
 from handlcp.grasp.solution import GraspSolution
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact import row_scales
@@ -264,9 +263,7 @@ def _places(problem: GraspContact) -> dict[str, int]:
 def _unknowns(problem: GraspContact, solution: GraspSolution, at: dict[str, int]) -> Array:
     """(n,) natural units, the way back from a solution."""
     scene = problem.scene
-    assert solution.reference is not None  # a certified answer has one
-    twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
-    x = problem.natural(Candidate(solution.forces, twist, {}))
+    x = problem.natural(of_solution(scene, solution))
     for g in problem.groups:
         if g.name in solution.extra:
             x[at[g.name] :][: g.count] = solution.extra[g.name] / g.sizes(scene)[0]

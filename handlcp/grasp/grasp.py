@@ -11,10 +11,11 @@ from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.accuracy import solve_to
-from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble_contact, assemble_section
+from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.changed import changed
 from handlcp.grasp.conclude import conclude, conclude_first
 from handlcp.grasp.contact import Contact
+from handlcp.grasp.coordinates import in_axes, law_of, padded
 from handlcp.grasp.effects import Effect, PrescribedForce, softened, stamped
 from handlcp.grasp.explain import Explanation, explain
 from handlcp.grasp.first import Found
@@ -23,6 +24,7 @@ from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.share import measured, without
+from handlcp.grasp.soft_form import GraspBalls, assembled, chain_form
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.solving import solve, stage_line
 from handlcp.lcp import Auto, ContactSolver, Solver
@@ -50,8 +52,11 @@ class Grasp:
 
     Attributes: contacts, effects, reference, and
 
+    frames (n, 3, 3), offset (n, 3) : contact axes in columns, and offsets along them [m]. The `scene` is in the
+        coordinates of the friction laws, which are the same axes unless a law is anisotropic.
     flexibility : (3n, 3n) E [m/N] of the fingers alone; that of `scene` has the compliances among the effects added.
-    stamped : the effects without those.
+    stamped : the effects without those. general : whether a solve takes the general path, because effects have rows of
+        their own or contacts are soft.
 
     Raises InputError for anything that is not as described.
     """
@@ -59,7 +64,10 @@ class Grasp:
     contacts: tuple[Contact, ...]
     effects: tuple[Effect, ...]
     stamped: tuple[Effect, ...]
+    general: bool
     flexibility: Array
+    frames: Array
+    offset: Array
     reference: Array
     scene: Scene
 
@@ -109,19 +117,25 @@ class Grasp:
         """Take over arrays that are known to be sound (a hand's are, by construction)."""
         self.contacts, self.effects, self.reference = contacts, effects, reference
         self.flexibility, self.stamped = flexibility, stamped(effects) if effects else ()
+        self.frames, self.offset = read_only(frames), offset
         prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
+        governed = tuple([i not in prescribed for i in range(len(contacts))])
+        law = law_of(contacts, frames, governed, plane is not None)
+        E = softened(padded(flexibility, contacts, law.soft), effects, positions, frames, plane is not None, law.soft)
         moment = read_only(wrench[3:] + cross_rows(reference, wrench[:3]))
-        mu = read_only(np.array([c.mu for c in contacts]))
+        self.general = bool(self.stamped or law.soft)
         self.scene = Scene(
             read_only(positions),
-            read_only(frames),
-            mu,
-            softened(flexibility, effects, positions, frames, plane is not None),
-            offset,
+            law.of_frames(self.frames),
+            law.mu,
+            law.of_flexibility(E),
+            law.of_motion(offset),
             wrench[:3],
             moment,
             plane,
-            tuple(i not in prescribed for i in range(len(contacts))),
+            governed,
+            law.soft,
+            law.scale,
         )
 
     @property
@@ -132,15 +146,15 @@ class Grasp:
     @overload
     def problem(self, faces: int | Pyramid = 8) -> GraspProblem: ...
     @overload
-    def problem(self, faces: str) -> GraspProblem | GraspContact: ...
-    def problem(self, faces: int | str | Pyramid = 8) -> GraspProblem | GraspContact:
+    def problem(self, faces: str) -> GraspProblem | GraspContact | GraspBalls: ...
+    def problem(self, faces: int | str | Pyramid = 8) -> GraspProblem | GraspContact | GraspBalls:
         """The assembled complementarity problem: look at it, or hand it to `solve_lcp`.
 
         faces : of the friction pyramids, ≥ 3 (inscribed), or a `Pyramid`: a (mixed) LCP with a multiplier a face; a
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
-        problem = assemble_section(self.scene, self._section(faces), self.effects)
+        problem = assembled(self.scene, self._section(faces), self.effects)
         problem.complete()
         return problem
 
@@ -152,7 +166,7 @@ class Grasp:
         none.
         """
         section = self._section(faces)
-        e = self._explained(explain(self.scene, assemble_section(self.scene, section, self.effects)))
+        e = self._explained(explain(self.scene, assembled(self.scene, section, self.effects)))
         if not measure:
             return e
         return measured(self, e, section, self.solve(faces, Auto(search_seconds=0), throw=False))
@@ -203,7 +217,7 @@ class Grasp:
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
-        return (chain or Auto()).plan(assemble_contact(self.scene, self._section(faces), self.effects))
+        return (chain or Auto()).plan(chain_form(self.scene, self._section(faces), self.effects))
 
     def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every contact, with which the grasp holds, to a relative tolerance."""
@@ -251,8 +265,8 @@ class Grasp:
         return changed(self)
 
     def _complete(self, solution: GraspSolution) -> GraspSolution:
-        """What a hand adds to it: nothing here."""
-        return solution
+        """In contact axes; and what a hand adds to it: nothing here."""
+        return solution if self.scene.scale is None else in_axes(solution)
 
     def __repr__(self) -> str:
         s = self.scene

@@ -10,6 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.limit_surface import limit_surface
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import CERTIFY
@@ -47,7 +48,9 @@ def load_to_balance(scene: Scene, effects: tuple[Effect, ...]) -> Array:
     load = scene.natural.w.copy()
     for e in effects:
         if isinstance(e, PrescribedForce):
-            load += scene.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (e.force / scene.units.force)
+            load += scene.natural.every[:, 3 * e.contact : 3 * e.contact + 3] @ (
+                scene.lawful_at(e.contact, e.force) / scene.units.force
+            )
     return load
 
 
@@ -93,7 +96,7 @@ def jammed(scene: Scene) -> bool:
 
 
 def generators(scene: Scene, section: Section) -> tuple[Array, Array]:
-    """(3n, g) forces along the edges of all friction pyramids (the normals where there is no friction), each with a
+    """(c, g) forces along the edges of all friction pyramids (the normals where there is no friction), each with a
     normal force of one, contact axes; and their (dof, g) wrenches.
     """
     edges, limits = section.edges, section.limit(scene.mu)
@@ -101,11 +104,18 @@ def generators(scene: Scene, section: Section) -> tuple[Array, Array]:
     for i in range(scene.n):
         if not scene.governed[i]:
             continue
+        if i in scene.soft:
+            k, surface = scene.soft.index(i), limit_surface(section)
+            part = np.zeros((scene.components, surface.vertices.shape[1]))
+            part[scene.soft_index[k]] = surface.limit(scene.mu)[i] * surface.vertices
+            part[3 * i + 2] = 1.0
+            parts.append(part)
+            continue
         r = np.ones((1, 1)) if limits[i] <= 0 else np.vstack([limits[i] * edges, np.ones(edges.shape[1])])
-        part = np.zeros((3 * scene.n, r.shape[1]))
+        part = np.zeros((scene.components, r.shape[1]))
         part[3 * i + 3 - len(r) : 3 * i + 3] = r
         parts.append(part)
-    forces = np.hstack(parts) if parts else np.zeros((3 * scene.n, 0))
+    forces = np.hstack(parts) if parts else np.zeros((scene.components, 0))
     return forces, scene.natural.every @ forces
 
 

@@ -16,6 +16,7 @@ from handlcp.grasp.mode_table import PER_SECOND, mode_table
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_form import GraspBalls
 from handlcp.lcp.search import search
 
 __all__ = ["Found", "last_resort"]
@@ -23,7 +24,7 @@ __all__ = ["Found", "last_resort"]
 Found = tuple[Candidate | None, tuple[float, float] | None, str]
 
 
-def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
+def last_resort(problem: GraspProblem | GraspContact | GraspBalls, section: Section, seconds: float) -> Found:
     """(candidate, bounds, words): a certified candidate; or the forces [N] and motions [m] within which there is none
     (with the cause, where one is known); or neither, when the time was too short. Of the seconds half as much again may
     pass.
@@ -32,7 +33,7 @@ def last_resort(problem: GraspProblem | GraspContact, section: Section, seconds:
     return candidate, None if bounds is None else Within(bounds, _cause(problem, section)), words
 
 
-def _cause(problem: GraspProblem | GraspContact, section: Section) -> str:
+def _cause(problem: GraspProblem | GraspContact | GraspBalls, section: Section) -> str:
     """What stands in the way of any equilibrium, as far as a linear program can tell."""
     scene, effects = problem.scene, problem.effects
     for e in effects:
@@ -52,7 +53,7 @@ def _listed_limits(scene: Scene, effects: tuple[Effect, ...]) -> str:
     return f"the {' and the '.join(titles)} {'leaves' if len(titles) == 1 else 'leave'}"
 
 
-def _found(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> Found:
+def _found(problem: GraspProblem | GraspContact | GraspBalls, section: Section, seconds: float) -> Found:
     """The search that suits the effects."""
     scene, effects = problem.scene, problem.effects
     if applicable(effects):
@@ -86,13 +87,15 @@ def _found(problem: GraspProblem | GraspContact, section: Section, seconds: floa
     return None, (size * units.force, size * units.motion) if result.none_exists else None, words
 
 
-def _every_mode(problem: GraspProblem | GraspContact, section: Section, seconds: float) -> tuple[Found | None, float]:
+def _every_mode(
+    problem: GraspProblem | GraspContact | GraspBalls, section: Section, seconds: float
+) -> tuple[Found | None, float]:
     """By solving every choice of contact modes, where that is affordable and leaves no doubt. This proof has no bounds;
     those of the mixed-integer search are stated, as far beyond them rounding could hide an answer. Also the seconds
     that are left after it, half of them at least.
     """
-    contact = problem if isinstance(problem, GraspContact) else problem.contact
-    table = mode_table(contact) if section.faces else None
+    contact = problem.contact if isinstance(problem, GraspProblem) else problem
+    table = mode_table(contact) if section.faces and isinstance(contact, GraspContact) else None
     if table is None or table.choices > PER_SECOND * seconds:
         return None, seconds
     candidates, every = table.visit()

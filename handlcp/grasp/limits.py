@@ -24,7 +24,7 @@ def rows_and_room(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Array, Arr
 
 
 def _rows_and_room(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
-    rows = [np.zeros((0, 3 * scene.n)), *(limit.natural_rows for limit in every)]
+    rows = [np.zeros((0, scene.components)), *(limit.natural_rows for limit in every)]
     return np.concatenate(rows), np.concatenate([np.zeros(0), *(limit.natural_room(scene) for limit in every)])
 
 
@@ -79,10 +79,10 @@ class Limits:
 def at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -> Limits:
     """The limits where this candidate stands."""
     if not (every := _every(scene, effects)):
-        return Limits(np.zeros((0, 3 * scene.n)), _NONE, _NONE, _NO_CHOICE[0], (), candidate.extra)
+        return Limits(np.zeros((0, scene.components)), _NONE, _NONE, _NO_CHOICE[0], (), candidate.extra)
     rows, room = _rows_and_room(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
-    slack = room - rows @ (candidate.forces.ravel() / scene.units.force)
+    slack = room - rows @ (candidate.components / scene.units.force)
     resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
     return Limits(rows, motion, slack, resting, every, candidate.extra)
 

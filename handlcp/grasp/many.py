@@ -117,7 +117,7 @@ def _first_stage(
     """Put what the first stage answers in its places; returns how many those are."""
     kinds: dict[int, tuple[Kind, list[int]]] = {}
     for k in part:
-        if not grasps[k].stamped:
+        if not grasps[k].general:
             kind = kind_of(grasps[k].scene, sections[k])
             kinds.setdefault(id(kind), (kind, []))[1].append(k)
     solved = 0

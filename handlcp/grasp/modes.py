@@ -84,7 +84,7 @@ class Program:
         self.scene, self.given, self.exhausted = scene, np.zeros(3 * scene.n), False
         for e in effects:
             if isinstance(e, PrescribedForce):
-                self.given[3 * e.contact : 3 * e.contact + 3] = e.force / units.force
+                self.given[3 * e.contact : 3 * e.contact + 3] = scene.lawful_at(e.contact, e.force) / units.force
         E = scene.flexibility * (units.force / units.motion)
         self.offset = scene.offset.ravel() / units.motion + E @ self.given
         limits = section.limit(scene.mu)

@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["resolve", "wrench_map"]
+__all__ = ["resolve", "resolve_soft", "wrench_map"]
 
 
 @kernel
@@ -119,4 +119,27 @@ def resolve(
     wrench[5] = moment[2] - centre[0] * force[1] + centre[1] * force[0]
     G = wrench_map(arms, frames)
     blocks = natural_blocks(G, wrench, freedom, flexibility, offset, index, size, length, motion)
+    return size, length, motion, centre, arms, wrench, blocks
+
+
+def resolve_soft(
+    positions: Array,
+    frames: Array,
+    flexibility: Array,
+    offset: Array,
+    force: Array,
+    moment: Array,
+    freedom: Array,
+    index: Ints,
+    spin_axes: Array,
+) -> tuple[float, float, float, Array, Array, Array, tuple[Array, Array, Array, Array, Array]]:
+    """The same for n contacts of which k bear moments about their normals; spin_axes (3, k), flexibility over 3n + k."""
+    n, k = len(positions), spin_axes.shape[1]
+    size, length, motion, centre = sizes(positions, flexibility, offset, force, moment)
+    arms = positions - centre
+    wrench = np.append(force, moment - np.cross(centre, force))
+    G = np.hstack([wrench_map(arms, frames), np.vstack([np.zeros((3, k)), spin_axes])])
+    padded = np.zeros((n + k, 3))  # no moment has an offset
+    padded[:n] = offset
+    blocks = natural_blocks(G, wrench, freedom, flexibility, padded, index, size, length, motion)
     return size, length, motion, centre, arms, wrench, blocks

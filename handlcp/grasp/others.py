@@ -16,13 +16,14 @@ import numpy as np
 
 from handlcp.check import Array, number
 from handlcp.grasp.assemble import GraspContact, assemble_contact
-from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.candidate import Candidate, of_solution
 from handlcp.grasp.catalogue import asked_for
 from handlcp.grasp.certify import judge
 from handlcp.grasp.equilibria import Believer, applicable
 from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
+from handlcp.grasp.scene import Scene
 from handlcp.grasp.solution import GraspSolution
 from handlcp.lcp import Auto
 from handlcp.lcp.kernels.lemke import lemke
@@ -108,7 +109,9 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
         end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
         passed = [believed([c]) for c in _until(end, candidates)]
         late = time.monotonic() > end
-        complete = every and not late and None not in passed and (not found or _contains(passed, found[0], noise))
+        complete = (
+            every and not late and None not in passed and (not found or _contains(grasp.scene, passed, found[0], noise))
+        )
         why = "the time was too short" if late else "some are degenerate"
         if complete:
             why = f"all {table.choices:,.0f} choices of contact modes were solved"
@@ -120,10 +123,12 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
     return _result(grasp, found, complete, why, start)
 
 
-def _contains(candidates: list[Candidate | None], s: GraspSolution, noise: float) -> bool:
+def _contains(scene: Scene, candidates: list[Candidate | None], s: GraspSolution, noise: float) -> bool:
     """Whether the answer that is known is among them, as it must be; of a family any member may be."""
     determined = s.uniqueness is not None and s.uniqueness.forces_determined
-    return not determined or any(c is not None and _close(c.forces, s.forces, noise) for c in candidates)
+    return not determined or any(
+        c is not None and _close(scene.physical(c.forces), s.forces, noise) for c in candidates
+    )
 
 
 def _open(problem: GraspContact, section: Section, table: Table | None) -> str:
@@ -168,7 +173,7 @@ def _add(
     there is an equilibrium as well (what one choice of modes allows is convex).
     """
     noise = _APART * grasp.scene.units.force
-    if any(_close(candidate.forces, s.forces, noise) for s in found):
+    if any(_close(grasp.scene.physical(candidate.forces), s.forces, noise) for s in found):
         return
     verdict = judge(grasp.scene, problem.effects, section, candidate)
     made = grasp._solution(problem.effects, section, candidate, verdict, 0, ("another equilibrium",))
@@ -187,11 +192,10 @@ def _close(a: Array, b: Array, noise: float) -> bool:
 
 
 def _halfway(grasp: Grasp, a: GraspSolution, b: GraspSolution) -> Candidate:
-    u = 0.5 * (a.object_displacement + b.object_displacement)
-    to_centre = grasp.scene.units.centre - grasp.reference
-    twist = np.append(u[:3] + np.cross(u[3:], to_centre), u[3:])
+    one, other = of_solution(grasp.scene, a), of_solution(grasp.scene, b)
     extra = {name: 0.5 * (a.extra[name] + b.extra[name]) for name in a.extra}
-    return Candidate(0.5 * (a.forces + b.forces), twist, extra)
+    forces, twist = 0.5 * (one.forces + other.forces), 0.5 * (one.twist + other.twist)
+    return Candidate(forces, twist, extra, 0.5 * (one.torsion + other.torsion))
 
 
 def _result(grasp: Grasp, found: list[GraspSolution], complete: bool, why: str, start: float) -> Equilibria:

@@ -8,7 +8,6 @@ narrower window further down may have been stepped over.
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,13 +15,12 @@ from typing import TYPE_CHECKING
 
 from handlcp.check import number, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
-from handlcp.grasp.friction import Coulomb
 from handlcp.grasp.holdable import escaping_twist, load_to_balance
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Section, as_section
+from handlcp.grasp.soft_form import chain_form
 from handlcp.lcp import Auto, proposals
 
 if TYPE_CHECKING:
@@ -161,7 +159,7 @@ def smallest(
 
 def holds(grasp: Grasp, section: Section) -> bool:
     """Whether the solver chain finds an equilibrium that the certifier passes; no exhaustive search is made."""
-    problem = assemble_contact(grasp.scene, section, grasp.effects)
+    problem = chain_form(grasp.scene, section, grasp.effects)
     return any(
         judge(grasp.scene, problem.effects, section, problem.candidate(p.z)).residuals.passes
         for _, p in proposals(problem, Auto())
@@ -170,20 +168,18 @@ def holds(grasp: Grasp, section: Section) -> bool:
 
 def with_preload(grasp: Grasp, extra: float) -> Grasp:
     """The same grasp with `extra` [m] more squeeze of every contact whose force is not prescribed."""
-    offset = grasp.scene.offset.copy()
+    offset = grasp.offset.copy()
     offset[grasp.scene.governed_mask, 2] -= extra
     return changed(grasp, offset=read_only(offset))
 
 
 def with_friction(grasp: Grasp, mu: float) -> Grasp:
-    """The same grasp with the coefficient `mu` at every contact that has friction."""
-    law, contacts = Coulomb(mu), []
-    for c in grasp.contacts:
-        other = copy.copy(c)
-        if c.mu > 0:
-            other.friction, other.mu = law, law.mu
-        contacts.append(other)
-    return changed(grasp, contacts=tuple(contacts))
+    """The same grasp with the coefficient `mu` at every contact that has friction; a law with several keeps their
+    ratios, and `mu` is the one it calls so.
+    """
+    return changed(
+        grasp, contacts=tuple([c.with_friction(c.friction.with_mu(mu)) if c.mu > 0 else c for c in grasp.contacts])
+    )
 
 
 def _escapes(grasp: Grasp, section: Section) -> bool:

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.grasp.natural import resolve, wrench_map
+from handlcp.grasp.natural import resolve, resolve_soft, wrench_map
 from handlcp.grasp.units import GraspUnits
 from handlcp.lazy import lazy
 
@@ -17,11 +17,14 @@ __all__ = ["Natural", "Scene", "cross_rows", "shifted"]
 
 @dataclass(frozen=True)
 class Scene:
-    """SI arrays of a grasp, and the same in natural units.
+    """SI arrays of a grasp in the coordinates of its friction laws (`friction`), and the same in natural units.
 
-    positions (n, 3) m, frames (n, 3, 3) columns x, y, z (normal, into the object), mu (n,), flexibility (3n, 3n) m/N in
+    positions (n, 3) m, frames (n, 3, 3) columns x, y, z (normal, into the object), mu (n,), flexibility (c, c) m/N in
     contact axes, offset (n, 3) m in contact axes, force (3,) N and moment (3,) N·m about the world's origin,
     plane (3,) unit normal of a planar scene or None, governed (n,) bool: contacts whose force is not prescribed.
+    soft (k,): contacts that bear a moment about their normal, too; there are c = 3n + k force components, the contacts'
+    x, y, z and then those moments. scale (c,): what a component of one means in contact axes [N, N·m]; a column of
+    frames is as long as its own. None: all are 1, and contact axes are the law's.
     """
 
     positions: Array
@@ -33,6 +36,8 @@ class Scene:
     moment: Array
     plane: Array | None
     governed: tuple[bool, ...]
+    soft: tuple[int, ...] = ()
+    scale: Array | None = None
 
     @property
     def n(self) -> int:
@@ -41,8 +46,14 @@ class Scene:
 
     @lazy
     def _resolved(self) -> tuple[GraspUnits, Array, Array, Natural]:
-        index = _index(self.governed, self.rough, self.tangents)
         freedom = _SPATIAL if self.freedom is None else self.freedom
+        if self.soft:
+            force, length, motion, centre, arms, wrench, blocks = resolve_soft(
+                self.positions, self.frames, self.flexibility, self.offset, self.force, self.moment, freedom,
+                np.concatenate([self.normal_index, self.tangent_index]), self.spin_axes,
+            )  # fmt: skip
+            return GraspUnits(force, length, motion, centre), arms, wrench, Natural(*blocks, len(self.normal_index))
+        index = _index(self.governed, self.rough, self.tangents)
         force, length, motion, centre, arms, wrench, blocks = resolve(
             self.positions, self.frames, self.flexibility, self.offset, self.force, self.moment, freedom, index
         )
@@ -65,8 +76,32 @@ class Scene:
 
     @property
     def grasp_matrix(self) -> Array:
-        """(6, 3n) contact forces to the wrench about the contacts' centre: columns [R; skew(p - c) R] (model, G)."""
-        return wrench_map(self.arms, self.frames)
+        """(6, c) force components to the wrench about the contacts' centre: columns [R; skew(p - c) R] (model, G)."""
+        G = wrench_map(self.arms, self.frames)
+        return np.hstack([G, np.vstack([0.0 * self.spin_axes, self.spin_axes])]) if self.soft else G
+
+    @property
+    def spin_axes(self) -> Array:
+        """(3, k) moments that one of each torsional component stands for: lever times normal [m]."""
+        assert self.scale is not None  # where there are soft contacts
+        return (self.frames[list(self.soft)][:, :, 2] * self.scale[3 * self.n :, None]).T
+
+    def physical(self, forces: Array) -> Array:
+        """(n, 3) forces in contact axes from those in the laws' coordinates; a motion is divided by the same scale."""
+        return forces if self.scale is None else forces * self.scale[: 3 * self.n].reshape(-1, 3)
+
+    @property
+    def components(self) -> int:
+        """Force components: three a contact, and the moment of every soft one."""
+        return 3 * self.n + len(self.soft)
+
+    def lawful_at(self, contact: int, force: Array) -> Array:
+        """(3,) the same for one contact's force."""
+        return force if self.scale is None else force / self.scale[3 * contact : 3 * contact + 3]
+
+    def lawful(self, forces: Array) -> Array:
+        """(n, 3) forces in the laws' coordinates from those in contact axes."""
+        return forces if self.scale is None else forces / self.scale[: 3 * self.n].reshape(-1, 3)
 
     @property
     def natural(self) -> Natural:
@@ -104,8 +139,14 @@ class Scene:
 
     @lazy
     def rough(self) -> tuple[int, ...]:
-        """Contacts with friction whose force is unknown."""
-        return tuple(i for i, mu in enumerate(self.mu.tolist()) if mu > 0 and self.governed[i])
+        """Contacts with friction whose force is unknown, soft ones apart."""
+        found = tuple(i for i, mu in enumerate(self.mu.tolist()) if mu > 0 and self.governed[i])
+        return tuple(i for i in found if i not in self.soft) if self.soft else found
+
+    @property
+    def frictional(self) -> bool:
+        """Whether any contact has friction."""
+        return bool(self.rough or self.soft)
 
     @property
     def rough_rows(self) -> Ints:
@@ -119,8 +160,35 @@ class Scene:
 
     @property
     def tangent_index(self) -> Ints:
-        """(n_T,) entries of the stacked (x, y, z) forces that are unknown tangential forces."""
-        return _tangent_index(self.rough, self.tangents)
+        """(n_T,) entries of the stacked force components that are unknown tangential forces: x and y of contacts with
+        friction, then x, y and moment of the soft ones.
+        """
+        hard = _tangent_index(self.rough, self.tangents)
+        return np.concatenate([hard, self.soft_index.ravel()]) if self.soft else hard
+
+    @property
+    def soft_index(self) -> Ints:
+        """(k, 3) entries of the soft contacts' x, y and moment."""
+        at, k = 3 * np.array(self.soft, dtype=np.int64), len(self.soft)
+        return np.column_stack([at, at + 1, 3 * self.n + np.arange(k)])
+
+    @property
+    def tangential_offset(self) -> Array:
+        """(tangents of `rough`,) d along them, natural units."""
+        return self.natural.d[self.natural.split :][: self.tangents * len(self.rough)]
+
+    @property
+    def soft_offset(self) -> Array:
+        """(3 k,) d along x, y and about the normal of the soft contacts, natural units."""
+        return self.natural.d[self.natural.split + self.tangents * len(self.rough) :]
+
+    @property
+    def anisotropic(self) -> int:
+        """How many contacts have tangents of unequal scale."""
+        if self.scale is None:
+            return 0
+        rows = self.scale[: 3 * self.n].reshape(-1, 3)
+        return int((rows[:, 0] != rows[:, 1]).sum())
 
     @lazy
     def governed_mask(self) -> Bools:
@@ -154,7 +222,7 @@ class Scene:
 @dataclass(frozen=True, slots=True)
 class Natural:
     """G (dof, k), E (k, k), d (k,) over the k = n_N + n_T unknown force components, normals first; w (dof,);
-    every (dof, 3n) G of all components; `split` = n_N.
+    every (dof, c) G of all components; `split` = n_N.
     """
 
     G: Array

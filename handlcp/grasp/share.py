@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
 from handlcp.grasp.effects import CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility
@@ -32,6 +31,7 @@ from handlcp.grasp.first import find, start_at
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.required import with_friction
 from handlcp.grasp.scene import cross_rows
+from handlcp.grasp.soft_form import chain_form
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.solving import natural_start
 from handlcp.lcp import proposals
@@ -92,14 +92,14 @@ def measured(
 def _solved_by_the_same(grasp: Grasp, less: Grasp, section: Section, solution: GraspSolution) -> Callable[[], bool]:
     """A run of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v."""
     s = less.scene
-    r = solution.forces.copy()
+    r = s.lawful(solution.forces).copy()
     r[s.governed_mask & (s.mu == 0.0), :2] = 0.0
     arms, turn = s.positions - grasp.reference, s.frames.transpose(0, 2, 1)
     world = np.einsum("nij,nj->ni", s.frames, r)
     u = solution.object_displacement
     moved = np.einsum("nij,nj->ni", turn, u[:3] + cross_rows(np.broadcast_to(u[3:], arms.shape), arms))
-    v = np.column_stack([solution.slip, solution.gap])
-    d = v - moved - (s.flexibility @ r.reshape(-1)).reshape(-1, 3)
+    v = s.physical(np.column_stack([solution.slip, solution.gap]))  # motions scale as forces do, the other way round
+    d = s.lawful(v - moved - (s.flexibility @ r.reshape(-1)).reshape(-1, 3))
     load = -np.append(world.sum(axis=0), cross_rows(arms, world).sum(axis=0))
     return _run(changed(less, wrench=read_only(load), offset=read_only(d)), section, r, solution)
 
@@ -111,9 +111,9 @@ def _run(grasp: Grasp, section: Section, forces: Array, solution: GraspSolution)
 
     def run() -> bool:
         made = grasp._placed()
-        if not made.stamped:
+        if not made.general:
             return find(made.scene, section, 0, start).passes
-        problem = assemble_contact(made.scene, section, made.stamped)
+        problem = chain_form(made.scene, section, made.stamped)
         for _, proposal in proposals(problem, None, natural_start(problem, start)):
             if judge(made.scene, problem.effects, section, problem.candidate(proposal.z)).residuals.passes:
                 return True

@@ -35,6 +35,8 @@ class GraspSolution:
     certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes.
     iterations : steps of the method that gave the answer. trace : one line per stage that ran.
     extra : unknowns of further effects by name, SI.
+    torsion : (n,) N·m, moment of each finger on the object about its normal. spin : (n,) rad, how the object turns on
+        the fingertip about it. Both zero but for soft fingers, and None where there are none.
     bounds : for NO_EQUILIBRIUM the forces [N] and motions [m] up to which it was proven; None otherwise.
     accuracy : what was asked for with `solve(accuracy=...)`, and what was reached; None otherwise.
     required_preload : for NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one was found.
@@ -58,6 +60,8 @@ class GraspSolution:
     bounds: tuple[float, float] | None = None
     required_preload: float | None = None
     accuracy: Accuracy | None = None
+    torsion: Array | None = None
+    spin: Array | None = None
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from handlcp.check import Array
 from handlcp.errors import NoSolutionFound
-from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble_contact, assemble_section
+from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import Verdict, judge
 from handlcp.grasp.first import NOWHERE, find
@@ -15,6 +15,7 @@ from handlcp.grasp.last_resort import last_resort
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.required import required_preload
 from handlcp.grasp.scene import shifted
+from handlcp.grasp.soft_form import GraspBalls, assembled, chain_form
 from handlcp.grasp.solution import GraspSolution
 from handlcp.lcp import Auto, ContactSolver, Proposal, Solver, Status, as_chain, proposals
 
@@ -35,7 +36,7 @@ def solve(
     data is one compiled call, and for most scenes there is no other.
     """
     chain = as_chain(solver)
-    if chain is None or grasp.stamped:
+    if chain is None or grasp.general:
         return stages(grasp, section, solver, throw, start)
     found = find(grasp.scene, section, chain.seed, start)
     if not found.passes:
@@ -59,7 +60,7 @@ def stages(
     """One stage after the other; `first` is the first one's proposal, where that is known."""
     scene, chain = grasp.scene, as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
-    make = assemble_section if chain is None else assemble_contact
+    make = assembled if chain is None else chain_form
     problem = make(scene, section, grasp.stamped)
     trace: list[str] = []
     best: tuple[Candidate, Verdict, int] | None = None
@@ -85,7 +86,7 @@ def stages(
 
 def _search(
     grasp: Grasp,
-    problem: GraspProblem | GraspContact,
+    problem: GraspProblem | GraspContact | GraspBalls,
     section: Section,
     chain: Auto,
     solution: GraspSolution,
@@ -103,11 +104,11 @@ def _search(
     return replace(solution, status=Status.NO_EQUILIBRIUM, bounds=bounds, required_preload=squeeze, trace=trace)
 
 
-def natural_start(problem: GraspProblem | GraspContact, start: Array) -> Array | None:
+def natural_start(problem: GraspProblem | GraspContact | GraspBalls, start: Array) -> Array | None:
     """The start as unknowns of this problem; None: there is none."""
     if not len(start):
         return None
     scene = problem.scene
     k = 3 * scene.n
     twist = shifted(start[k : k + 6], scene.units.centre - start[k + 6 :])
-    return problem.natural(Candidate(start[:k].reshape(-1, 3), twist, {}))
+    return problem.natural(Candidate(scene.lawful(start[:k].reshape(-1, 3)), twist, {}))

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.certify import Residuals
+from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.certify import Verdict
+from handlcp.grasp.limit_surface import limit_surface
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
@@ -24,11 +26,13 @@ NAMES = ("separated", "sticking", "sliding", "sliding", "sliding", "separated")
 class States:
     """kind (n,) int: one of the constants above. faces (n, 2, 2): outward normals, in rows, that it slides against.
     turn (n,): slip over friction [m/N] of a contact that slides on the exact cone, where both turn together; else 0.
+    soft (k,): for each soft contact the outward normals (3, j) of its limit surface that it slides against.
     """
 
     kind: Ints
     faces: Array
     turn: Array
+    soft: tuple[Array, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -36,8 +40,9 @@ class States:
         return tuple(NAMES[k] for k in self.kind.tolist())
 
 
-def classify(scene: Scene, section: Section, forces: Array, motion: Array, residuals: Residuals) -> States:
-    """States of all contacts, from forces (n, 3) N and motion (n, 3) m in contact axes."""
+def classify(scene: Scene, section: Section, candidate: Candidate, verdict: Verdict) -> States:
+    """States of all contacts, of a candidate that was judged."""
+    forces, motion, residuals = candidate.forces, verdict.motion, verdict.residuals
     planar = scene.plane is not None
     limits = section.limit(scene.mu)
     slow = ACTIVE * max(residuals.motion_scale, scene.units.motion)
@@ -46,7 +51,26 @@ def classify(scene: Scene, section: Section, forces: Array, motion: Array, resid
     )
     if not all(scene.governed):
         kind[~scene.governed_mask] = STICKING  # a finger under force control follows the object
-    return States(kind, faces, turn)
+    if not scene.soft:
+        return States(kind, faces, turn)
+    surface, weak, soft = limit_surface(section), ACTIVE * residuals.force_scale, []
+    bounds = surface.limit(scene.mu)
+    for k, (i, at) in enumerate(zip(scene.soft, scene.soft_index.tolist(), strict=True)):
+        r, slip, normals = candidate.components[at], np.append(motion[i, :2], verdict.turn[k]), _NO_NORMAL
+        if forces[i, 2] > weak:
+            kind[i], turn[i] = STICKING, 0.0
+            size, speed = float(np.sqrt(r @ r)), float(np.sqrt(slip @ slip))
+            if speed > slow and size > 0.0:
+                kind[i] = SLIDING
+                if surface.exact:
+                    normals, turn[i] = r[:, None] / size, speed / size
+                else:
+                    normals = surface.normals[:, bounds[i] * forces[i, 2] - surface.normals.T @ r <= weak][:, :3]
+        soft.append(normals)
+    return States(kind, faces, turn, tuple(soft))
+
+
+_NO_NORMAL = np.zeros((3, 0))
 
 
 @kernel

@@ -62,6 +62,9 @@ class Unknown:
         return scene.size(self.measure), scene.size(self.row_measure)
 
 
+_MECHANICS = ("r_N", "r_T", "r_S", "λ", "λ_S", "u")
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
     """Where the unknowns go: complementary groups first, free groups last.
@@ -83,7 +86,7 @@ def layout(unknowns: Iterable[Unknown]) -> Layout:
     groups = tuple(sorted(present, key=lambda u: u.free))
     ends = np.cumsum([g.count for g in groups]).tolist()
     at = {g.name: slice(end - g.count, end) for g, end in zip(groups, ends, strict=True)}
-    extra = tuple(g for g in groups if g.name not in ("r_N", "r_T", "λ", "u"))
+    extra = tuple(g for g in groups if g.name not in _MECHANICS)
     return Layout(groups, at, sum(g.count for g in groups if not g.free), ends[-1] if ends else 0, extra)
 
 
@@ -106,6 +109,24 @@ class System:
         if row in self.at:
             self.q[self.at[row]] += values
 
+    def load_forces(self, normal: Array, tangential: Array) -> None:
+        """Add values to q in the rows of all unknown force components."""
+        self.load("r_N", normal)
+        self.q[self.tangential : self.tangential + len(tangential)] += tangential
+
+    def couple_forces(self, row: str, block: Array) -> None:
+        """Add -block (rows, k) from the force components, normals first, to the rows of a group, and its transpose to
+        the components' rows.
+        """
+        start, count, tangential = self._forces(block)
+        here, k = self.at[row], block.shape[1]
+        for columns, part in (
+            (slice(start, start + count), block[:, :count]),
+            (slice(tangential, tangential + k - count), block[:, count:]),
+        ):
+            self.M[columns, here] += part.T
+            self.M[here, columns] -= part
+
     def add_between_forces(self, block: Array) -> None:
         """Add block (k, k) between all unknown force components, normals first."""
         add_at(self.M, self._forces(block), block)
@@ -114,11 +135,17 @@ class System:
         """Add block (dof, k) from the force components, normals first, to the rows of u, and its transpose back."""
         couple(self.M, self.at["u"].start, self._forces(block), block)
 
+    @property
+    def tangential(self) -> int:
+        """Where the tangential unknowns begin: those of the points, then those of the soft contacts."""
+        first = self.at.get("r_T") or self.at.get("r_S")
+        return 0 if first is None else first.start
+
     def _forces(self, block: Array) -> tuple[int, int, int]:
-        """(start of r_N, how many, start of r_T)."""
-        normal, tangential = self.at.get("r_N"), self.at.get("r_T")
+        """(start of r_N, how many, start of the tangential unknowns)."""
+        normal = self.at.get("r_N")
         count = 0 if normal is None else normal.stop - normal.start
-        return 0 if normal is None else normal.start, count, 0 if tangential is None else tangential.start
+        return 0 if normal is None else normal.start, count, self.tangential
 
     def sizes(self, scene: Scene) -> tuple[Array, Array]:
         """(N,) SI sizes of one natural unit of every x and every w."""

@@ -23,9 +23,11 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect
+from handlcp.grasp.limit_surface import limit_surface
 from handlcp.grasp.limits import at_answer
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_tangent import soft_inequalities, soft_system
 from handlcp.grasp.states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, VERTEX, States
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
@@ -40,7 +42,7 @@ _FAR = 1e6  # a row that no unit change lifts beyond 1 / _FAR is 0
 @dataclass(frozen=True, slots=True)
 class Branch:
     """One choice for what is at rest: kind (n,) as in `states`, active (m,) which of the effects' limits give way, and
-    basis (3n + dof, k), orthonormal changes (Δr, Δu) in natural units, k ≥ 1. multipliers (active.sum(), k): the Δs
+    basis (c + dof, k), orthonormal changes (Δr, Δu) in natural units, k ≥ 1. multipliers (active.sum(), k): the Δs
     that go with them.
     """
 
@@ -61,18 +63,22 @@ def free_branches(
     softness = scene.units.force / scene.units.motion
     out = []
     for kind, active in itertools.product(_choices(governed, limits), limited.choices()):
-        A, rank = tangent_system(
-            scene.natural.every, scene.flexibility, softness, kind, states.faces, states.turn, limits, planar,
-            limited.rows[active],
-        )  # fmt: skip
+        if scene.soft:
+            A, rank = soft_system(scene, section, kind, states, limited.rows[active])
+        else:
+            A, rank = tangent_system(
+                scene.natural.every, scene.flexibility, softness, kind, states.faces, states.turn, limits, planar,
+                limited.rows[active],
+            )  # fmt: skip
         if rank == len(A):
             continue
         _, sv, Vt = np.linalg.svd(A)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
-        basis, multipliers = _orthonormal(Vt[sv <= RANK * sv[0]].T, 3 * scene.n + scene.dof)
+        basis, multipliers = _orthonormal(Vt[sv <= RANK * sv[0]].T, scene.components + scene.dof)
         resting = np.flatnonzero(governed == RESTING)
         if (len(resting) or limited.resting.any()) and basis.shape[1]:
-            D, _ = inequalities(scene, section, kind, states.faces, candidate.forces * 0, candidate.forces * 0, resting)
+            nothing = np.zeros(scene.components)
+            D, _ = inequalities(scene, section, kind, states, nothing, nothing, resting)
             # Rows of a friction beyond measure are as long as it is; only their directions matter
             D = D / abs(D).max(axis=1, keepdims=True) @ basis
             at_limits, _ = limited.conditions(basis, active, multipliers)
@@ -132,12 +138,20 @@ def _span(D: Array) -> Array:
 
 
 def inequalities(
-    scene: Scene, section: Section, kind: Ints, faces: Array, forces: Array, motion: Array, contacts: Ints | None = None
+    scene: Scene,
+    section: Section,
+    kind: Ints,
+    states: States,
+    forces: Array,
+    motion: Array,
+    contacts: Ints | None = None,
 ) -> tuple[Array, Array]:
-    """(rows, now): now + rows · (Δr, Δu) ≥ 0 keeps the given contacts (None: all) in their states; natural units."""
-    n, dof = scene.n, scene.dof
+    """(rows, now): now + rows · (Δr, Δu) ≥ 0 keeps the given contacts (None: all) in their states; forces and motion
+    (c,), natural units.
+    """
+    n, c, dof, faces = scene.n, scene.components, scene.dof, states.faces
     normals, limits = section.normals, section.limit(scene.mu)
-    force = np.eye(3 * n, 3 * n + dof)
+    force = np.eye(c, c + dof)
     move = np.hstack([scene.flexibility * (scene.units.force / scene.units.motion), scene.natural.every.T])
     rows: list[Array] = []
     now: list[float] = []
@@ -147,23 +161,31 @@ def inequalities(
             continue
         if kind[i] == SEPARATED:
             rows.append(move[z])
-            now.append(motion[i, 2])
+            now.append(motion[z])
             continue
         rows.append(force[z])
-        now.append(forces[i, 2])
+        now.append(forces[z])
+        if i in scene.soft:
+            k = scene.soft.index(i)
+            more, room = soft_inequalities(
+                limit_surface(section), scene.mu[i], states.soft[k], scene.soft_index[k], z, force, move
+            )
+            rows += list(more)
+            now += (room @ np.append(forces, motion)).tolist()
+            continue
         if kind[i] != GLIDING:
-            for c, s in normals.T:
-                rows.append(limits[i] * force[z] - c * force[x] - s * force[y])
-                now.append(limits[i] * forces[i, 2] - c * forces[i, 0] - s * forces[i, 1])
+            for a, s in normals.T:
+                rows.append(limits[i] * force[z] - a * force[x] - s * force[y])
+                now.append(limits[i] * forces[z] - a * forces[x] - s * forces[y])
         # The slip is -(λ₁n₁ + λ₂n₂) with λ ≥ 0
         if kind[i] == SLIDING:
-            c, s = faces[i, 0]
-            rows.append(-c * move[x] - s * move[y])
-            now.append(-c * motion[i, 0] - s * motion[i, 1])
+            a, s = faces[i, 0]
+            rows.append(-a * move[x] - s * move[y])
+            now.append(-a * motion[x] - s * motion[y])
         if kind[i] == VERTEX:
             rows += list(np.linalg.solve(faces[i].T, -np.vstack([move[x], move[y]])))
-            now += np.linalg.solve(faces[i].T, -motion[i, :2]).tolist()
-    return np.array(rows).reshape(-1, 3 * n + dof), np.array(now)
+            now += np.linalg.solve(faces[i].T, -motion[x:z]).tolist()
+    return np.array(rows).reshape(-1, c + dof), np.array(now)
 
 
 @kernel

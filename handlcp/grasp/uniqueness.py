@@ -8,6 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.certify import Verdict
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.limits import at_answer
 from handlcp.grasp.pyramid import Section
@@ -61,10 +62,10 @@ _NOTHING_FREE = {others: Uniqueness(0, _NOTHING, True, others) for others in (Fa
 
 def describe(scene: Scene, branches: tuple[Branch, ...], arm: Array) -> Uniqueness:
     """In SI; arm (3,) [m] leads from the contacts' centre to the grasp's reference."""
-    others = None if scene.rough else False
+    others = None if scene.frictional else False
     if not branches:
         return _NOTHING_FREE[others]
-    k = 3 * scene.n
+    k = scene.components
     U, s, _ = np.linalg.svd(np.hstack([b.basis[k:] for b in branches]), full_matrices=False)
     moving = U[:, s > 1e-9]
     twists = np.array([shifted(scene.twist(t), arm) for t in moving.T]).reshape(-1, 6)
@@ -78,10 +79,10 @@ def minimum_norm(
     section: Section,
     states: States,
     candidate: Candidate,
-    motion: Array,
+    verdict: Verdict,
     branches: tuple[Branch, ...],
 ) -> Candidate:
-    """The member of least norm (natural units) that keeps every contact in its state; motion (n, 3) as it is now [m].
+    """The member of least norm (natural units) that keeps every contact in its state; verdict : on the candidate.
 
     In each branch min ‖x₀ + B c‖ subject to the inequalities of the states (forces push, gaps stay open, friction
     within its limit, slip against the faces): a least-distance problem, solved as nonnegative least squares
@@ -90,15 +91,16 @@ def minimum_norm(
     """
     from scipy.optimize import nnls  # half a second of import that only loose scenes should pay
 
-    n, units = scene.n, scene.units
+    n, c, units = scene.n, scene.components, scene.units
     u0 = candidate.twist if scene.freedom is None else scene.freedom @ candidate.twist
-    x0 = np.concatenate([candidate.forces.ravel() / units.force, u0 / scene.twist_units])
-    forces, moved = candidate.forces / units.force, motion / units.motion
+    forces = candidate.components / units.force
+    moved = np.append(verdict.motion.ravel(), verdict.turn) / units.motion
+    x0 = np.concatenate([forces, u0 / scene.twist_units])
     best, least, extra = x0, float(x0 @ x0), candidate.extra
     limited = at_answer(scene, effects, candidate)
     for branch in branches:
         B = branch.basis
-        rows, now = inequalities(scene, section, branch.kind, states.faces, forces, moved)
+        rows, now = inequalities(scene, section, branch.kind, states, forces, moved)
         # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h. Rounding must neither shut out the present member (now ≥ 0)
         # nor make a condition of a row that these directions do not touch.
         A = rows @ B
@@ -120,4 +122,5 @@ def minimum_norm(
         if float(x @ x) < least:
             best, least = x, float(x @ x)
             extra = limited.moved(scene, branch.active, branch.multipliers @ (y - B.T @ x0))
-    return Candidate((best[: 3 * n] * units.force).reshape(n, 3), scene.twist(best[3 * n :]), extra)
+    best_forces = best[:c] * units.force
+    return Candidate(best_forces[: 3 * n].reshape(n, 3), scene.twist(best[c:]), extra, best_forces[3 * n :])

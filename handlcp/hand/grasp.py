@@ -95,7 +95,7 @@ class HandGrasp(Grasp):
     @property
     def tip_offset(self) -> Array:
         """(n, 3) the scene's offset without what the hand adds to it: gaps, preloads and `offset` [m]."""
-        return read_only(self.scene.offset - self._added) if self._adds else self.scene.offset
+        return read_only(self.offset - self._added) if self._adds else self.offset
 
     def replace(
         self,
@@ -168,7 +168,7 @@ class HandGrasp(Grasp):
         return read_only(offset + self._added) if self._adds else offset
 
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
-        hand = self.state.hand
+        hand, solution = self.state.hand, super()._complete(solution)
         torque = solution.forces.reshape(-1) @ self.jacobian
         total, yielded, yielding = torque + self.gravity_torque, np.zeros(hand.nv), _NOBODY
         for e in self.effects:

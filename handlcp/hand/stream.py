@@ -50,6 +50,9 @@ class GraspStream:
             expected = "one whose effects asked for are compliances; grasp.solve(start=...) follows any"
             raise InputError("grasp", expected, named)
         scene, n = grasp.scene, grasp.scene.n
+        if scene.scale is not None:
+            laws = ", ".join(dict.fromkeys(type(c.friction).__name__ for c in grasp.contacts))
+            raise InputError("grasp", "one with Coulomb's friction; grasp.solve(start=...) follows any", laws)
         section = as_section(faces, planar=scene.plane is not None)
         self._kind, self._section = kind_of(scene, section), section
         self._seed = integer("seed", seed, 0)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.lcp.balls import BallProblem
 from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.kernels.polyhedron import nearest_in_ball, nearest_in_polyhedron
 from handlcp.lcp.kernels.residual import recompute, recompute_contact
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY, GROWTH
 
-__all__ = ["certify", "certify_contact", "is_farkas", "natural_residual"]
+__all__ = ["certify", "certify_balls", "certify_contact", "is_farkas", "natural_residual"]
 
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
@@ -40,6 +42,30 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
         problem.M, problem.q, problem.role, problem.blocks, problem.limits, problem.faces, x, GROWTH
     )
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
+
+
+def certify_balls(problem: BallProblem, x: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
+    """(status, y in the user's units, residual) for x (n,) of a `BallProblem`, natural units; residual as in
+    `certify_contact`.
+    """
+    y = problem.M @ x + problem.q
+    off = np.where(problem.free, y, np.minimum(x, y))
+    worst = []
+    for ball, limit in zip(problem.balls, problem.limits.tolist(), strict=True):
+        t = ball[1:][ball[1:] >= 0]
+        off[t] = 0.0
+        s, p, a = np.zeros(3), np.empty(3), limit * max(x[ball[0]], 0.0)
+        s[: len(t)] = x[t] - y[t]
+        normals = problem.faces[len(t) - 2]
+        if len(problem.faces[1]):
+            nearest_in_polyhedron(s, a, normals, p, np.empty((3, 4)))
+        else:
+            nearest_in_ball(s, a, p, np.empty((3, 4)))
+        worst.append(float(np.linalg.norm(x[t] - p[: len(t)])))
+    size = min(max(1.0, float(abs(x).max(initial=0.0))), GROWTH)
+    residual = float(np.max([*abs(off), *worst])) / size
+    solved = residual <= tolerance  # NaN never is
+    return Status.SOLVED if solved else Status.UNDECIDED, y * problem.units.w, residual
 
 
 def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY) -> bool:

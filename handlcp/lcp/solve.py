@@ -8,7 +8,8 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, NoSolutionFound, Unsupported
-from handlcp.lcp.certify import certify, certify_contact
+from handlcp.lcp.balls import BallProblem
+from handlcp.lcp.certify import certify, certify_balls, certify_contact
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.infeasible import farkas_vector
 from handlcp.lcp.kernels.residual import product
@@ -16,6 +17,7 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal
 from handlcp.lcp.search import search
 from handlcp.lcp.solvers.auto import Auto, as_chain
+from handlcp.lcp.solvers.balls import ball_stages
 from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.status import Status
 
@@ -23,7 +25,7 @@ __all__ = ["proposals", "solve_lcp"]
 
 
 def solve_lcp(
-    problem: LCP | ContactProblem,
+    problem: LCP | ContactProblem | BallProblem,
     solver: Solver | ContactSolver | Auto | None = None,
     throw: bool = True,
     start: Array | None = None,
@@ -32,14 +34,15 @@ def solve_lcp(
 
     solver : `Auto()` when None. start : (n,) first guess in the user's units, zero when None.
 
-    A `ContactProblem` (the exact cone, `grasp.problem("cone")`) is solved likewise; its w is y = M x + q.
+    A `ContactProblem` (the exact cone, `grasp.problem("cone")`), or a `BallProblem` (with soft fingers), is solved
+    likewise; its w is y = M x + q.
     A solver only proposes: the status is the certifier's, recomputed from M, q and z. Raises NoSolutionFound (with
     the problem and the solution) unless SOLVED, or returns whatever came when `throw` is False. Raises InputError
     for anything but an LCP, a solver and a start of the right shape.
     """
-    if not isinstance(problem, (LCP, ContactProblem)):
+    if not isinstance(problem, (LCP, ContactProblem, BallProblem)):
         raise InputError("problem", "an LCP, or a ContactProblem", type(problem).__name__)
-    units = problem.units if isinstance(problem, ContactProblem) else problem.scaled.units
+    units = problem.scaled.units if isinstance(problem, LCP) else problem.units
     if start is not None:
         start = array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
@@ -49,6 +52,8 @@ def solve_lcp(
         z = product(proposal.z, units.z)
         if isinstance(problem, ContactProblem):
             status, w, residual = certify_contact(problem, proposal.z)
+        elif isinstance(problem, BallProblem):
+            status, w, residual = certify_balls(problem, proposal.z)
         else:
             status, w, residual = certify(problem, z)
         trace.append(f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {residual:.1e}")
@@ -89,7 +94,7 @@ def solve_lcp(
 
 
 def proposals(
-    problem: LCP | ContactProblem,
+    problem: LCP | ContactProblem | BallProblem,
     solver: Solver | ContactSolver | Auto | None = None,
     start: Array | None = None,
     first: Proposal | None = None,
@@ -103,7 +108,13 @@ def proposals(
         raise InputError(
             "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
         )
-    if isinstance(problem, ContactProblem):
+    if isinstance(problem, BallProblem):
+        if not isinstance(solver, Auto):
+            raise Unsupported(
+                f"{type(solver).__name__} knows no soft fingers on the exact cone: use Auto(), or faces ≥ 3"
+            )
+        yield from ball_stages(problem, solver.seed, start)
+    elif isinstance(problem, ContactProblem):
         if isinstance(solver, Auto):
             yield from solver.contact_stages(problem, start, first)
         elif isinstance(solver, ContactSolver):

@@ -125,7 +125,7 @@ class _Scene:
         largest = float(amount[moving].max())
         factor = nice(0.45 * scene.units.length / largest)
         for i in moving:
-            over.arrow(scene.positions[i], scene.frames[i][:, :2] @ s.slip[i] * factor, SLIP, 0.85)
+            over.arrow(scene.positions[i], self.grasp.frames[i][:, :2] @ s.slip[i] * factor, SLIP, 0.85)
         times = f"× {factor:g}" if factor >= 1 else f"÷ {1 / factor:g}"
         return f"slip of the object, {times}\n(up to {units.length(largest)})"
 

@@ -93,7 +93,7 @@ def _contacts(grasp: Grasp, solution: GraspSolution) -> list[dict[str, Any]]:
         {
             "name": name,
             "position_m": grasp.scene.positions[i],
-            "axes": grasp.scene.frames[i].T,
+            "axes": grasp.frames[i].T,
             "friction": grasp.contacts[i].mu,
             "state": solution.contact_state[i],
             "force_N": solution.forces[i],

@@ -4,6 +4,7 @@ An effect declares its unknowns and stamps its blocks; a scene without it has no
 a file here.
 """
 
+from handlcp.grasp.effects.anisotropic_friction import AnisotropicFriction
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.compliance import Compliance, softened, stamped
 from handlcp.grasp.effects.contact_compliance import ContactCompliance
@@ -15,12 +16,15 @@ from handlcp.grasp.effects.finger_force_bound import FingerForceBound
 from handlcp.grasp.effects.limit import Limit
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
+from handlcp.grasp.effects.soft_finger_cone import SoftFingerCone
+from handlcp.grasp.effects.soft_finger_pyramid import SoftFingerPyramid
 from handlcp.grasp.effects.soft_wrist import SoftWrist
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.effects.total_force_bound import TotalForceBound
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 
 __all__ = [
+    "AnisotropicFriction",
     "Compliance",
     "ContactCompliance",
     "CoulombCone",
@@ -32,6 +36,8 @@ __all__ = [
     "Limit",
     "ObjectBalance",
     "PrescribedForce",
+    "SoftFingerCone",
+    "SoftFingerPyramid",
     "SoftWrist",
     "TorqueSaturation",
     "TotalForceBound",

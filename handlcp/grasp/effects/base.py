@@ -58,7 +58,8 @@ class Effect:
             limit.stamp(scene, system)
 
     def opening(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
-        """(n, 3) motion between object and fingertips that this effect adds to Gᵀu + E r + d [m, contact axes].
+        """(c,) motion between object and fingertips that this effect adds to Gᵀu + E r + d [m], over the scene's
+        components.
 
         `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
         none is left out. None: nothing.
@@ -72,7 +73,7 @@ class Effect:
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
     ) -> float:
-        """How far a candidate misses this effect's own law, relative; forces (n, 3) N in contact axes.
+        """How far a candidate misses this effect's own law, relative; forces (c,) N, the scene's components.
 
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """

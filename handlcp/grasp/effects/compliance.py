@@ -27,8 +27,10 @@ class Compliance(Effect):
     title = "compliance"
     equation = "E += E_c,  E_c ⪰ 0"
 
-    def matrix(self, positions: Array, frames: Array) -> Array:
-        """(3n, 3n) E_c [m/N], symmetric positive semidefinite, contact axes; positions (n, 3) [m], frames (n, 3, 3)."""
+    def matrix(self, positions: Array, frames: Array, soft: tuple[int, ...]) -> Array:
+        """(c, c) E_c [m/N], symmetric positive semidefinite, contact axes; positions (n, 3) [m], frames (n, 3, 3), soft
+        as in `Scene`.
+        """
         raise NotImplementedError
 
     def stamp(self, scene: Scene, system: System) -> None:
@@ -40,15 +42,22 @@ def stamped(effects: Iterable[Effect]) -> tuple[Effect, ...]:
     return tuple(e for e in effects if not isinstance(e, Compliance))
 
 
-def softened(flexibility: Array, effects: Iterable[Effect], positions: Array, frames: Array, planar: bool) -> Array:
-    """(3n, 3n) the fingers' E with the compliances among `effects`, read-only; without any, the very same array.
+def softened(
+    flexibility: Array,
+    effects: Iterable[Effect],
+    positions: Array,
+    frames: Array,
+    planar: bool,
+    soft: tuple[int, ...] = (),
+) -> Array:
+    """(c, c) the fingers' E with the compliances among `effects`, read-only; without any, the very same array.
 
     planar : only what acts in the plane is added. Forces in a plane are what a planar scene has, and motion across it
         opens no gap and is no slip, so that rows and columns of the tangent across it (y) say nothing.
     """
     for e in effects:
         if isinstance(e, Compliance):
-            more = e.matrix(positions, frames)
+            more = e.matrix(positions, frames, soft)
             if planar:
                 more = more.copy()
                 more[1::3] = 0.0

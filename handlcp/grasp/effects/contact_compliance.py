@@ -64,9 +64,10 @@ class ContactCompliance(Compliance):
         mean = float(np.trace(self.flexibility, axis1=-2, axis2=-1).mean() / 3)
         return f"asked for: the object's surface gives way by {mean:.3g} m/N in the mean"
 
-    def matrix(self, positions: Array, frames: Array) -> Array:
-        """Blocks on the diagonal."""
+    def matrix(self, positions: Array, frames: Array, soft: tuple[int, ...]) -> Array:
+        """Blocks on the diagonal; nothing about the normals."""
         n = len(positions)
         out, each = np.zeros((n, 3, n, 3)), np.arange(n)
         out[each, :, each] = self.flexibility
-        return out.reshape(3 * n, 3 * n)
+        E = out.reshape(3 * n, 3 * n)
+        return np.pad(E, (0, len(soft))) if soft else E

@@ -38,4 +38,4 @@ class CoulombCone(Effect):
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""
-        system.load("r_T", scene.natural.d[scene.natural.split :])
+        system.load("r_T", scene.tangential_offset)

@@ -47,7 +47,7 @@ class CoulombPlanar(Effect):
             scene.mu[list(scene.rough)],
             _ENDS,
         )
-        system.load("r_T", scene.natural.d[scene.natural.split :])
+        system.load("r_T", scene.tangential_offset)
 
 
 _ENDS = np.array([[1.0, -1.0]])  # outward normals of the friction interval

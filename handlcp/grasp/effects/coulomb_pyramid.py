@@ -53,7 +53,7 @@ class CoulombPyramid(Effect):
             self.pyramid.limit(scene.mu[list(scene.rough)]),
             self.pyramid.normals,
         )
-        system.load("r_T", scene.natural.d[scene.natural.split :])
+        system.load("r_T", scene.tangential_offset)
 
 
 @kernel

@@ -67,6 +67,6 @@ class FingerForceBound(Effect):
         """z̄_i: how far each bounded finger gives way."""
         bounds = np.broadcast_to(np.asarray(self.bounds, dtype=float), (scene.n,))
         bounded = np.flatnonzero(scene.governed_mask & np.isfinite(bounds))
-        rows = np.zeros((len(bounded), 3 * scene.n))
+        rows = np.zeros((len(bounded), scene.components))
         rows[np.arange(len(bounded)), 3 * bounded + 2] = 1.0
         return (Limit("z̄_i", rows, bounds[bounded]),)

@@ -25,7 +25,7 @@ __all__ = ["Limit"]
 class Limit:
     """k limits of one kind, SI.
 
-    name : of the group of unknowns s. rows : (k, 3n) A, contact axes; zero for contacts whose force is prescribed.
+    name : of the group of unknowns s. rows : (k, c) A over the scene's force components; zero for contacts whose force is prescribed.
     room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the lengths that turn
     them into a force and a motion, for natural units; None for forces.
     """
@@ -44,7 +44,7 @@ class Limit:
 
     @property
     def natural_rows(self) -> Array:
-        """(k, 3n) A in natural units."""
+        """(k, c) A in natural units."""
         return self.rows if self.levers is None else self.rows / self.levers[:, None]
 
     def natural_room(self, scene: Scene) -> Array:
@@ -57,23 +57,22 @@ class Limit:
         return s if self.levers is None else s * self.levers
 
     def natural_slack(self, scene: Scene, forces: Array) -> Array:
-        """(k,) b - A r in natural units, from forces (n, 3) N."""
-        return self.natural_room(scene) - self.natural_rows @ (forces.ravel() / scene.units.force)
+        """(k,) b - A r in natural units, from force components (c,) N."""
+        return self.natural_room(scene) - self.natural_rows @ (forces / scene.units.force)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slack, and the motion of the contacts that goes with it."""
-        for forces, index in (("r_N", scene.normal_index), ("r_T", scene.tangent_index)):
-            block = self.natural_rows[:, index]
-            system.add(forces, self.name, block.T)
-            system.add(self.name, forces, -block)
+        if self.name in system.at:
+            index = np.concatenate([scene.normal_index, scene.tangent_index])
+            system.couple_forces(self.name, self.natural_rows[:, index])
         system.load(self.name, self.natural_room(scene))
 
     def opening(self, extra: dict[str, Array]) -> Array:
-        """(n, 3) Aᵀ s [m]."""
+        """(c,) Aᵀ s [m]."""
         s = extra[self.name]
         if not np.isfinite(s).all():
-            return np.full((self.rows.shape[1] // 3, 3), np.nan)  # which never passes
-        return np.asarray(s @ self.rows).reshape(-1, 3)
+            return np.full(self.rows.shape[1], np.nan)  # which never passes
+        return np.asarray(s @ self.rows)
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float

@@ -53,14 +53,14 @@ class PrescribedForce(Effect):
     def stamp(self, scene: Scene, system: System) -> None:
         """Known parts of balance and of the other fingers' retreat."""
         mine = slice(3 * self.contact, 3 * self.contact + 3)
-        s, a, f = scene.units, scene.natural, self.force / scene.units.force
-        system.load("u", a.every[:, mine] @ f)
-        retreat = scene.flexibility[:, mine] @ self.force / s.motion
-        system.load("r_N", retreat[scene.normal_index])
-        system.load("r_T", retreat[scene.tangent_index])
+        s, a, force = scene.units, scene.natural, scene.lawful_at(self.contact, self.force)
+        system.load("u", a.every[:, mine] @ (force / s.force))
+        retreat = scene.flexibility[:, mine] @ force / s.motion
+        system.load_forces(retreat[scene.normal_index], retreat[scene.tangent_index])
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
     ) -> float:
         """Whether the answer carries this very force."""
-        return float(abs(forces[self.contact] - self.force).max()) / force_size
+        mine = forces[3 * self.contact : 3 * self.contact + 3]
+        return float(abs(mine - scene.lawful_at(self.contact, self.force)).max()) / force_size

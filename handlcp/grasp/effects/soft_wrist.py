@@ -65,8 +65,10 @@ class SoftWrist(Compliance):
             f"{self.at.tolist()}"
         )
 
-    def matrix(self, positions: Array, frames: Array) -> Array:
-        """Wᵀ C W, symmetric to the last bit."""
+    def matrix(self, positions: Array, frames: Array, soft: tuple[int, ...]) -> Array:
+        """Wᵀ C W, symmetric to the last bit; a moment about a soft finger's normal is felt as it is."""
         W = wrench_map(positions - self.at, frames)
+        if soft:
+            W = np.hstack([W, np.vstack([np.zeros((3, len(soft))), frames[list(soft)][:, :, 2].T])])
         E = W.T @ self.flexibility @ W
         return np.asarray((E + E.T) / 2)

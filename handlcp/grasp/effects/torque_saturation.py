@@ -73,7 +73,7 @@ class TorqueSaturation(Effect):
         """Both ways, of every joint that has a limit and moves a contact whose force is unknown."""
         joints, levers, k = self._known(scene)
         assert self.given is not None
-        rows, given = (joints.jacobian.T * np.repeat(scene.governed_mask, 3))[k], self.given[k]
+        rows, given = (joints.jacobian.T * _unknown(scene))[k], self.given[k]
         return (
             Limit("s⁺", rows, joints.limits[k] - given, levers[k]),
             Limit("s⁻", -rows, joints.limits[k] + given, levers[k]),
@@ -102,3 +102,9 @@ class TorqueSaturation(Effect):
         levers = np.sqrt((self.joints.jacobian[unknown] ** 2).sum(axis=0))
         limited = np.isfinite(self.joints.limits) & (levers > _REACH * levers.max(initial=0.0))
         return self.joints, levers, np.flatnonzero(limited)
+
+
+def _unknown(scene: Scene) -> Array:
+    """(c,) what one of each component is in contact axes; 0 where the contact's force is prescribed."""
+    unknown: Array = np.append(np.repeat(scene.governed_mask, 3).astype(float), np.ones(len(scene.soft)))
+    return unknown if scene.scale is None else unknown * scene.scale

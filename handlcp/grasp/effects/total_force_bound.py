@@ -38,6 +38,6 @@ class TotalForceBound(Effect):
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """One, of all normal forces; z̄ is the opening common to all fingers."""
-        rows = np.zeros((1, 3 * scene.n))
+        rows = np.zeros((1, scene.components))
         rows[0, scene.normal_index] = 1.0
         return (Limit("z̄", rows, np.array([self.limit])),)

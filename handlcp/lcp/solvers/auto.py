@@ -16,9 +16,11 @@ import numpy as np
 
 from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
+from handlcp.lcp.balls import BallProblem
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
+from handlcp.lcp.solvers.balls import BALL_STAGES
 from handlcp.lcp.solvers.base import ContactSolver
 from handlcp.lcp.solvers.continuation import Continuation
 from handlcp.lcp.solvers.lemke import Lemke
@@ -43,6 +45,8 @@ class Auto:
     of the contacts stick or stay apart; Lemke's method with other covering vectors; Newton's method from the answers of
     other pyramids; continuation from a stronger squeeze and from more friction; more subsets; NSNGRK again with more
     steps, from Lemke's answer and from other starts and seeds, at last on a pyramid's multipliers.
+    On balls (soft fingers on the exact cone): Newton's method from where contacts stick, from Lemke's answers on two
+    polyhedra, from other starts, and from more friction.
     On other LCPs: NSNGRK, Lemke's method with one, then with other covering vectors, Newton's method from other active
     sets, NSNGRK again.
     Then the proof that there is no answer: a Farkas vector, or of a grasp that nothing could hold it; and last the
@@ -84,16 +88,18 @@ class Auto:
             if name != _FIRST and (later := run()) is not None:
                 yield name, later
 
-    def plan(self, problem: LCP | ContactProblem) -> tuple[str, ...]:
+    def plan(self, problem: LCP | ContactProblem | BallProblem) -> tuple[str, ...]:
         """What would run on this problem, in order, until one answer is certified; `Grasp.plan` says it of a grasp.
 
         Stages may be passed over (where Lemke's method has no answer, nothing starts from it); none is added. The
         solution's `trace` begins its lines with these names. The end of a contact problem's plan is what `Grasp.solve`
         does; `solve_lcp` stops before it. Raises InputError for anything but a problem.
         """
+        search = (self.search_stage,) if self.search_seconds > 0 else ()
+        if isinstance(problem, BallProblem):
+            return (*BALL_STAGES, *(("holdability", *search) if hasattr(problem, "scene") else ()))
         if not isinstance(problem, (LCP, ContactProblem)):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
-        search = (self.search_stage,) if self.search_seconds > 0 else ()
         if isinstance(problem, ContactProblem):
             names = tuple(name for name, _ in self._contact(problem, None))
             return (*names, "holdability", *search) if hasattr(problem, "scene") else names

@@ -55,7 +55,7 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
             yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads)
     elif E.any():
         yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
-    if (bare := grasp.replace(preload=0.0)).scene.offset.tolist() != scene.offset.tolist():
+    if (bare := grasp.replace(preload=0.0)).offset.tolist() != grasp.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
         yield "friction", "smooth fingertips", with_friction(grasp, 0.0)
@@ -99,7 +99,7 @@ def _unsagged(grasp: HandGrasp) -> HandGrasp:
     """Joints that don't give way to the fingers' weight."""
     if not grasp.sag.any():
         return grasp
-    made = changed(grasp, offset=read_only(grasp.scene.offset - grasp.tip_sag))
+    made = changed(grasp, offset=read_only(grasp.offset - grasp.tip_sag))
     made.sag = read_only(np.zeros_like(grasp.sag))
     return made
 

@@ -13,11 +13,10 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Pyramid
 from handlcp.grasp.assemble import GraspContact
-from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.candidate import Candidate, of_solution
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
 from handlcp.grasp.pyramid import as_section
-from handlcp.grasp.scene import shifted
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto, SemismoothNewton
 from handlcp.study.accuracy.methods import Method
@@ -190,9 +189,7 @@ def timed(task: Callable[[], Callable[[], Any]], repeats: int, seconds: float) -
 def _candidate(solution: GraspSolution) -> Candidate:
     """Forces and motion of a solution, as a solver would propose them."""
     assert solution.scene is not None
-    assert solution.reference is not None
-    arm = solution.scene.units.centre - solution.reference
-    return Candidate(solution.forces, shifted(solution.object_displacement, arm), {})
+    return of_solution(solution.scene, solution)
 
 
 def _times(times: list[float]) -> dict[str, Any]:

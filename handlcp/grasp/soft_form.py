@@ -1,0 +1,102 @@
+"""What a solver's chain works on: friction as a set, with soft fingers balls or polyhedra in three tangents."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble, assemble_contact
+from handlcp.grasp.candidate import Candidate, decode, encode
+from handlcp.grasp.catalogue import called_for
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.limit_surface import limit_surface
+from handlcp.grasp.pyramid import Cone, Pyramid, Section
+from handlcp.grasp.scene import Scene
+from handlcp.grasp.system import System, Unknown, layout
+from handlcp.lcp.balls import BallProblem
+from handlcp.lcp.problem import LCP
+from handlcp.lcp.scaling import Units
+
+__all__ = ["GraspBalls", "assembled", "chain_form"]
+
+
+class GraspBalls(BallProblem):
+    """A `BallProblem` that knows what its unknowns mean: groups and effects as in `GraspContact`."""
+
+    groups: tuple[Unknown, ...]
+    effects: tuple[Effect, ...]
+    _system: System
+    _scene: Scene
+
+    @property
+    def scene(self) -> Scene:
+        """What was assembled."""
+        return self._scene
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """A name for every unknown, such as "r_S[2]"."""
+        return tuple(f"{g.name}[{k}]" for g in self.groups for k in range(g.count))
+
+    def candidate(self, x: Array) -> Candidate:
+        """Forces and motion from x (n,) in natural units."""
+        return decode(self._scene, self._system, self.effects, x)
+
+    def natural(self, candidate: Candidate) -> Array:
+        """(n,) x with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        return encode(self._scene, self._system, candidate)
+
+
+def chain_form(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact | GraspBalls:
+    """The form of the problem that `Auto` solves."""
+    return _balls(scene, section, asked) if scene.soft else assemble_contact(scene, section, asked)
+
+
+def assembled(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspProblem | GraspContact | GraspBalls:
+    """The problem as `Grasp.problem` gives it: friction with a multiplier a face, or as a set on the exact cone."""
+    if not isinstance(section, Cone):
+        return assemble(scene, called_for(scene, section, asked, multipliers=True))
+    return _balls(scene, section, asked) if scene.soft else assemble_contact(scene, section, asked)
+
+
+def _balls(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspBalls:
+    effects = called_for(scene, section, asked, multipliers=False)
+    system = System(layout(u for e in effects for u in e.unknowns(scene)))
+    for e in effects:
+        e.stamp(scene, system)
+    at, normals = system.at, scene.normal_index.tolist()
+    balls = np.full((len(scene.rough) + len(scene.soft), 4), -1, dtype=np.int64)
+    every = [*scene.rough, *scene.soft]
+    balls[:, 0] = [at["r_N"].start + normals.index(3 * i + 2) for i in every]
+    start = system.tangential
+    for k in range(len(every)):
+        width = 2 if k < len(scene.rough) else 3
+        balls[k, 1 : 1 + width] = range(start, start + width)
+        start += width
+    free, surface = np.arange(len(system.q)) >= at["u"].start, limit_surface(section)
+    limits = np.append(section.limit(scene.mu)[list(scene.rough)], surface.limit(scene.mu)[list(scene.soft)])
+    flat = np.vstack([section.normals, np.zeros(section.normals.shape[1])]).T
+    p = GraspBalls(
+        system.M, system.q, free, balls, limits,
+        None if surface.exact else (np.ascontiguousarray(flat), surface.outward), Units(*system.sizes(scene)),
+        lambda m: _pyramid(scene, asked, system, m),
+    )  # fmt: skip
+    p.groups, p.effects, p._system, p._scene = system.layout.groups, effects, system, scene
+    return p
+
+
+def _pyramid(
+    scene: Scene, asked: tuple[Effect, ...], balls: System, faces: int
+) -> tuple[LCP, Callable[[Array], Array]]:
+    """The same scene as a plain LCP on polyhedra, and how its z becomes an x of `balls`."""
+    p = assemble(scene, called_for(scene, Pyramid(faces), asked, multipliers=True))
+
+    def back(z: Array) -> Array:
+        full, x = p.every(z), np.empty(len(balls.q))
+        for name, here in balls.at.items():
+            x[here] = full[p._system.at[name]]
+        return x
+
+    return p, back

@@ -1,0 +1,90 @@
+"""The chain of stages on a `BallProblem`: Newton's method from where contacts stick, then from pivoted answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from handlcp.check import Array, Bools, Ints
+from handlcp.lcp.balls import BallProblem
+from handlcp.lcp.kernels.balls import ball_held, ball_newton, ball_scales
+from handlcp.lcp.result import Proposal
+from handlcp.lcp.solvers.lemke import Lemke
+from handlcp.tolerances import RANK, SOLVE
+
+__all__ = ["BALL_STAGES", "ball_stages"]
+
+_SCALES = (1.0, 0.1, 10.0, 0.01)  # of ρ: which contacts Newton's next step takes for sticking depends on it
+_STEPS = 40
+_FACES = (8, 12)  # of the polyhedra that Lemke's method pivots on
+_STARTS = 30
+BALL_STAGES = (
+    "Newton", *(f"Newton from Lemke, {m} faces" for m in _FACES), "Newton from other starts", "more friction first"
+)  # fmt: skip
+
+
+def ball_stages(problem: BallProblem, seed: int, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
+    """(name, candidate) one after the other, each computed when asked for; start (n,) natural units."""
+    run = _Runs(problem)
+    if start is not None:
+        yield BALL_STAGES[0], run.newton(start)
+    yield BALL_STAGES[0], run.newton(run.held())
+    for name, m in zip(BALL_STAGES[1:], _FACES, strict=False):
+        lcp, back = problem.pyramid(m)
+        z = Lemke(seed=seed).propose(lcp.scaled).z
+        if np.isfinite(z).all():
+            yield name, run.newton(back(z))
+    rng, p = np.random.default_rng(seed), None
+    for k in range(_STARTS):
+        apart = rng.random(problem.n) < rng.random()
+        slippery = rng.random(len(problem.balls)) < (k % 2) * rng.random()
+        p = run.newton(run.held(apart, slippery))
+        if p.outcome.startswith("converged"):
+            break
+    assert p is not None  # there is one start at least
+    yield BALL_STAGES[-2], p
+    yield BALL_STAGES[-1], run.continued()
+
+
+class _Runs:
+    """Newton's method on one problem."""
+
+    def __init__(self, problem: BallProblem) -> None:
+        self.problem, self.rho = problem, ball_scales(problem.M, problem.balls)
+        self.role: Ints = np.where(problem.free, 0, 1).astype(np.int64)
+        tangents = problem.balls[:, 1:]
+        self.role[tangents[tangents >= 0]] = 2
+
+    def held(self, apart: Bools | None = None, slippery: Bools | None = None) -> Array:
+        """(n,) where contacts stick that start without a gap, or as `ball_held` is told."""
+        p, x = self.problem, np.empty(self.problem.n)
+        gone = (self.role == 1) & (p.q > 0.0) if apart is None else apart
+        smooth = np.zeros(len(p.balls), bool) if slippery is None else slippery
+        ball_held(p.M, p.q, p.free | (self.role == 2), p.balls, gone, smooth, x, RANK)
+        return x
+
+    def newton(self, start: Array, limits: Array | None = None) -> Proposal:
+        """The best of Newton's method with several scales of ρ."""
+        p, best, best_r, taken = self.problem, start, np.inf, 0
+        for scale in _SCALES:
+            x = start.copy()
+            steps, r = ball_newton(
+                p.M, p.q, self.role, p.balls, p.limits if limits is None else limits, *p.faces, self.rho * scale, x,
+                _STEPS, SOLVE * 1e-2, RANK,
+            )  # fmt: skip
+            taken += steps
+            if r < best_r:
+                best, best_r = x, r
+            if r <= SOLVE:
+                break
+        outcome = "converged" if best_r <= SOLVE else "budget spent"
+        return Proposal(best, taken, f"{outcome}, {taken} Newton steps")
+
+    def continued(self) -> Proposal:
+        """From ten times the friction down to what there is, each answer the next start."""
+        p, x, taken = self.problem, self.held(), 0
+        for factor in np.geomspace(10.0, 1.0, 9):
+            found = self.newton(x, p.limits * factor)
+            x, taken = found.z, taken + found.iterations
+        return Proposal(found.z, taken, found.outcome)
