@@ -113,7 +113,6 @@ def judge_soft(scene: Scene, effects: tuple[Effect, ...], section: Section, cand
     n, governed, c = scene.n, scene.governed_mask.copy(), candidate.components
     governed[list(scene.soft)] = False  # their laws are examined below
     E, u = scene.flexibility, candidate.twist
-    wrench = scene.wrench + np.append(np.zeros(3), scene.spin_axes @ candidate.torsion)
     opened = np.zeros(scene.components)
     for e in effects:
         if (opening := e.opening(scene, candidate.extra)) is not None:
@@ -121,10 +120,13 @@ def judge_soft(scene: Scene, effects: tuple[Effect, ...], section: Section, cand
     offset = (scene.offset.ravel() + opened[: 3 * n] + E[: 3 * n, 3 * n :] @ candidate.torsion).reshape(-1, 3)
     units, limits = scene.units, section.limit(scene.mu)
     v, values = examine(
-        scene.arms, scene.frames, np.ascontiguousarray(E[: 3 * n, : 3 * n]), offset, candidate.forces, u, wrench,
+        scene.arms, scene.frames, np.ascontiguousarray(E[: 3 * n, : 3 * n]), offset, candidate.forces, u, scene.wrench,
         limits, governed, section.faces, units.length, units.force, 1e-12 * units.motion, GROWTH,
     )  # fmt: skip
-    lost_force, lost_moment, balance, normal, cone, slip, F, motion = values
+    _, _, _, normal, cone, slip, F, motion = values
+    lost = scene.wrench + scene.grasp_matrix @ c
+    lost_force, lost_moment = float(np.linalg.norm(lost[:3])), float(np.linalg.norm(lost[3:]))
+    balance = float(np.hypot(lost_force, lost_moment / units.length)) / F
     turn = scene.spin_axes.T @ u[3:] + E[3 * n :] @ c + opened[3 * n :]
     others = F
     if F == F and np.isfinite(turn).all():

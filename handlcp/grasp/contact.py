@@ -63,16 +63,17 @@ class Contact:
             x = np.cross((0.0, 0.0, 1.0), z) if x is None else _lift(x)
         self.position, self.rotation = read_only(p), frame(z, x)
         self.name = name
-        self._bears(friction)
+        self.bears(friction)
 
-    def _bears(self, friction: Friction) -> None:
+    def bears(self, friction: Friction) -> None:
+        """Take on a law, once, while it is being made."""
         self.friction, self.mu = friction, friction.mu
         self.plain = friction.lever == 0.0 and friction.scale == (1.0, 1.0)  # Coulomb's law or none
 
     def with_friction(self, friction: Friction) -> Contact:
         """The same contact under another law, its axes kept."""
         other = copy.copy(self)
-        other._bears(friction)
+        other.bears(friction)
         return other
 
     @property

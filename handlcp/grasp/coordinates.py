@@ -46,7 +46,7 @@ class Law:
 
 
 def law_of(contacts: tuple[Contact, ...], frames: Array, governed: tuple[bool, ...], planar: bool) -> Law:
-    """The law of these contacts; frames (n, 3, 3) in contact axes. In a plane a law is an interval: nothing to scale."""
+    """The law of these contacts; frames (n, 3, 3) in contact axes. A plane's law is an interval: nothing to scale."""
     mu = np.array([c.mu for c in contacts])
     if all([c.plain for c in contacts]):
         return Law(read_only(mu), (), None)

@@ -59,7 +59,7 @@ class LimitSurface:
     @property
     def outward(self) -> Array:
         """(f, 3) the normals, in rows."""
-        return np.ascontiguousarray(self.normals.T)
+        return read_only(np.ascontiguousarray(self.normals.T))
 
 
 @lru_cache(maxsize=64)

@@ -133,7 +133,7 @@ def resolve_soft(
     index: Ints,
     spin_axes: Array,
 ) -> tuple[float, float, float, Array, Array, Array, tuple[Array, Array, Array, Array, Array]]:
-    """The same for n contacts of which k bear moments about their normals; spin_axes (3, k), flexibility over 3n + k."""
+    """The same for n contacts of which k bear moments about their normals; spin_axes (3, k), flexibility (3n + k)²."""
     n, k = len(positions), spin_axes.shape[1]
     size, length, motion, centre = sizes(positions, flexibility, offset, force, moment)
     arms = positions - centre

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble, assemble_contact
 from handlcp.grasp.candidate import Candidate, decode, encode
 from handlcp.grasp.catalogue import called_for
@@ -78,20 +78,20 @@ def _balls(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspBa
     free, surface = np.arange(len(system.q)) >= at["u"].start, limit_surface(section)
     limits = np.append(section.limit(scene.mu)[list(scene.rough)], surface.limit(scene.mu)[list(scene.soft)])
     flat = np.vstack([section.normals, np.zeros(section.normals.shape[1])]).T
+    faces = None if surface.exact else (read_only(np.ascontiguousarray(flat)), surface.outward)
     p = GraspBalls(
-        system.M, system.q, free, balls, limits,
-        None if surface.exact else (np.ascontiguousarray(flat), surface.outward), Units(*system.sizes(scene)),
-        lambda m: _pyramid(scene, asked, system, m),
+        system.M, system.q, free, balls, limits, faces, Units(*system.sizes(scene)),
+        lambda m: _pyramid(scene, asked, system, _with_faces(section, m)),
     )  # fmt: skip
     p.groups, p.effects, p._system, p._scene = system.layout.groups, effects, system, scene
     return p
 
 
 def _pyramid(
-    scene: Scene, asked: tuple[Effect, ...], balls: System, faces: int
+    scene: Scene, asked: tuple[Effect, ...], balls: System, section: Section
 ) -> tuple[LCP, Callable[[Array], Array]]:
     """The same scene as a plain LCP on polyhedra, and how its z becomes an x of `balls`."""
-    p = assemble(scene, called_for(scene, Pyramid(faces), asked, multipliers=True))
+    p = assemble(scene, called_for(scene, section, asked, multipliers=True))
 
     def back(z: Array) -> Array:
         full, x = p.every(z), np.empty(len(balls.q))
@@ -100,3 +100,8 @@ def _pyramid(
         return x
 
     return p, back
+
+
+def _with_faces(section: Section, faces: int) -> Section:
+    """This very section where it has so many faces, an inscribed pyramid elsewhere."""
+    return section if section.faces == faces else Pyramid(faces)

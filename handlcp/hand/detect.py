@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.friction import Friction
+from handlcp.grasp.friction import AnisotropicCoulomb, Friction
 from handlcp.grasp.scene import cross_rows
 from handlcp.hand.meshes import winding
 from handlcp.hand.objects import Object
@@ -131,8 +131,11 @@ def _contacts(positions: Array, normals: Array, laws: Sequence[Friction], names:
     positions.flags.writeable = frames.flags.writeable = False
     made = []
     for position, frame, law, name in zip(positions, frames, laws, names, strict=True):
+        if isinstance(law, AnisotropicCoulomb):  # it may have a say in where x lies
+            made.append(Contact(position, frame[:, 2], law, None, name))
+            continue
         contact = Contact.__new__(Contact)
-        contact.position, contact.rotation, contact.planar = position, frame, False
-        contact.friction, contact.mu, contact.name = law, law.mu, name
+        contact.position, contact.rotation, contact.planar, contact.name = position, frame, False, name
+        contact.bears(law)
         made.append(contact)
     return tuple(made)

@@ -86,7 +86,8 @@ def test_explain_accounts_for_every_unknown():
     on = {line.title for line in e.effects if line.on}
     off = {line.title for line in e.effects if not line.on}
     assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
-    others = {"Coulomb friction, planar", "Coulomb friction, cone"}
+    others = {"Coulomb friction, planar", "Coulomb friction, cone", "anisotropic friction"}
+    others |= {"soft finger, cone", "soft finger, polyhedron"}
     asked = (hl.TotalForceBound, hl.FingerForceBound, hl.TorqueSaturation, hl.PrescribedForce)
     assert off == others | {e.title for e in (*asked, hl.ContactCompliance, hl.SoftWrist)}
     assert "27" in str(e)

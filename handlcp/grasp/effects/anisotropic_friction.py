@@ -2,8 +2,8 @@
 
     (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,    v_T = -α (r_x/μ_x², r_y/μ_y²), α ≥ 0 on the limit
 
-No unknowns and no rows of its own: the scene is posed in coordinates in which the ellipse is a disc (`coordinates`), and
-the friction of the section, disc or polygon, does the rest. Source: Goyal, Ruina & Papadopoulos, Wear 143 (1991).
+No unknowns and no rows of its own: the scene is posed in coordinates in which the ellipse is a disc (`coordinates`),
+and the friction of the section, disc or polygon, does the rest. Source: Goyal, Ruina & Papadopoulos, Wear 143 (1991).
 """
 
 from __future__ import annotations

@@ -25,9 +25,9 @@ __all__ = ["Limit"]
 class Limit:
     """k limits of one kind, SI.
 
-    name : of the group of unknowns s. rows : (k, c) A over the scene's force components; zero for contacts whose force is prescribed.
-    room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the lengths that turn
-    them into a force and a motion, for natural units; None for forces.
+    name : of the group of unknowns s. rows : (k, c) A over the scene's force components; zero for contacts whose force
+    is prescribed. room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the
+    lengths that turn them into a force and a motion, for natural units; None for forces.
     """
 
     name: str

@@ -1,0 +1,139 @@
+"""Friction that differs with the direction: an ellipse, met in coordinates in which it is a disc."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+RIBBED = hl.AnisotropicCoulomb(0.6, 0.2)
+
+
+def pinch(law=RIBBED, wrench=(0, 0, -1, 0, 0, 0), tangent=(0, 0, 1), preload=1e-3):
+    """Two fingers along x, x axes of the contacts along z, 10 N of squeeze."""
+    contacts = [
+        hl.Contact((-0.01, 0, 0), (1, 0, 0), friction=law, tangent=tangent),
+        hl.Contact((0.01, 0, 0), (-1, 0, 0), friction=law, tangent=tangent),
+    ]
+    return hl.Grasp(contacts, wrench, flexibility=1e-4, preload=preload)
+
+
+def ring(seed, law, squeeze=0.2e-3, tangent=None):
+    rng = np.random.default_rng(seed)
+    contacts = []
+    for k in range(4):
+        a = 2 * np.pi * (k + 0.2 * rng.random()) / 4
+        n = np.array([-np.cos(a), -np.sin(a), 0.2 * rng.standard_normal()])
+        contacts.append(hl.Contact(-0.03 * n, n / np.linalg.norm(n), friction=law, tangent=tangent))
+    load = rng.standard_normal(6) * np.array([1, 1, 1, 0.01, 0.01, 0.01])
+    return hl.Grasp(contacts, load, flexibility=1e-4, preload=squeeze)
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 2 * np.pi, 7))
+def test_a_pinch_holds_up_to_the_ellipse_and_no_further(angle):
+    along, across = np.cos(angle), np.sin(angle)
+    limit = 2 * 10.0 / np.hypot(along / 0.6, across / 0.2)
+    load = np.array([0, -across, -along, 0, 0, 0])
+    s = pinch(wrench=load * limit * (1 - 1e-6)).solve("cone")
+    assert s.contact_state == ("sticking", "sticking")
+    np.testing.assert_allclose(s.forces_world[:, 2], 0.5 * along * limit * (1 - 1e-6), rtol=1e-9, atol=1e-12)
+    beyond = pinch(wrench=load * limit * (1 + 1e-6)).solve("cone", hl.Auto(search_seconds=0), throw=False)
+    assert not beyond.held
+    assert pinch(wrench=load * limit * 1.05).solve("cone", throw=False).status is hl.Status.NO_EQUILIBRIUM
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_equal_coefficients_are_coulombs_law_bit_by_bit(faces):
+    plain, equal = ring(1, hl.Coulomb(0.4)), ring(1, hl.AnisotropicCoulomb(0.4, 0.4))
+    np.testing.assert_array_equal(plain.problem(faces).M, equal.problem(faces).M)
+    np.testing.assert_array_equal(plain.solve(faces).forces, equal.solve(faces).forces)
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_it_brings_no_unknowns(faces):
+    assert ring(1, RIBBED).problem(faces).n == ring(1, hl.Coulomb(0.6)).problem(faces).n
+    (line,) = [x for x in ring(1, RIBBED).explain(faces).effects if x.title == "anisotropic friction"]
+    assert line.on
+    assert line.cost == 0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_sliding_is_on_the_ellipse_and_against_its_normal(seed):
+    s = ring(seed, RIBBED).solve("cone", throw=False)
+    assert s.status is not hl.Status.UNDECIDED
+    for i in range(len(s.forces) if s.held else 0):
+        x, y, n = s.forces[i]
+        assert (x / 0.6) ** 2 + (y / 0.2) ** 2 <= n**2 * (1 + 1e-9) + 1e-12
+        if s.contact_state[i] == "sliding":
+            assert np.hypot(x / 0.6, y / 0.2) == pytest.approx(n, rel=1e-8)
+            normal = np.array([x / 0.36, y / 0.04])
+            np.testing.assert_allclose(
+                s.slip[i] / np.linalg.norm(s.slip[i]), -normal / np.linalg.norm(normal), atol=1e-6
+            )
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("faces", [4, 9, "cone"])
+def test_gaps_slips_and_forces_obey_the_elastic_law_in_contact_axes(seed, faces):
+    g = ring(seed, RIBBED, 0.6e-3)
+    s = g.solve(faces)
+    u = s.object_displacement
+    for i, c in enumerate(g.contacts):
+        v = c.rotation.T @ (u[:3] + np.cross(u[3:], c.position)) + 1e-4 * s.forces[i] + g.offset[i]
+        np.testing.assert_allclose([*s.slip[i], s.gap[i]], v, atol=1e-12)
+        np.testing.assert_allclose(s.forces_world[i], c.rotation @ s.forces[i], atol=1e-12)
+
+
+def test_axes_exchanged_with_coefficients_make_the_same_scene():
+    one = ring(2, hl.AnisotropicCoulomb(0.6, 0.2), tangent=(0, 0, 1)).solve("cone")
+    turned = [
+        hl.Contact(c.position, c.normal, hl.AnisotropicCoulomb(0.2, 0.6), c.rotation[:, 1])
+        for c in ring(2, RIBBED, tangent=(0, 0, 1)).contacts
+    ]
+    g = ring(2, RIBBED, tangent=(0, 0, 1))
+    load = np.append(g.scene.force, g.scene.moment)
+    other = hl.Grasp(turned, load, flexibility=1e-4, preload=0.2e-3).solve("cone")
+    np.testing.assert_allclose(other.forces_world, one.forces_world, atol=1e-8)
+
+
+def test_along_turns_the_contacts_axis_unless_a_tangent_is_given():
+    law = hl.AnisotropicCoulomb(0.6, 0.2, along=(0.3, 0, 1))
+    np.testing.assert_allclose(hl.Contact((0, 0, 0), (1, 0, 0), law).tangent, (0, 0, 1), atol=1e-12)
+    np.testing.assert_allclose(hl.Contact((0, 0, 0), (1, 0, 0), law, (0, 1, 0)).tangent, (0, 1, 0), atol=1e-12)
+
+
+def test_in_a_plane_it_is_the_coefficient_along_the_plane():
+    def held(law, tangent):
+        contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), law, tangent) for s in (-1.0, 1.0)]
+        return hl.Grasp(contacts, (0, -1, 0, 0, 0, 0), flexibility=1e-4, preload=1e-3, plane=(0, 0, 1))
+
+    for tangent, mu in (
+        ((0, 1, 0), 0.6),
+        ((0, 0, 1), 0.2),
+        ((0, 1, 1), 1 / np.hypot(np.sqrt(0.5) / 0.6, np.sqrt(0.5) / 0.2)),
+    ):
+        np.testing.assert_allclose(held(RIBBED, tangent).scene.mu, mu, rtol=1e-12)
+
+
+def test_required_friction_keeps_the_ratio():
+    least = pinch(wrench=(0, -2, 0, 0, 0, 0)).required_friction("cone").value
+    assert least == pytest.approx(3 * 0.1, rel=2e-3)  # across, a third of it: 2 N on two fingers of 10 N
+
+
+def test_a_start_from_another_law_is_read_in_contact_axes():
+    s = ring(3, RIBBED, 0.6e-3).solve("cone")
+    again = ring(3, RIBBED, 0.6e-3).solve("cone", start=s)
+    np.testing.assert_allclose(again.forces, s.forces, atol=1e-9)
+    assert any(f" {few} Newton steps" in again.trace[-1] for few in (0, 1))
+
+
+@pytest.mark.parametrize("bad", [(0.0, 0.5), (0.5, -1.0), (0.5, np.inf)])
+def test_bad_numbers_are_refused_by_name(bad):
+    with pytest.raises(hl.InputError, match=r"AnisotropicCoulomb\.mu_[xy]"):
+        hl.AnisotropicCoulomb(*bad)
+
+
+def test_streams_refuse_it_and_say_what_follows_it():
+    with pytest.raises(hl.InputError, match="start="):
+        hl.GraspStream(pinch())

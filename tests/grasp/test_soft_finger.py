@@ -1,0 +1,199 @@
+"""Soft fingers: a moment about the normal, within an ellipsoid or a polyhedron, and what turns under it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.limit_surface import limit_surface
+from handlcp.lcp.kernels.polyhedron import nearest_in_polyhedron
+
+SOFT = hl.SoftFinger(0.5, 0.005, 3.0)
+
+
+def pinch(first=SOFT, second=SOFT, wrench=(0, 0, -1, 0.02, 0, 0), preload=1e-3, **more):
+    """Two fingers 20 mm apart along x, 0.1 mm/N each: 10 N of squeeze per millimetre."""
+    contacts = [
+        hl.Contact((-0.01, 0, 0), (1, 0, 0), friction=first),
+        hl.Contact((0.01, 0, 0), (-1, 0, 0), friction=second),
+    ]
+    return hl.Grasp(contacts, wrench, flexibility=1e-4, preload=preload, **more)
+
+
+def ring(seed, laws, squeeze=0.4e-3):
+    """Four fingers around an object, loaded at random."""
+    rng = np.random.default_rng(seed)
+    contacts = []
+    for k, law in enumerate(laws):
+        a = 2 * np.pi * (k + 0.2 * rng.random()) / len(laws)
+        n = np.array([-np.cos(a), -np.sin(a), 0.3 * rng.standard_normal()])
+        contacts.append(hl.Contact(-0.03 * n, n / np.linalg.norm(n), friction=law))
+    load = rng.standard_normal(6) * np.array([1, 1, 1, 0.01, 0.01, 0.01])
+    return hl.Grasp(contacts, load, flexibility=1e-4 * rng.uniform(0.5, 2, 3), preload=squeeze)
+
+
+@pytest.mark.parametrize("faces", [4, 8, 13, "cone"])
+def test_two_alike_share_a_moment_about_their_line_and_turn_by_their_pads(faces):
+    s = pinch().solve(faces)
+    assert s.contact_state == ("sticking", "sticking")
+    np.testing.assert_allclose(s.torsion, (-0.01, 0.01), rtol=1e-9)
+    np.testing.assert_allclose(s.object_displacement[3], 0.01 * 3.0, rtol=1e-9)
+    np.testing.assert_allclose(s.forces[:, 2], 10.0, rtol=1e-9)
+    assert abs(s.spin).max() < 1e-12
+
+
+@pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
+def test_at_its_limit_one_turns_on_the_object_and_the_other_bears_the_rest(faces):
+    weak = hl.SoftFinger(0.5, 0.0004, 3.0)
+    s = pinch(weak, SOFT, wrench=(0, 0, 0, 0.02, 0, 0)).solve(faces)
+    share = 1.0 if faces == "cone" else limit_surface(hl.Pyramid(faces)).share
+    limit = share * 0.0004 * 10.0
+    turned = 3.0 * (0.02 - limit)
+    np.testing.assert_allclose(s.torsion, (-limit, 0.02 - limit), rtol=1e-9)
+    np.testing.assert_allclose(s.object_displacement[3], turned, rtol=1e-9)
+    np.testing.assert_allclose(s.spin[0], turned - 3.0 * limit, rtol=1e-9)
+    assert s.contact_state == ("sliding", "sticking")
+    assert s.uniqueness.loose_motions == 0
+
+
+def test_a_point_lets_the_object_spin_and_a_patch_does_not():
+    assert pinch(hl.Coulomb(0.5), hl.Coulomb(0.5), wrench=(0, 0, -1, 0, 0, 0)).solve().uniqueness.loose_motions == 1
+    for faces in (8, "cone"):
+        assert pinch(wrench=(0, 0, -1, 0, 0, 0)).solve(faces).uniqueness.loose_motions == 0
+
+
+def test_rigid_pads_hold_the_object_still_and_share_a_moment_as_the_least_norm_says():
+    rigid = hl.SoftFinger(0.5, 0.005)
+    s = pinch(rigid, rigid).solve("cone")
+    assert not s.uniqueness.forces_determined
+    np.testing.assert_allclose(s.torsion, (-0.01, 0.01), rtol=1e-9)
+    assert abs(s.object_displacement[3]) < 1e-12
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_without_torsion_it_is_coulombs_law_bit_by_bit(faces):
+    plain, soft = (pinch(law, law, wrench=(0, 0.4, -1, 0, 0, 0)) for law in (hl.Coulomb(0.5), hl.SoftFinger(0.5, 0)))
+    assert plain.problem(faces).n == soft.problem(faces).n
+    np.testing.assert_array_equal(plain.problem(faces).M, soft.problem(faces).M)
+    np.testing.assert_array_equal(plain.solve(faces).forces, soft.solve(faces).forces)
+    assert soft.solve(faces).torsion is None
+
+
+def test_a_plane_has_no_moment_about_normals_within_it():
+    contacts = [hl.Contact((-0.01, 0), (1, 0), friction=SOFT), hl.Contact((0.01, 0), (-1, 0), friction=SOFT)]
+    s = hl.Grasp(contacts, (0, -1, 0), flexibility=1e-4, preload=1e-3).solve()
+    assert s.held
+    assert s.torsion is None
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_sizes_are_three_tangents_a_soft_contact_and_one_multiplier_a_face(faces):
+    e = pinch(second=hl.Coulomb(0.4)).explain(faces)
+    brings = {name: count for line in e.effects for name, count, _ in line.unknowns}
+    expected = {"u": 6, "r_N": 2, "r_T": 2, "r_S": 3}
+    assert brings == expected | ({} if faces == "cone" else {"λ": 8, "λ_S": 26})
+    assert e.unknowns == sum(brings.values())
+
+
+@pytest.mark.parametrize("seed", [1, 2, 5, 7])
+def test_sliding_on_the_ellipsoid_is_at_the_limit_and_against_its_normal(seed):
+    laws = [hl.SoftFinger(0.5, 0.004, 5.0), hl.Coulomb(0.4), hl.SoftFinger(0.3, 0.002, 1.0), hl.SoftFinger(0.2, 0.001)]
+    g = ring(seed, laws, 0.15e-3)
+    s = g.solve("cone")
+    assert "sliding" in s.contact_state
+    for i, law in enumerate(laws):
+        size = max(abs(s.forces).max(), 1e-9)
+        if isinstance(law, hl.Coulomb) or s.contact_state[i] != "sliding":
+            continue
+        t = np.array([*s.forces[i, :2] / law.mu, s.torsion[i] / law.mu_torsion])
+        assert np.linalg.norm(t) == pytest.approx(s.forces[i, 2], rel=1e-9, abs=1e-9 * size)
+        slip = np.array([*s.slip[i] * law.mu, s.spin[i] * law.mu_torsion])
+        np.testing.assert_allclose(slip / np.linalg.norm(slip), -t / np.linalg.norm(t), atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_forces_and_moments_balance_the_load(seed):
+    g = ring(seed, [SOFT, SOFT, hl.Coulomb(0.4), SOFT], 0.8e-3)
+    for faces in (4, 8, "cone"):
+        s = g.solve(faces)
+        total = np.zeros(6)
+        for i, c in enumerate(g.contacts):
+            f = s.forces_world[i]
+            total += np.append(f, np.cross(c.position, f) + s.torsion[i] * c.normal)
+        load = np.append(g.scene.force, g.scene.moment)
+        np.testing.assert_allclose(total, -load, atol=1e-9 * abs(load).max())
+
+
+def test_polyhedra_lead_to_the_ellipsoid_as_the_square_of_their_faces():
+    g = ring(2, [hl.SoftFinger(0.3, 0.002, 2.0)] * 4, 0.15e-3)
+    exact = g.solve("cone")
+    assert "sliding" in exact.contact_state
+    off = [abs(g.solve(m).forces - exact.forces).max() / abs(exact.forces).max() for m in (8, 16, 32, 64)]
+    assert off[-1] < off[0] / 10
+    assert off[-1] < 2e-3
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_the_raw_problem_says_the_same_as_the_grasp(faces):
+    g = pinch(hl.SoftFinger(0.5, 0.0004, 3.0), SOFT)
+    p = g.problem(faces)
+    s = hl.solve_lcp(p)
+    got = p.candidate(s.z / (p.scaled.units.z if faces == 8 else p.units.z))
+    np.testing.assert_allclose(got.forces, g.solve(faces).forces, atol=1e-9)
+
+
+@pytest.mark.parametrize("faces", [4, 8, "cone"])
+def test_a_moment_beyond_what_any_force_bears_is_proven_unholdable(faces):
+    """One finger presses 4 N down on the object against a push from below: it bears 4 N × 5 mm at most."""
+
+    def lone(moment):
+        return hl.Grasp(
+            [hl.Contact((0, 0, 0.01), (0, 0, -1), friction=SOFT)], (0, 0, 4, 0, 0, moment), flexibility=1e-4
+        )
+
+    share = 1.0 if faces == "cone" else limit_surface(hl.Pyramid(faces)).share
+    s = lone(0.99 * share * 0.02).solve(faces)
+    np.testing.assert_allclose(abs(s.torsion), 0.99 * share * 0.02, rtol=1e-9)
+    beyond = lone(1.01 * 0.02).solve(faces, throw=False)
+    assert beyond.status is hl.Status.NOT_HOLDABLE
+    assert beyond.certificate[5] > 0.0
+
+
+def test_polyhedra_touch_the_ball_and_inscribed_ones_stay_within():
+    for m in (3, 4, 5, 8, 12, 17):
+        inner, outer = (limit_surface(hl.Pyramid(m, inscribed=i)) for i in (True, False))
+        assert outer.share == 1.0
+        assert (outer.normals.T @ outer.vertices).max() < 1.0 + 1e-12
+        assert np.linalg.norm(inner.share * inner.vertices, axis=0).max() == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_nearest_point_of_a_polyhedron_is_feasible_and_what_is_left_lies_in_the_normals():
+    rng = np.random.default_rng(0)
+    for m in (3, 4, 8, 16):
+        normals = limit_surface(hl.Pyramid(m)).outward
+        for _ in range(100):
+            s, a, p, D = rng.standard_normal(3) * 3, rng.uniform(0.1, 2), np.empty(3), np.empty((3, 4))
+            nearest_in_polyhedron(s, a, normals, p, D)
+            slack = a - normals @ p
+            assert slack.min() > -1e-10
+            active = normals[slack < 1e-9]
+            weights = np.linalg.lstsq(active.T, s - p, rcond=None)[0] if len(active) else np.zeros(0)
+            assert np.linalg.norm(active.T @ weights - (s - p)) < 1e-9
+            # p = argmin over a convex set: no point of it lies further along s - p
+            corner = limit_surface(hl.Pyramid(m)).vertices * a
+            assert ((s - p) @ (corner - p[:, None])).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("law", "argument"),
+    [
+        ((-0.1, 0.1), "mu"),
+        ((0.5, np.nan), "mu_torsion"),
+        ((0.0, 0.1), "mu"),
+        ((0.5, 0.1, -1.0), "torsional_flexibility"),
+    ],
+)
+def test_bad_numbers_are_refused_by_name(law, argument):
+    with pytest.raises(hl.InputError, match=argument):
+        hl.SoftFinger(*law)
