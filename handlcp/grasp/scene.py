@@ -21,7 +21,8 @@ class Scene:
 
     positions (n, 3) m, frames (n, 3, 3) columns x, y, z (normal, into the object), mu (n,), flexibility (3n, 3n) m/N in
     contact axes, offset (n, 3) m in contact axes, force (3,) N and moment (3,) N·m about the world's origin,
-    plane (3,) unit normal of a planar scene or None, governed (n,) bool: contacts whose force is not prescribed.
+    plane (3,) unit normal of a planar scene or None, governed (n,) bool: contacts whose force is not prescribed,
+    fingers: how many contacts, the first ones, are the fingers', the rest being the environment's; None: all.
     """
 
     positions: Array
@@ -33,11 +34,17 @@ class Scene:
     moment: Array
     plane: Array | None
     governed: tuple[bool, ...]
+    fingers: int | None = None
 
     @property
     def n(self) -> int:
         """Contacts."""
         return len(self.mu)
+
+    @property
+    def environment(self) -> int:
+        """How many contacts, the last ones, are not fingers'."""
+        return 0 if self.fingers is None else self.n - self.fingers
 
     @lazy
     def _resolved(self) -> tuple[GraspUnits, Array, Array, Natural]:
