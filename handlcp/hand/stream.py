@@ -13,10 +13,11 @@ from handlcp.grasp import arguments
 from handlcp.grasp.answer import answers
 from handlcp.grasp.changed import changed, wrench_about
 from handlcp.grasp.effects import softened
-from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
+from handlcp.grasp.first import Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid, as_section
 from handlcp.grasp.scene import cross_rows
+from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.command import read_command
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.posture import contact_jacobian, flexibility
@@ -31,7 +32,8 @@ class GraspStream:
 
     grasp : where it begins; of a `HandGrasp` the posture may move, too: Jacobian and flexibility follow it, while the
     contacts stay where they are on the object until others are passed. faces : as in `Grasp.solve`. seed : of the
-    solver.
+    solver. start : a solution of the grasp, or of a nearby one, to begin at, and to begin afresh at; None: nowhere. The
+    first stage alone often fails from nowhere where soft fingers and a stiff environment meet, and seldom from there.
 
     Buffers, the layout of the problem and Pinocchio's data are made once; the flexibility is computed anew only when
     posture or contacts move; every answer starts at the last, and begins afresh where that leads nowhere. The time of
@@ -42,7 +44,9 @@ class GraspStream:
     follows it.
     """
 
-    def __init__(self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0) -> None:
+    def __init__(
+        self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0, start: GraspSolution | None = None
+    ) -> None:
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])
         if grasp.stamped:
@@ -54,7 +58,8 @@ class GraspStream:
         section = as_section(faces, planar=scene.plane is not None)
         self._kind, self._section = kind_of(scene, section), section
         self._seed = integer("seed", seed, 0)
-        self._first, self._numbers, self._start = grasp, np.empty((1, self._kind.scene_width)), NOWHERE
+        self._first, self._numbers, self._given_start = grasp, np.empty((1, self._kind.scene_width)), start
+        self._start = self._anew = arguments.start(start, n)
         pack(scene, section, self._numbers[0])
         self._scene = read_only(self._numbers.view())
         ends = np.cumsum([3 * n, 9 * n, 9 * n * n, 3 * n, 3, 3]).tolist()
@@ -128,7 +133,7 @@ class GraspStream:
         answers(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = Found(self._kind, rows[0])
         passes = found.passes
-        self._start = found.start if passes else NOWHERE
+        self._start = found.start if passes else self._anew
         joints = None if self._posture is None else self._posture.torques(found.forces)
         return GraspUpdate(first, found, passes, joints)
 
@@ -150,7 +155,7 @@ class GraspStream:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copied and pickled as the grasp as it is now: buffers are not shared."""
-        return (GraspStream, (self.grasp, self._section, self._seed))
+        return (GraspStream, (self.grasp, self._section, self._seed, self._given_start))
 
     def _shapes(self, *rest: int) -> list[tuple[int, ...]]:
         """Of arrays for all contacts, or for the fingers alone."""

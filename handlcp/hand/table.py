@@ -29,6 +29,7 @@ class Table:
     name : what reports call its contacts: "table 1", "table 2", …
 
     `state.grasp(obj, environment=table)` finds the contacts itself; `table.under(obj)` is for grasps without a hand.
+    Points that it finds off the plane of a planar scene are refused there: an `Environment` says which are meant.
     Raises InputError.
     """
 

@@ -249,6 +249,28 @@ def test_a_stream_follows_hand_and_table(held):
     assert decided >= 3
 
 
+def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(held):
+    """Fingers without pads on a table a hundred times as stiff: the first stage fails from nowhere, and each answer
+    from a solution on is that of a single solve.
+    """
+    _, box = held
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    q = hand.close_on(box)
+    g = hand.at(q).grasp(box, hl.Coulomb(0.8), preload=0.003, environment=table(1e-5))
+    assert not hl.GraspStream(g).update(q).held
+    stream, rng = hl.GraspStream(g, start=g.solve()), np.random.default_rng(0)
+    for _ in range(5):
+        u = stream.update(q + 1e-4 * rng.normal(size=6))
+        assert u.held
+        np.testing.assert_allclose(u.forces, stream.grasp.solve(start=u).forces, atol=1e-8)
+    assert not stream.update(wrench=(0, 0, 1e3, 0, 0, 0)).held, "nothing holds that"
+    assert stream.update(wrench=(0, 0, -0.2 * G, 0, 0, 0)).held, "it begins at the solution again"
+    assert pickle.loads(pickle.dumps(stream)).update(q).held
+    with pytest.raises(InputError) as info:
+        hl.GraspStream(g, start=hand.at(q).grasp(box).solve(throw=False))
+    assert info.value.argument == "start"
+
+
 def test_a_stream_takes_arrays_of_fingers_and_leaves_the_table(held):
     state, box = held
     g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table())
