@@ -83,18 +83,17 @@ class Grasp:
         environment: Any = None,
     ) -> None:
         cs = arguments.contacts(contacts)
-        k, fingers = len(cs), None
-        if environment is not None:
-            around, fingers = joined(environment), k
+        k, around = len(cs), None if environment is None else joined(environment)
+        if around is not None:
             cs = arguments.contacts((*cs, *around.contacts))
         positions = np.array([c.position for c in cs])
         frames = np.array([c.rotation for c in cs])
         normal = arguments.plane(plane, cs, positions, frames)
         if normal is not None:
             frames = arguments.in_plane(frames, normal)
-        point = arguments.reference(reference, normal, positions)
+        point, fingers = arguments.reference(reference, normal, positions), None if around is None else k
         E, d = arguments.flexibility(flexibility, k, normal is not None), arguments.offset(offset, preload, k)
-        if environment is not None:
+        if around is not None:
             E, d = beside(E, around.flexibility), read_only(np.concatenate([d, around.offset]))
         self._place(
             cs,

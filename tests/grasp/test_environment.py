@@ -287,6 +287,7 @@ def test_pickled_it_is_the_same():
     [
         ({"environment": "table"}, "environment"),
         ({"environment": []}, "environment"),
+        ({"environment": hl.Table((0, 0, 0))}, "environment"),
         ({"environment": [hl.Coulomb(0.5)]}, "environment[0]"),
         ({"environment": hl.Environment([hl.Contact((0.0, 0.0), (0.0, 1.0))])}, "contacts"),
         ({"environment": floor(), "preload": [1e-3] * 6}, "preload"),
