@@ -13,6 +13,7 @@ from handlcp.grasp.effects import (
     TorqueSaturation,
     TotalForceBound,
 )
+from handlcp.grasp.environment import Environment
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.fingertips import wrench_from_fingertip_forces
 from handlcp.grasp.friction import AnisotropicCoulomb, Coulomb, Friction, Frictionless, SoftFinger
@@ -31,6 +32,7 @@ __all__ = [
     "ContactCompliance",
     "Coulomb",
     "Effect",
+    "Environment",
     "Equilibria",
     "Explanation",
     "FingerForceBound",

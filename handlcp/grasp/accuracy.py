@@ -21,7 +21,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from handlcp.check import Array, number
-from handlcp.errors import NoSolutionFound
+from handlcp.errors import NoSolutionFound, Unsupported
 from handlcp.grasp.achieved import Accuracy, Bracket
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.force_error import difference, force_error
@@ -57,6 +57,8 @@ def solve_to(
     InputError for anything but an accuracy > 0 and a solver.
     """
     asked = number("accuracy", accuracy, above=0.0)
+    if grasp.scene.soft:
+        raise Unsupported("accuracy= knows no soft fingers: solve(faces) and solve('cone') do")
     run = _Run(grasp, solver, start)
     found = _on_pyramids(run, asked) if run.plain and not run.exact else _on_cone(run, asked)
     reached = Accuracy(

@@ -154,9 +154,9 @@ def offset(value: Any, preload: Any, n: int) -> Array:
     return read_only(d)
 
 
-def effects(value: Any, n: int, joints: Joints | None = None) -> tuple[Effect, ...]:
+def effects(value: Any, n: int, joints: Joints | None = None, fingers: int | None = None) -> tuple[Effect, ...]:
     """Effects asked for by name, completed for n contacts of a hand with these joints; each kind once, except
-    prescribed forces, once a contact.
+    prescribed forces, once a contact. fingers : how many contacts are not the environment's; None: all.
     """
     try:
         out = (value,) if isinstance(value, Effect) else tuple(value)
@@ -171,6 +171,8 @@ def effects(value: Any, n: int, joints: Joints | None = None) -> tuple[Effect, .
         if e.key in seen:
             raise InputError(f"effects[{k}]", "each effect once", f"a second {e!r}")
         seen.add(e.key)
+    if fingers is not None:
+        out = tuple(e.for_fingers(f"effects[{k}]", fingers, n) for k, e in enumerate(out))
     return tuple(e.for_grasp(f"effects[{k}]", n, joints, out) for k, e in enumerate(out))
 
 

@@ -33,6 +33,7 @@ def changed(grasp: G, **changes: Any) -> G:
         "offset": grasp.offset,
         "effects": grasp.effects,
         "plane": s.plane,
+        "fingers": s.fingers,
     }
     made = copy.copy(grasp)
     made._place(**(data | changes))

@@ -51,6 +51,7 @@ def diagnose(
     others: bool = False,
     required_preload: float | None = None,
     bounds: tuple[float, float] | None = None,
+    environment: int = 0,
 ) -> str:
     """One sentence, without a full stop.
 
@@ -59,19 +60,22 @@ def diagnose(
     offset (n, 3) m, contact axes: says which contacts carry no preload. escape (6,): the certificate of NOT_HOLDABLE.
     loose (k, 6), forces_determined: what a SOLVED solution leaves free; others: whether other equilibria are known.
     required_preload: squeeze [m] on every contact that would hold (NO_EQUILIBRIUM), if known. bounds: forces [N] and
-    motions [m] within which NO_EQUILIBRIUM was proven, with a cause where they are a `Within`.
+    motions [m] within which NO_EQUILIBRIUM was proven, with a cause where they are a `Within`. environment: how many
+    contacts, the last ones, are no finger's.
     """
     names = _distinct(names)
     p, c = np.asarray(positions, dtype=float).reshape(-1, 3), np.asarray(reference, dtype=float)
+    who = "contact" if environment else "finger"
     if status is Status.SOLVED:
-        return _solved(names, p, c, forces, states, loose, forces_determined, others)
+        return _solved(names, p, c, forces, states, loose, forces_determined, others, who)
     if status is Status.NOT_HOLDABLE:
         way = (
             "" if escape is None else f": the object {describe_motion(escape, p, c, names, 'slides out', 'turns out')}"
         )
-        return f"no finger forces within friction balance the load{way}"
+        return f"no {who} forces within friction balance the load{way}"
     if status is Status.NO_EQUILIBRIUM:
-        return _no_equilibrium(names, offset, required_preload, bounds)
+        k = len(names) - environment  # preload is the fingers'
+        return _no_equilibrium(names[:k], None if offset is None else offset[:k], required_preload, bounds, who)
     if status is Status.INFEASIBLE:
         return "the conditions contradict each other, whatever the complementarity"
     return "the solver spent its budget without an answer, which says nothing about the grasp"
@@ -119,6 +123,7 @@ def _solved(
     loose: Array | None,
     forces_determined: bool,
     others: bool,
+    who: str,
 ) -> str:
     groups = {s: [n for n, state in zip(names, states, strict=True) if state == s] for s in dict.fromkeys(states)}
     idle = set(groups.get("separated", ()))
@@ -126,16 +131,16 @@ def _solved(
     slippery = _slippery(names, forces, states)
     if sliding := [n for n in groups.get("sliding", ()) if n not in slippery]:
         every = len(sliding) == len(names) > 1
-        parts.append("all fingers slide" if every else f"{_listed(sliding)} {_plural(sliding, 'slides', 'slide')}")
+        parts.append(f"all {who}s slide" if every else f"{_listed(sliding)} {_plural(sliding, 'slides', 'slide')}")
     if slippery:
-        who = "all fingers" if len(slippery) == len(names) > 1 else _listed(slippery)
-        parts.append(f"{who} {_plural(slippery, 'pushes', 'push')} without friction")
+        some = f"all {who}s" if len(slippery) == len(names) > 1 else _listed(slippery)
+        parts.append(f"{some} {_plural(slippery, 'pushes', 'push')} without friction")
     if idle:
         apart = [n for n in names if n in idle]
         few = f"{_listed(apart)} {_plural(apart, 'does', 'do')} not push"
-        parts.append("no finger pushes" if len(apart) == len(names) else few)
+        parts.append(f"no {who} pushes" if len(apart) == len(names) else few)
     if not parts and len(names):
-        parts.append("all fingers stick")
+        parts.append(f"all {who}s stick")
     if loose is not None and len(loose):
         parts.append(_loose(np.asarray(loose, dtype=float), p, c, names))
     if not forces_determined:
@@ -179,10 +184,14 @@ def _loose(loose: Array, p: Array, c: Array, names: Sequence[str]) -> str:
 
 
 def _no_equilibrium(
-    names: Sequence[str], offset: Array | None, required: float | None, bounds: tuple[float, float] | None
+    names: Sequence[str],
+    offset: Array | None,
+    required: float | None,
+    bounds: tuple[float, float] | None,
+    who: str,
 ) -> str:
     within = "" if bounds is None else f" (none up to {_number(bounds[0])} N and motions of {_number(bounds[1])} m)"
-    cannot = f"forces within friction could balance the load, but these fingers do not create them{within}"
+    cannot = f"forces within friction could balance the load, but these {who}s do not create them{within}"
     bare: list[str] = []
     if offset is not None:
         d = np.asarray(offset, dtype=float)[:, 2]

@@ -29,6 +29,7 @@ def wrench_from_fingertip_forces(
 
     The object rests, so w = -Σ (R f; p × R f + R τ): the equilibrium w + G r = 0 (model; paper, equation (1)) read
     backwards. `grasp.replace(wrench=w)` is the grasp under that load, and `GraspStream.update(wrench=w)` follows it.
+    An environment's contacts are among the n: without their forces the load on the object is not known.
     Raises InputError for wrong shapes and numbers not finite.
     """
     if not hasattr(grasp, "scene"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, Self, overload
 
 import numpy as np
@@ -17,6 +18,7 @@ from handlcp.grasp.conclude import conclude, conclude_first
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.coordinates import in_axes, law_of, padded
 from handlcp.grasp.effects import Effect, PrescribedForce, softened, stamped
+from handlcp.grasp.environment import beside, environment_line, joined, offset_beside
 from handlcp.grasp.explain import Explanation, explain
 from handlcp.grasp.first import Found
 from handlcp.grasp.others import Equilibria, equilibria
@@ -49,12 +51,16 @@ class Grasp:
     effects : effects asked for by name, such as `TotalForceBound(50.0)`; the others follow from the data. Compliances
         (`ContactCompliance`, `SoftWrist`) become part of the scene's flexibility.
     plane : (3,) unit normal of the plane of a planar scene given by 3-vectors; None: a spatial scene.
+    environment : an `Environment`, or several: what the object touches besides the fingers. Its contacts come last;
+        flexibility, preload and offset above are the fingers', n of them, and effects act on fingers alone where their
+        docstrings say so.
 
-    Attributes: contacts, effects, reference, and
+    Attributes: contacts (the environment's last), effects, reference, and
 
     frames (n, 3, 3), offset (n, 3) : contact axes in columns, and offsets along them [m]. The `scene` is in the
         coordinates of the friction laws, which are the same axes unless a law is anisotropic.
-    flexibility : (3n, 3n) E [m/N] of the fingers alone; that of `scene` has the compliances among the effects added.
+    flexibility : (3n, 3n) E [m/N] of fingers and environment, n counting the contacts of both; that of `scene` has the
+        compliances among the effects added.
     stamped : the effects without those. general : whether a solve takes the general path, because effects have rows of
         their own or contacts are soft.
 
@@ -82,24 +88,32 @@ class Grasp:
         reference: Any = (0.0, 0.0, 0.0),
         effects: Iterable[Effect] = (),
         plane: Any = None,
+        environment: Any = None,
     ) -> None:
         cs = arguments.contacts(contacts)
+        k, around = len(cs), None if environment is None else joined(environment)
+        if around is not None:
+            cs = arguments.contacts((*cs, *around.contacts))
         positions = np.array([c.position for c in cs])
         frames = np.array([c.rotation for c in cs])
         normal = arguments.plane(plane, cs, positions, frames)
         if normal is not None:
             frames = arguments.in_plane(frames, normal)
-        point = arguments.reference(reference, normal, positions)
+        point, fingers = arguments.reference(reference, normal, positions), None if around is None else k
+        E, d = arguments.flexibility(flexibility, k, normal is not None), arguments.offset(offset, preload, k)
+        if around is not None:
+            E, d = beside(E, around.flexibility), read_only(np.concatenate([d, around.offset]))
         self._place(
             cs,
             positions,
             frames,
             arguments.wrench(wrench, normal, arguments.lift(positions, point, normal)),
             point,
-            arguments.flexibility(flexibility, len(cs), normal is not None),
-            arguments.offset(offset, preload, len(cs)),
-            arguments.effects(effects, len(cs)),
+            E,
+            d,
+            arguments.effects(effects, len(cs), None, fingers),
             normal,
+            fingers,
         )
 
     def _place(
@@ -113,6 +127,7 @@ class Grasp:
         offset: Array,
         effects: tuple[Effect, ...],
         plane: Array | None,
+        fingers: int | None = None,
     ) -> None:
         """Take over arrays that are known to be sound (a hand's are, by construction)."""
         self.contacts, self.effects, self.reference = contacts, effects, reference
@@ -136,11 +151,12 @@ class Grasp:
             governed,
             law.soft,
             law.scale,
+            fingers,
         )
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …"""
+        """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
         return tuple(c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts))
 
     @overload
@@ -202,17 +218,24 @@ class Grasp:
 
         wrench : the whole load about `reference`, weight included. flexibility : of the fingers; compliances among the
         effects stay. offset, preload : together they replace the offset, and a preload alone is that of tips without
-        offset. All as in `Grasp`. Raises InputError.
+        offset. All as in `Grasp`, the fingers'; an offset with a row for every contact also moves the environment.
+        Raises InputError.
         """
-        scene, n = self.scene, self.scene.n
+        scene, n = self.scene, self.scene.n - self.scene.environment
         changes: dict[str, Array] = {}
         if wrench is not None:
             lift = arguments.lift(scene.positions, self.reference, scene.plane)
             changes["wrench"] = arguments.wrench(wrench, scene.plane, lift)
         if flexibility is not None:
-            changes["flexibility"] = arguments.flexibility(flexibility, n, scene.plane is not None)
+            E = arguments.flexibility(flexibility, n, scene.plane is not None)
+            changes["flexibility"] = beside(E, self.flexibility[3 * n :, 3 * n :]) if scene.environment else E
         if offset is not None or preload is not None:
-            changes["offset"] = self._shifted(arguments.offset(offset, 0.0 if preload is None else preload, n))
+            squeeze = 0.0 if preload is None else preload
+            changes["offset"] = self._shifted(
+                offset_beside(offset, squeeze, n, scene.offset[n:])
+                if scene.environment
+                else arguments.offset(offset, squeeze, n)
+            )
         return changed(self, **changes)
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
@@ -220,7 +243,7 @@ class Grasp:
         return (chain or Auto()).plan(chain_form(self.scene, self._section(faces), self.effects))
 
     def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
-        """The smallest squeeze [m], added to every contact, with which the grasp holds, to a relative tolerance."""
+        """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""
         return required_preload(self, self._section(faces), tolerance)
 
     def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
@@ -253,12 +276,20 @@ class Grasp:
         return offset
 
     def _explained(self, explanation: Explanation) -> Explanation:
-        """With the effects of a hand: nothing here."""
-        return explanation
+        """With the environment; a hand adds its own."""
+        lines = sorted((*explanation.effects, environment_line(self.scene, self.names)), key=lambda x: not x.on)
+        return replace(explanation, effects=tuple(lines))  # what is on comes first
 
     def _without(self) -> list[tuple[str, Grasp]]:
         """(title, the grasp without it) for each effect that can be left out."""
         return list(without(self))
+
+    def _fingers_alone(self) -> Self:
+        """Without the environment."""
+        s, k = self.scene, self.scene.n - self.scene.environment
+        parts = {"contacts": self.contacts[:k], "positions": s.positions[:k], "frames": s.frames[:k]}
+        E = read_only(self.flexibility[: 3 * k, : 3 * k].copy())
+        return changed(self, **parts, flexibility=E, offset=s.offset[:k], fingers=None)
 
     def _placed(self) -> Self:
         """Made anew from its numbers."""
@@ -271,4 +302,5 @@ class Grasp:
     def __repr__(self) -> str:
         s = self.scene
         planar = ", planar" if s.plane is not None else ""
+        planar += f", {s.environment} of the environment" if s.environment else ""
         return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{planar})"

@@ -68,15 +68,16 @@ def is_escape(scene: Scene, section: Section, load: Array, twist: Array) -> bool
 
 
 def least_total(scene: Scene, section: Section, load: Array) -> float | None:
-    """Least sum of the unknown normal forces [N] with which forces within friction balance the load (dof,), natural
-    units; None where none do.
+    """Least sum of the fingers' unknown normal forces [N] with which forces within friction balance the load (dof,),
+    natural units; None where none do.
     """
     from scipy.optimize import linprog
 
-    W = _generators(scene, section)
+    F, W = generators(scene, section)
     if not W.size:
         return None
-    lp = linprog(np.ones(W.shape[1]), A_eq=W, b_eq=-load, method="highs")  # each generator has a normal force of one
+    normals = F[2 : 3 * (scene.n - scene.environment) : 3]  # each generator has a normal force of one, its finger's
+    lp = linprog(normals.sum(axis=0), A_eq=W, b_eq=-load, method="highs")
     return None if lp.x is None else float(lp.fun) * scene.units.force
 
 

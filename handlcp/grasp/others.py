@@ -24,8 +24,9 @@ from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_form import GraspBalls, chain_form
 from handlcp.grasp.solution import GraspSolution
-from handlcp.lcp import Auto
+from handlcp.lcp import Auto, proposals
 from handlcp.lcp.kernels.lemke import lemke
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.solvers.nsngrk import NSNGRK
@@ -96,6 +97,9 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
     if not first.held and overload(grasp.scene, section, grasp.effects) is not None:
         return _result(grasp, [], True, "no forces within friction and limits balance the load", start)
     found = [first] if first.held else []
+    if grasp.scene.soft:
+        _from_other_seeds(grasp, section, found, start + seconds)
+        return _result(grasp, found, False, "contact modes know no moments about normals", start)
     problem = assemble_contact(grasp.scene, section, grasp.effects)
     if found and not len(problem.blocks):
         return _result(grasp, found, True, "without friction the laws are monotone", start)
@@ -121,6 +125,17 @@ def equilibria(grasp: Grasp, faces: int | str | Pyramid, seconds: float) -> Equi
         if candidate is not None:
             _add(grasp, problem, section, found, candidate)
     return _result(grasp, found, complete, why, start)
+
+
+def _from_other_seeds(grasp: Grasp, section: Section, found: list[GraspSolution], end: float) -> None:
+    """What the chain of stages ends at with other seeds."""
+    problem, seed = chain_form(grasp.scene, section, grasp.stamped), 0
+    while time.monotonic() < end and seed < _RUNS:
+        seed += 1
+        for _, p in proposals(problem, Auto(seed=seed)):
+            candidate = problem.candidate(p.z)
+            if judge(grasp.scene, problem.effects, section, candidate).residuals.passes:
+                _add(grasp, problem, section, found, candidate)
 
 
 def _contains(scene: Scene, candidates: list[Candidate | None], s: GraspSolution, noise: float) -> bool:
@@ -167,7 +182,11 @@ def _until(end: float, candidates: Iterator[Candidate | None]) -> Iterator[Candi
 
 
 def _add(
-    grasp: Grasp, problem: GraspContact, section: Section, found: list[GraspSolution], candidate: Candidate
+    grasp: Grasp,
+    problem: GraspContact | GraspBalls,
+    section: Section,
+    found: list[GraspSolution],
+    candidate: Candidate,
 ) -> None:
     """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
     there is an equilibrium as well (what one choice of modes allows is convex).

@@ -13,13 +13,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from handlcp.check import number, read_only
+import numpy as np
+
+from handlcp.check import Bools, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
 from handlcp.grasp.holdable import escaping_twist, load_to_balance
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import Section, as_section
+from handlcp.grasp.scene import Scene
 from handlcp.grasp.soft_form import chain_form
 from handlcp.lcp import Auto, proposals
 
@@ -74,7 +77,7 @@ def required_preload(
     limit: float | None = None,
     check: Callable[[Grasp], bool] | None = None,
 ) -> Required:
-    """The smallest squeeze [m] that, added to every contact whose force is not prescribed, makes the grasp hold.
+    """The smallest squeeze [m] that, added to every finger whose force is not prescribed, makes the grasp hold.
 
     limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean deflection under the load (rigid
         fingers: the size of the grasp). check : whether a grasp holds; None: `holds`, the solver chain and certifier.
@@ -122,7 +125,7 @@ def required_friction(
     )
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
         return Required(high, low, True, "", most, tolerance, found.checked)
-    if found.value is None and (grasp.scene.offset[grasp.scene.governed_mask, 2] >= 0.0).all():
+    if found.value is None and (grasp.scene.offset[_squeezed(grasp.scene), 2] >= 0.0).all():
         return replace(found, hint="no finger carries preload; required_preload() says how much would do")
     return found
 
@@ -167,9 +170,9 @@ def holds(grasp: Grasp, section: Section) -> bool:
 
 
 def with_preload(grasp: Grasp, extra: float) -> Grasp:
-    """The same grasp with `extra` [m] more squeeze of every contact whose force is not prescribed."""
+    """The same grasp with `extra` [m] more squeeze of every finger whose force is not prescribed."""
     offset = grasp.offset.copy()
-    offset[grasp.scene.governed_mask, 2] -= extra
+    offset[_squeezed(grasp.scene), 2] -= extra
     return changed(grasp, offset=read_only(offset))
 
 
@@ -180,6 +183,11 @@ def with_friction(grasp: Grasp, mu: float) -> Grasp:
     return changed(
         grasp, contacts=tuple([c.with_friction(c.friction.with_mu(mu)) if c.mu > 0 else c for c in grasp.contacts])
     )
+
+
+def _squeezed(scene: Scene) -> Bools:
+    """(n,) which contacts a squeeze acts on: fingers whose force is not prescribed."""
+    return scene.governed_mask & (np.arange(scene.n) < scene.n - scene.environment)
 
 
 def _escapes(grasp: Grasp, section: Section) -> bool:

@@ -21,7 +21,8 @@ class Scene:
 
     positions (n, 3) m, frames (n, 3, 3) columns x, y, z (normal, into the object), mu (n,), flexibility (c, c) m/N in
     contact axes, offset (n, 3) m in contact axes, force (3,) N and moment (3,) N·m about the world's origin,
-    plane (3,) unit normal of a planar scene or None, governed (n,) bool: contacts whose force is not prescribed.
+    plane (3,) unit normal of a planar scene or None, governed (n,) bool: contacts whose force is not prescribed,
+    fingers: how many contacts, the first ones, are the fingers', the rest being the environment's; None: all.
     soft (k,): contacts that bear a moment about their normal, too; there are c = 3n + k force components, the contacts'
     x, y, z and then those moments. scale (c,): what a component of one means in contact axes [N, N·m]; a column of
     frames is as long as its own. None: all are 1, and contact axes are the law's.
@@ -38,11 +39,17 @@ class Scene:
     governed: tuple[bool, ...]
     soft: tuple[int, ...] = ()
     scale: Array | None = None
+    fingers: int | None = None
 
     @property
     def n(self) -> int:
         """Contacts."""
         return len(self.mu)
+
+    @property
+    def environment(self) -> int:
+        """How many contacts, the last ones, are not fingers'."""
+        return 0 if self.fingers is None else self.n - self.fingers
 
     @lazy
     def _resolved(self) -> tuple[GraspUnits, Array, Array, Natural]:

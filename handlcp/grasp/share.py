@@ -26,6 +26,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
 from handlcp.grasp.effects import CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility
+from handlcp.grasp.environment import ENVIRONMENT
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.first import find, start_at
 from handlcp.grasp.pyramid import Section
@@ -52,6 +53,8 @@ def without(grasp: Grasp) -> Iterator[tuple[str, Grasp]]:
     if grasp.flexibility.any():
         rigid = changed(grasp, flexibility=read_only(np.zeros_like(grasp.flexibility)))
         yield FingerFlexibility.title, rigid
+    if grasp.scene.environment and not grasp.effects:  # what is asked for by name may count the contacts
+        yield ENVIRONMENT, grasp._fingers_alone()
     for e in grasp.effects:
         yield e.title, changed(grasp, effects=tuple(x for x in grasp.effects if x is not e))
 
@@ -90,15 +93,19 @@ def measured(
 
 
 def _solved_by_the_same(grasp: Grasp, less: Grasp, section: Section, solution: GraspSolution) -> Callable[[], bool]:
-    """A run of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v."""
+    """A run of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v,
+    those of the contacts that it has: the first.
+    """
     s = less.scene
-    r = s.lawful(solution.forces).copy()
+    r = s.lawful(solution.forces[: s.n]).copy()
     r[s.governed_mask & (s.mu == 0.0), :2] = 0.0
     arms, turn = s.positions - grasp.reference, s.frames.transpose(0, 2, 1)
     world = np.einsum("nij,nj->ni", s.frames, r)
     u = solution.object_displacement
     moved = np.einsum("nij,nj->ni", turn, u[:3] + cross_rows(np.broadcast_to(u[3:], arms.shape), arms))
-    v = s.physical(np.column_stack([solution.slip, solution.gap]))  # motions scale as forces do, the other way round
+    v = s.physical(
+        np.column_stack([solution.slip, solution.gap])[: s.n]
+    )  # motions scale as forces do, the other way round
     d = s.lawful(v - moved - (s.flexibility @ r.reshape(-1)).reshape(-1, 3))
     load = -np.append(world.sum(axis=0), cross_rows(arms, world).sum(axis=0))
     return _run(changed(less, wrench=read_only(load), offset=read_only(d)), section, r, solution)

@@ -21,7 +21,7 @@ class GraspSolution:
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
 
     status : the certifier's verdict.
-    names : (n,) finger names.
+    names : (n,) finger names, then those of the environment's contacts, which come last in every array.
     forces : (n, 3) N, force of each finger on the object in its contact axes (x, y tangents, z normal).
     forces_world : (n, 3) N, the same in world axes.
     gap : (n,) m between object and fingertip, ≥ 0.
@@ -90,6 +90,7 @@ class GraspSolution:
             others=free is not None and free.others is True,
             required_preload=self.required_preload,
             bounds=self.bounds,
+            environment=self.scene.environment,
         )
 
     @property

@@ -7,6 +7,7 @@ from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
 from handlcp.hand.state import HandState
 from handlcp.hand.stream import GraspStream
+from handlcp.hand.table import Table
 from handlcp.hand.torques import TorqueCheck, TorqueRow
 from handlcp.hand.update import GraspUpdate
 
@@ -26,6 +27,7 @@ __all__ = [
     "Mesh",
     "Object",
     "Sphere",
+    "Table",
     "TorqueCheck",
     "TorqueRow",
     "audit_urdf",

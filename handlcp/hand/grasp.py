@@ -17,6 +17,7 @@ from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, TorqueSaturation
+from handlcp.grasp.environment import beside
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
@@ -27,6 +28,7 @@ from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.detect import touching
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
+from handlcp.hand.table import surrounding
 from handlcp.hand.torques import TorqueCheck, torque_check
 from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver
@@ -63,8 +65,10 @@ class HandGraspSolution(GraspSolution):
 class HandGrasp(Grasp):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`.
 
-    state : the posture. fingertips : n names. target : the object, or None for contacts given one by one.
-    jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints.
+    state : the posture. fingertips : names, one for each finger; contacts of the environment come after them.
+    target : the object, or None for contacts given one by one.
+    jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints, zero for
+        the environment's.
     finger_weight : what was asked for, as in `HandState.grasp`.
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
     sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
@@ -89,8 +93,10 @@ class HandGrasp(Grasp):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(n,) the fingertips' names."""
-        return self.fingertips
+        """(n,) the fingertips' names, then those of the environment's contacts."""
+        if not self.scene.environment:
+            return self.fingertips
+        return (*self.fingertips, *(str(c.name) for c in self.contacts[self.scene.fingers :]))
 
     @property
     def tip_offset(self) -> Array:
@@ -133,6 +139,7 @@ class HandGrasp(Grasp):
         return tip_motion(self.jacobian, self.sag, self.scene.plane is not None)
 
     def _explained(self, explanation: Explanation) -> Explanation:
+        explanation = super()._explained(explanation)
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
         command = command_line(self.state.hand.joint_names, self.joint_offset)
         lines = sorted((*explanation.effects, weight, command), key=lambda x: not x.on)  # what is on comes first
@@ -142,6 +149,11 @@ class HandGrasp(Grasp):
         light, still = copy.copy(self), copy.copy(self)
         light.finger_weight, still.joint_offset = False, np.zeros_like(self.joint_offset)
         return [*super()._without(), (WEIGHT, light), (COMMAND, still)]
+
+    def _fingers_alone(self) -> Self:
+        made = super()._fingers_alone()
+        made.jacobian = self.jacobian[: 3 * made.scene.n]
+        return made
 
     def _placed(self) -> HandGrasp:
         made = changed(self)
@@ -200,6 +212,7 @@ def grasp(
     finger_weight: FingerWeight = False,
     plane: Any = None,
     joint_offset: Any = None,
+    environment: Any = None,
 ) -> HandGrasp:
     """The grasp of an object by a hand in a posture; as a method, `state.grasp(target, …)`.
 
@@ -220,8 +233,10 @@ def grasp(
         "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
     joint_offset : squeeze in joint space, (nv,) or a mapping by joint name [rad, m]: the joints are commanded this far
         beyond the posture, which adds -J δq to the offsets.
+    environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those contacts
+        come last; friction, preload and offset above are the fingers', n of them.
 
-    Raises NotReached (naming each finger and its gap), UnknownName, InputError.
+    Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
     """
     hand = state.hand
     heavy = read_weight(finger_weight)
@@ -233,20 +248,29 @@ def grasp(
     else:
         tips, contacts = _given(state, target, fingers, friction)
         gaps = None
-    n = len(contacts)
+    n, around, own = len(contacts), None, None
+    if environment is not None:
+        around, own = surrounding(environment, obj), n
+        contacts = arguments.contacts((*contacts, *around.contacts))
     positions = np.array([c.position for c in contacts])
     frames = np.array([c.rotation for c in contacts])
     normal = arguments.plane(plane, contacts, positions, frames)
     if normal is not None:
         frames = arguments.in_plane(frames, normal)
-    turned = frames.transpose(0, 2, 1)
-    jacobian = (turned @ state.jacobian_at(positions, tips)).reshape(3 * n, hand.nv)
+    turned, points = frames.transpose(0, 2, 1), positions
+    if around is not None:
+        turned, points = turned[:n], positions[:n]
+    jacobian = (turned @ state.jacobian_at(points, tips)).reshape(3 * n, hand.nv)
     flexibility = hand.stiffness.compliance(jacobian)
     rotations = state.tip_rotations if tips is hand.tips.every else state.tip_rotations[list(tips)]
     hand.pads.add_to(flexibility, turned @ rotations, tips)
     shift = arguments.offset(offset, preload, n)
     if gaps is not None:
         shift = shift + np.concatenate([np.zeros((n, 2)), gaps[:, None]], axis=1)
+    if around is not None:
+        m = len(around.contacts)
+        jacobian = np.concatenate([jacobian, np.zeros((3 * m, hand.nv))])
+        flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
     g = array("gravity", gravity, (3,))
     if reference is None:
         point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
@@ -262,7 +286,9 @@ def grasp(
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
-        asked = arguments.effects(effects, n, Joints(hand.joint_names, jacobian, weigh, hand.torques.limits))
+        asked = arguments.effects(
+            effects, len(contacts), Joints(hand.joint_names, jacobian, weigh, hand.torques.limits), own
+        )
     made = HandGrasp.__new__(HandGrasp)
     made._place(
         contacts,
@@ -274,6 +300,7 @@ def grasp(
         read_only(shift),
         asked,
         normal,
+        own,
     )
     made.state, made.target, made.jacobian = state, obj, jacobian
     made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)

@@ -13,10 +13,11 @@ from handlcp.grasp import arguments
 from handlcp.grasp.answer import answers
 from handlcp.grasp.changed import changed, wrench_about
 from handlcp.grasp.effects import softened
-from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
+from handlcp.grasp.first import Found, kind_of, pack
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.pyramid import Pyramid, as_section
 from handlcp.grasp.scene import cross_rows
+from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.command import read_command
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.posture import contact_jacobian, flexibility
@@ -31,7 +32,8 @@ class GraspStream:
 
     grasp : where it begins; of a `HandGrasp` the posture may move, too: Jacobian and flexibility follow it, while the
     contacts stay where they are on the object until others are passed. faces : as in `Grasp.solve`. seed : of the
-    solver.
+    solver. start : a solution of the grasp, or of a nearby one, to begin at, and to begin afresh at; None: nowhere. The
+    first stage alone often fails from nowhere where soft fingers and a stiff environment meet, and seldom from there.
 
     Buffers, the layout of the problem and Pinocchio's data are made once; the flexibility is computed anew only when
     posture or contacts move; every answer starts at the last, and begins afresh where that leads nowhere. The time of
@@ -42,7 +44,9 @@ class GraspStream:
     follows it.
     """
 
-    def __init__(self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0) -> None:
+    def __init__(
+        self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0, start: GraspSolution | None = None
+    ) -> None:
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])
         if grasp.stamped:
@@ -53,10 +57,12 @@ class GraspStream:
         if scene.scale is not None:
             laws = ", ".join(dict.fromkeys(type(c.friction).__name__ for c in grasp.contacts))
             raise InputError("grasp", "one with Coulomb's friction; grasp.solve(start=...) follows any", laws)
+        self._fingers = k = n - scene.environment  # contacts that the hand moves
         section = as_section(faces, planar=scene.plane is not None)
         self._kind, self._section = kind_of(scene, section), section
         self._seed = integer("seed", seed, 0)
-        self._first, self._numbers, self._start = grasp, np.empty((1, self._kind.scene_width)), NOWHERE
+        self._first, self._numbers, self._given_start = grasp, np.empty((1, self._kind.scene_width)), start
+        self._start = self._anew = arguments.start(start, n)
         pack(scene, section, self._numbers[0])
         self._scene = read_only(self._numbers.view())
         ends = np.cumsum([3 * n, 9 * n, 9 * n * n, 3 * n, 3, 3]).tolist()
@@ -65,6 +71,9 @@ class GraspStream:
         self._flexibility, self._offset, self._force, self._moment = E.reshape(3 * n, 3 * n), d.reshape(n, 3), f, m
         # The fingers' own E; where nothing is added to it, what is solved itself
         self._own = grasp.flexibility.copy() if grasp.effects else self._flexibility
+        self._tips, self._axes = self._positions[:k], self._frames[:k]
+        # Where the environment has a share of E, the hand's is made apart
+        self._share = np.empty((3 * k, 3 * k)) if k < n else self._own
         self._posture = _Posture(grasp) if isinstance(grasp, HandGrasp) else None
         # The offset without what the hand adds to it: fingers that sag under their weight, joints commanded elsewhere
         self._adds = self._posture is not None and self._posture.adds
@@ -89,28 +98,33 @@ class GraspStream:
         `Grasp`. positions (n, 3) [m], frames (n, 3, 3) : of the contacts, world axes; x and y tangents, z into the
         object. joint_offset : (nv,) or a mapping by joint name [rad, m], how far beyond q the joints are commanded, as
         in `state.grasp`; it comes on top of offset, and follows the posture.
+        With an environment offset, positions and frames may also be those of the fingers alone: its contacts stay.
         Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
         """
-        first, n, planar = self._first, self._kind.n, self._first.scene.plane is not None
+        first, planar = self._first, self._first.scene.plane is not None
         # All is checked before any of it is taken over
         posture = None if q is None else self._checked(q)
         command = None if joint_offset is None else self._hand("joint_offset", joint_offset).read(joint_offset)
         load = None if wrench is None else arguments.wrench(wrench, first.scene.plane, self._lift)
-        shift = None if offset is None else array("offset", offset, (n, 3))
-        points = None if positions is None else self._spatial("positions", array("positions", positions, (n, 3)))
-        axes = None if frames is None else self._spatial("frames", arguments.frames(frames, n))
+        shift = None if offset is None else array("offset", offset, *self._shapes(3))
+        points = None if positions is None else array("positions", positions, *self._shapes(3))
+        points = None if points is None else self._spatial("positions", points)
+        axes = None if frames is None else array("frames", frames, *self._shapes(3, 3))
+        axes = None if axes is None else self._spatial("frames", arguments.frames(axes, len(axes)))
         if load is not None:
             self._force[:] = load[:3]
             self._moment[:] = load[3:] + cross_rows(first.reference, load[:3])
         if shift is not None:
-            self._given[:] = self._offset[:] = shift
+            self._given[: len(shift)] = self._offset[: len(shift)] = shift
         if points is not None:
-            self._positions[:] = points
+            self._positions[: len(points)] = points
         if axes is not None:
-            self._frames[:] = axes
+            self._frames[: len(axes)] = axes
         if posture is not None or points is not None or axes is not None:
             if self._posture is not None:
-                self._posture.move(posture, self._positions, self._frames, self._own)
+                self._posture.move(posture, self._tips, self._axes, self._share)
+                if self._share is not self._own:
+                    self._own[: len(self._share), : len(self._share)] = self._share
             if first.effects:
                 self._flexibility[:] = softened(self._own, first.effects, self._positions, self._frames, planar)
         if command is not None or self._adds:
@@ -122,7 +136,7 @@ class GraspStream:
         answers(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = Found(self._kind, rows[0])
         passes = found.passes
-        self._start = found.start if passes else NOWHERE
+        self._start = found.start if passes else self._anew
         joints = None if self._posture is None else self._posture.torques(found.forces)
         return GraspUpdate(first, found, passes, joints)
 
@@ -144,7 +158,12 @@ class GraspStream:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copied and pickled as the grasp as it is now: buffers are not shared."""
-        return (GraspStream, (self.grasp, self._section, self._seed))
+        return (GraspStream, (self.grasp, self._section, self._seed, self._given_start))
+
+    def _shapes(self, *rest: int) -> list[tuple[int, ...]]:
+        """Of arrays for all contacts, or for the fingers alone."""
+        shapes = [(self._kind.n, *rest)]
+        return shapes if self._fingers == self._kind.n else [*shapes, (self._fingers, *rest)]
 
     def _checked(self, q: Any) -> Array:
         return self._hand("q", q).hand.kinematics.posture("q", q)
@@ -174,6 +193,7 @@ class _Posture:
         self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
         self._factor = hand.stiffness.factor
+        self._still = np.zeros((3 * grasp.scene.environment, hand.nv))  # the environment's rows
 
     def read(self, command: Any) -> Array:
         """(nv,) joint offsets from what users pass."""
@@ -189,7 +209,7 @@ class _Posture:
         return offset + tip_motion(self.jacobian, self.sag - self.command, planar) if self.adds else offset
 
     def move(self, q: Array | None, positions: Array, frames: Array, E: Array) -> None:
-        """Take the hand to q (None: it stays) and write the flexibility at the contacts into E."""
+        """Take the hand to q (None: it stays) and write the flexibility at its contacts (k, 3) into E (3k, 3k)."""
         model, data, hand = self._model, self._data, self.hand
         if q is not None:
             self.q = q
@@ -206,6 +226,8 @@ class _Posture:
             pads = turn @ hand.pads.blocks[list(self._tips)] @ turn.transpose(0, 2, 1)
         self.jacobian = contact_jacobian(data.J.T, self._support, self._coupling, positions, frames)
         flexibility(self.jacobian, self._factor, pads, E)
+        if len(self._still):
+            self.jacobian = np.concatenate([self.jacobian, self._still])
 
     def torques(self, forces: Array) -> Array:
         """(nv,) τ = Jᵀ f, and g(q) where the fingers' weight counts [N·m]."""

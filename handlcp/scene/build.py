@@ -14,6 +14,7 @@ from handlcp.grasp import (
     Contact,
     ContactCompliance,
     Coulomb,
+    Environment,
     FingerForceBound,
     Frictionless,
     Grasp,
@@ -49,6 +50,12 @@ GRASP = HAND | {
     "fingers": "grasp.fingers", "joint_offset": "grasp.joint_offset_rad",
     "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
     "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
+}  # fmt: skip
+
+
+ENVIRONMENT = {
+    "point": "point_m", "position": "position_m", "normal": "normal", "flexibility": "flexibility_m_per_N",
+    "max_gap": "max_gap_m", "gap": "gap_m", "tangent": "tangent", "name": "name",
 }  # fmt: skip
 
 
@@ -101,6 +108,7 @@ def shape(scene: SceneFile) -> Object | None:
 def _by_hand(scene: SceneFile) -> Grasp:
     the_hand, obj, g, posture = hand(scene), shape(scene), scene.grasp, scene.posture
     assert obj is not None
+    around = _environment(scene, obj)
     with keyed(GRASP):
         q = _posture(the_hand, posture.q_rad)
         if posture.close:
@@ -110,7 +118,7 @@ def _by_hand(scene: SceneFile) -> Grasp:
         return the_hand.at(q).grasp(
             obj, laws, _wrench(scene), g.gravity_m_per_s2, _by_finger("grasp.preload_m", g.preload_m, fingers),
             reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=_effects(scene, fingers),
-            finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad,
+            finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad, environment=around,
         )  # fmt: skip
 
 
@@ -124,7 +132,9 @@ def _by_contacts(scene: SceneFile) -> Grasp:
         with keyed({"position": f"contact[{i}].position_m"}, f"contact[{i}]."):
             contacts.append(Contact(c.position_m, c.normal, _law(law), c.tangent, c.name))
     wrench, reference = _wrench(scene), np.array([0.0, 0.0, 0.0] if g.reference_m is None else g.reference_m)
-    if (obj := shape(scene)) is not None and obj.mass > 0:
+    obj = shape(scene)
+    around = _environment(scene, obj)
+    if obj is not None and obj.mass > 0:
         if g.reference_m is None:
             reference = obj.center_of_mass
         weight = obj.mass * np.array(g.gravity_m_per_s2)
@@ -133,7 +143,26 @@ def _by_contacts(scene: SceneFile) -> Grasp:
         return Grasp(
             contacts, wrench, flexibility=g.flexibility_m_per_N or 0.0, reference=reference, plane=g.plane,
             preload=_by_finger("grasp.preload_m", g.preload_m, names), effects=_effects(scene, names),
+            environment=around,
         )  # fmt: skip
+
+
+def _environment(scene: SceneFile, obj: Object | None) -> list[Environment] | None:
+    """What the object touches besides the fingers; None: nothing."""
+    from handlcp.hand import Table
+
+    parts = []
+    for i, e in enumerate(scene.environment):
+        where, law = f"environment[{i}]", _law(e.friction)
+        with keyed({a: f"{where}.{key}" for a, key in ENVIRONMENT.items()} | {"environment": where}):
+            if e.point_m is None:
+                contact = Contact(e.position_m, e.normal, law, e.tangent, e.name)
+                parts.append(Environment([contact], e.flexibility_m_per_N, e.gap_m))
+            else:
+                assert obj is not None
+                table = Table(e.point_m, e.normal, law, e.flexibility_m_per_N, e.max_gap_m, e.name or "table")
+                parts.append(table.under(obj))
+    return parts or None
 
 
 def _posture(the_hand: Hand, q: Any) -> Any:

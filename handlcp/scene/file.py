@@ -14,6 +14,7 @@ from handlcp.scene.refusals import refused
 from handlcp.scene.schema import (
     ContactTable,
     EffectsTable,
+    EnvironmentTable,
     GraspTable,
     HandTable,
     LoadTable,
@@ -44,6 +45,7 @@ class SceneFile(Table):
     posture: PostureTable = Field(default_factory=PostureTable)
     object: ObjectTable | None = None
     contact: list[ContactTable] = Field(default_factory=list)
+    environment: list[EnvironmentTable] = Field(default_factory=list)
     grasp: GraspTable = Field(default_factory=GraspTable)
     load: LoadTable = Field(default_factory=LoadTable)
     effects: EffectsTable = Field(default_factory=EffectsTable)
@@ -57,6 +59,10 @@ class SceneFile(Table):
         hand, given = self.hand, set(self.grasp.model_fields_set)
         if hand is None and not self.contact:
             raise InputError("hand", "a [hand] with an [object], or one [[contact]] or more", "neither")
+        for i, part in enumerate(self.environment):
+            if part.point_m is not None and self.object is None:
+                expected = "position_m, or an [object] that touches the plane"
+                raise InputError(f"environment[{i}].point_m", expected, "a scene without one")
         if hand is not None:
             if self.contact:
                 came = f"a [hand] and {len(self.contact)} contacts"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from handlcp.errors import InputError
 from handlcp.scene import kinds as k
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "CylinderTable",
     "EffectsTable",
     "EllipsoidTable",
+    "EnvironmentTable",
     "GraspTable",
     "HandTable",
     "LoadTable",
@@ -148,6 +150,40 @@ class ContactTable(Table):
     """direction of the contact's x axis; left out: chosen"""
     name: k.Text | None = None
     """what reports call the finger; left out: "finger 1", "finger 2", …"""
+
+
+class EnvironmentTable(Table):
+    """What the object touches besides the fingers: a plane (point_m), or one contact (position_m)."""
+
+    point_m: k.Vector | None = None
+    """a point of a plane, a table or a wall; where the [object] touches it is found"""
+    position_m: k.PlanarVector | None = None
+    """instead of point_m: one contact point; two numbers in a planar scene in xy"""
+    normal: k.PlanarVector
+    """unit vector into the object"""
+    friction: k.Friction = 0.5
+    """of these contacts"""
+    flexibility_m_per_N: k.Softness = 0.0
+    """of each contact, in contact axes (x, y, normal); 0: rigid"""
+    max_gap_m: k.NotNegative = 1e-3
+    """with point_m: the farthest a point of the object may be from the plane and still count"""
+    gap_m: k.Number = 0.0
+    """with position_m: from the object to the contact; < 0: an overlap, which squeezes"""
+    tangent: k.PlanarVector | None = None
+    """with position_m: direction of the contact's x axis; left out: chosen"""
+    name: k.Text | None = None
+    """what reports call it; left out: "table 1", …, one for each contact with a plane, or "environment 1", …"""
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> EnvironmentTable:
+        if (self.point_m is None) == (self.position_m is None):
+            came = "neither" if self.point_m is None else "both"
+            raise InputError("point_m", "either point_m, of a plane, or position_m, of a contact", came)
+        for key in ("gap_m", "tangent") if self.position_m is None else ("max_gap_m",):
+            if key in self.model_fields_set:
+                other = "point_m, whose contacts are found" if self.position_m is None else "position_m"
+                raise InputError(key, f"none beside {other}", getattr(self, key))
+        return self
 
 
 class GraspTable(Table):

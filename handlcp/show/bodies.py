@@ -17,9 +17,10 @@ from handlcp.show import shapes
 if TYPE_CHECKING:
     from handlcp.hand import HandState
 
-__all__ = ["Body", "hand_bodies", "object_body", "stub_bodies"]
+__all__ = ["Body", "environment_bodies", "hand_bodies", "object_body", "stub_bodies"]
 
 GREY = (0.62, 0.65, 0.69)
+ENVIRONMENT = (0.80, 0.78, 0.74)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +54,25 @@ def stub_bodies(grasp: Grasp) -> list[Body]:
     """A short rod behind each contact of a grasp without a hand, ending at the contact."""
     size = grasp.scene.units.length
     r = 0.08 * size
-    pairs = zip(grasp.scene.positions, grasp.scene.frames[:, :, 2], strict=True)
+    fingers = grasp.scene.n - grasp.scene.environment
+    pairs = zip(grasp.scene.positions[:fingers], grasp.scene.frames[:fingers, :, 2], strict=True)
     return [Body(shapes.capsule(p - n * 0.75 * size, p - n * r, r), GREY) for p, n in pairs]
+
+
+def environment_bodies(grasp: Grasp) -> list[Body]:
+    """A slab under the environment's contacts that lie in one plane, half a grasp's size wider than they are."""
+    scene, out = grasp.scene, []
+    size, left = scene.units.length, list(range(scene.n - scene.environment, scene.n))
+    thick = 0.1 * size
+    while left:
+        R, p = scene.frames[left[0]], scene.positions[left[0]]
+        local = (scene.positions[left] - p) @ R
+        same = (abs(local[:, 2]) < 1e-2 * size) & (scene.frames[left][:, :, 2] @ R[:, 2] > 1 - 1e-6)
+        low, high = local[same, :2].min(axis=0) - 0.5 * size, local[same, :2].max(axis=0) + 0.5 * size
+        slab = shapes.box([*(high - low), thick]) + np.array([*(low + high) / 2, -thick / 2])
+        out.append(Body(slab @ R.T + p, ENVIRONMENT))
+        left = [i for i, there in zip(left, same.tolist(), strict=True) if not there]
+    return out
 
 
 def _links(state: HandState) -> list[Body]:

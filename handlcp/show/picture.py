@@ -15,7 +15,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.show import labels, units
-from handlcp.show.bodies import Body, hand_bodies, object_body, stub_bodies
+from handlcp.show.bodies import Body, environment_bodies, hand_bodies, object_body, stub_bodies
 from handlcp.show.camera import Camera, choose, facing, frame
 from handlcp.show.file import checked, figure_type, write
 from handlcp.show.overlay import COLOUR, ESCAPE, LOAD, SLIP, Overlay, nice, rim
@@ -59,6 +59,7 @@ class _Scene:
         self.grasp, self.solution, s, scene = grasp, solution, solution, grasp.scene
         state, size = getattr(grasp, "state", None), scene.units.length
         solids = hand_bodies(state) if state is not None else stub_bodies(grasp)
+        solids = [*solids, *environment_bodies(grasp)]
         self.glass = object_body(grasp, obj)
         self.load = float(np.linalg.norm(scene.force))
         described = obj is not None or getattr(grasp, "target", None) is not None
@@ -146,13 +147,14 @@ class _Scene:
     def entries(self) -> list[Entry]:
         """The legend."""
         s, grasp, out = self.solution, self.grasp, []
+        who = "contact" if grasp.scene.environment else "finger"
         if self.glass is not None:
             out.append(("patch", "#C08A2B", self.glass.label))
         for state in ("sticking", "sliding"):
             if s.held and state in s.contact_state:
-                out.append(("line", COLOUR[state], f"finger force, {state}"))
+                out.append(("line", COLOUR[state], f"{who} force, {state}"))
         if s.held and "separated" in s.contact_state:
-            out.append(("dot", COLOUR["separated"], "finger that lets go"))
+            out.append(("dot", COLOUR["separated"], f"{who} that lets go"))
         if (grasp.scene.mu > 0).any():
             text = "friction cone, to the forces' scale:\nan arrow at its rim slides" if s.held else "friction cone"
             out.append(("cone", COLOUR["sticking" if s.held else "unknown"], text))

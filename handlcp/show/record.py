@@ -92,6 +92,7 @@ def _contacts(grasp: Grasp, solution: GraspSolution) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
+            "environment": i >= grasp.scene.n - grasp.scene.environment,
             "position_m": grasp.scene.positions[i],
             "axes": grasp.frames[i].T,
             "friction": grasp.contacts[i].mu,

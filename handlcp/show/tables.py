@@ -43,11 +43,11 @@ def effect_table(explanation: Explanation) -> Table:
 
 
 def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Table:
-    """Finger by finger: state, forces, share of the friction limit, slip and gap."""
+    """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap."""
     slips = np.hypot(*solution.slip.T)
     slip, gap = units.length_unit(slips.tolist()), units.length_unit(solution.gap.tolist())
     table = plain("Contacts", caption=_limit_note(grasp, faces))
-    table.add_column("finger", overflow="fold")
+    table.add_column("contact" if grasp.scene.environment else "finger", overflow="fold")
     table.add_column("state", no_wrap=True)
     for heading in ("normal\nN", "friction\nN", "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -116,7 +116,7 @@ def key_table(keys: Sequence[Any]) -> Table:
     for k in keys:
         if k.table != last:
             table.add_section()
-            many = k.table in ("contact", "effects.prescribed_force")
+            many = k.table in ("contact", "environment", "effects.prescribed_force")
             table.add_row(Text(f"[[{k.table}]]" if many else f"[{k.table}]", style="bold cyan"))
         last = k.table
         only = f" (shape {k.shape})" if k.shape else ""
@@ -159,5 +159,5 @@ def _limit_note(grasp: Grasp, faces: Any) -> str | None:
     """What 100 % of the friction limit means with a pyramid."""
     if grasp.scene.plane is not None or not len(grasp.scene.rough) or not isinstance(faces, int):
         return None
-    least = units.percent(float(np.cos(np.pi / faces)))
-    return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a finger slide from {least} on"
+    least, who = units.percent(float(np.cos(np.pi / faces))), "contact" if grasp.scene.environment else "finger"
+    return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a {who} slide from {least} on"

@@ -92,7 +92,7 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
             parts.append(f"{_listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
         if check.unknown:
             notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
-    parts += [_sliding(s), _motion(grasp, s)]
+    parts += [_sliding(s, "contacts" if grasp.scene.environment else "fingers"), _motion(grasp, s)]
     if s.uniqueness is not None:
         if not s.uniqueness.forces_determined:
             notes.append("other forces satisfy the same conditions; the smallest are given")
@@ -107,18 +107,18 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
     return Verdict(word, "; ".join(p for p in parts if p), tuple(notes))
 
 
-def _sliding(s: GraspSolution) -> str:
+def _sliding(s: GraspSolution, who: str) -> str:
     slips = np.hypot(*s.slip.T)
     sliding = [(n, float(d)) for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"]
     apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
     parts = []
     if sliding and len(sliding) == len(s.names) > 1:
-        parts.append(f"all fingers slide, up to {units.length(max(d for _, d in sliding))}")
+        parts.append(f"all {who} slide, up to {units.length(max(d for _, d in sliding))}")
     elif sliding:
         parts.append(", ".join(f"{n} slides {units.length(d)}" for n, d in sliding))
     if apart:
         parts.append(f"{_listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
-    return "; ".join(parts) or "all fingers stick"
+    return "; ".join(parts) or f"all {who} stick"
 
 
 def _motion(grasp: Grasp, s: GraspSolution) -> str:

@@ -134,6 +134,19 @@ def test_the_psyonics_coupled_joints_bear_what_virtual_work_says():
         assert s.torques[joint] == pytest.approx(work, abs=1e-6)
 
 
+def test_the_table_bears_the_box_the_fingers_and_most_of_the_push():
+    grasp, s = solved("box_on_table")
+    fingers, table = s.forces_world[:2], s.forces_world[2:]
+    assert -table[:, 2].sum() == pytest.approx(0.5 * G + fingers[:, 2].sum(), rel=1e-9)
+    assert fingers[:, 2].min() > 0.5, "they push down, along +z"
+    assert s.contact_state[2:] == ("sticking",) * 4
+    assert table[:, 0].sum() == pytest.approx(-1.36, abs=0.01), "of 1.5 N"
+    # A foot that sticks sinks by its flexibility times its force, and the rigid box with it
+    u, arms = s.object_displacement, grasp.scene.positions[2:] - grasp.reference
+    sunk = u[:3] + np.cross(u[3:], arms)
+    np.testing.assert_allclose(sunk, -1e-4 * table, rtol=1e-9, atol=1e-15)
+
+
 def test_the_quickstart_runs_and_its_own_assertions_hold(capsys):
     assert script("quickstart").main().held
     assert "binding" in capsys.readouterr().out

@@ -27,6 +27,13 @@ name = "left"
 position_m = [0.01, 0.0, 0.0]
 normal = [-1.0, 0.0, 0.0]
 tangent = [0.0, 0.0, 1.0]
+[[environment]]
+position_m = [0.0, 0.0, -0.01]
+normal = [0.0, 0.0, 1.0]
+friction = 0.3
+flexibility_m_per_N = 1e-5
+gap_m = 1e-4
+name = "table"
 [grasp]
 friction = 0.6
 preload_m = 1e-3

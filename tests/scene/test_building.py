@@ -13,11 +13,13 @@ from handlcp import (
     Contact,
     ContactCompliance,
     Coulomb,
+    Environment,
     FingerForceBound,
     Frictionless,
     Grasp,
     PrescribedForce,
     SoftWrist,
+    Table,
     TotalForceBound,
 )
 from handlcp.errors import InputError
@@ -65,6 +67,63 @@ def test_a_hand_scene_is_the_grasp_that_the_calls_give():
     np.testing.assert_array_equal(grasp.jacobian, expected.jacobian)
     np.testing.assert_array_equal(grasp.gravity_torque, expected.gravity_torque)
     np.testing.assert_array_equal(grasp.state.hand.torque_limits, 0.3)
+
+
+ON_TABLE = """
+[[environment]]
+point_m = [0.0, 0.0, 0.0545]
+normal = [0.0, 0.0, 1.0]
+friction = 0.3
+flexibility_m_per_N = [1e-4, 1e-4, 2e-4]
+name = "floor"
+[[environment]]
+position_m = [0.0, 0.0, 0.105]
+normal = [0.0, 0.0, -1.0]
+tangent = [0.0, 1.0, 0.0]
+friction = "frictionless"
+gap_m = 1e-4
+"""
+
+
+def test_a_table_and_a_contact_of_the_environment_are_those_that_the_calls_give():
+    grasp = read(CUBE + ON_TABLE).build()
+    box = Box(0.05, (0, 0, 0.08), 0.2)
+    hand = example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=2e-4, torque_limits=0.3)
+    above = Environment([Contact((0, 0, 0.105), (0, 0, -1), Frictionless(), (0, 1, 0))], 0.0, 1e-4)
+    floor = Table((0, 0, 0.0545), (0, 0, 1), Coulomb(0.3), (1e-4, 1e-4, 2e-4), name="floor")
+    expected = hand.at(hand.close_on(box)).grasp(
+        box, Coulomb(0.8), (0.1, 0, -0.2, 0, 0.001, 0), preload=0.005, finger_weight=True, environment=[floor, above]
+    )
+    same(grasp, expected)
+    assert grasp.names[3:] == (*(f"floor {k}" for k in (1, 2, 3, 4)), "environment 5")
+    np.testing.assert_allclose(grasp.scene.offset[3:, 2], [5e-4] * 4 + [1e-4], rtol=1e-9)
+
+
+def test_a_scene_without_a_hand_rests_on_a_table_too():
+    grasp = read("""
+        [object]
+        shape = "box"
+        size_m = 0.04
+        position_m = [0.0, 0.0, 0.02]
+        mass_kg = 0.1
+        [[contact]]
+        position_m = [0.0, 0.0, 0.04]
+        normal = [0.0, 0.0, -1.0]
+        [[environment]]
+        point_m = [0.0, 0.0, 0.0]
+        normal = [0.0, 0.0, 1.0]
+        [grasp]
+        flexibility_m_per_N = 1e-4
+        preload_m = 1e-3
+        [effects]
+        finger_force_bound_N = [5.0]
+        [effects.contact_compliance_m_per_N]
+        "finger 1" = 1e-5
+    """).build()
+    assert grasp.names == ("finger 1", "table 1", "table 2", "table 3", "table 4")
+    assert [c.friction for c in grasp.contacts[1:]] == [Coulomb(0.5)] * 4
+    assert grasp.solve().forces_world[1:, 2].sum() == pytest.approx(0.1 * 9.81 + 5.0, rel=1e-9)
+    assert not grasp.scene.flexibility[3:].any()
 
 
 def test_a_urdf_is_found_beside_the_scene_file_and_tables_by_name_arrive(tmp_path):

@@ -22,6 +22,13 @@ normal = [-1.0, 0.0, 0.0]
 """
 
 
+TABLE = """
+[[environment]]
+point_m = [0.0, 0.0, -0.03]
+normal = [0.0, 0.0, 1.0]
+"""
+
+
 def refusal(text):
     with pytest.raises(SceneFileError) as caught:
         read(text)
@@ -187,3 +194,41 @@ def test_a_scene_file_is_immutable():
     assert isinstance(scene, SceneFile)
     with pytest.raises(Exception, match="frozen"):
         scene.title = "other"
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "expected"),
+    [
+        (CONTACT + TABLE, "environment[0].point_m", "an [object] that touches the plane"),
+        (HAND + TABLE + "position_m = [0.0, 0.0, 0.0]", "environment[0].point_m", "either point_m"),
+        (HAND + TABLE.replace("point_m = [0.0, 0.0, -0.03]", ""), "environment[0].point_m", "either point_m"),
+        (HAND + TABLE + "gap_m = 0.1", "environment[0].gap_m", "none beside point_m"),
+        (HAND + TABLE + "tangent = [1.0, 0.0, 0.0]", "environment[0].tangent", "none beside point_m"),
+        (HAND + TABLE.replace("point_m", "position_m") + "max_gap_m = 0.1", "environment[0].max_gap_m", "none beside"),
+        (HAND + TABLE + "friction = 'sticky'", "environment[0].friction", "frictionless"),
+        (HAND + TABLE + "flexibility_m_per_N = -1.0", "environment[0].flexibility_m_per_N", "≥ 0"),
+        (HAND + "[[environment]]\npoint_m = [0.0, 0.0, 0.0]", "environment[0].normal", "unit vector into the object"),
+        (HAND + TABLE + "frictoin = 0.5", "environment[0].frictoin", "friction"),
+        (HAND + "[environment]\npoint_m = 1", "environment", "tables [[environment]]"),
+    ],
+)
+def test_an_environment_that_is_none_is_refused_by_its_key(text, key, expected):
+    error = refusal(text)
+    assert error.argument == key
+    assert expected in str(error)
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (TABLE.replace("-0.03", "-0.05"), "environment[0]"),
+        (TABLE.replace("1.0]", "2.0]"), "environment[0].normal"),
+        (TABLE.replace("point_m", "position_m") + "tangent = [0.0, 0.0, 1.0]", "environment[0].tangent"),
+        (TABLE + TABLE, "environment"),
+    ],
+)
+def test_what_geometry_refuses_of_an_environment_has_its_key(text, key):
+    scene = read(HAND + "position_m = [0.0, 0.0, 0.0]" + text + "\n[posture]\nclose = false\n[grasp]\nmax_gap_m = 1.0")
+    with pytest.raises(InputError) as caught:
+        scene.build()
+    assert caught.value.argument == key

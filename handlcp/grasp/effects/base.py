@@ -40,6 +40,12 @@ class Effect:
         """
         return self
 
+    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
+        """This effect, completed for a grasp whose first `fingers` of n contacts are the hand's and whose others are
+        the environment's, before `for_grasp`; not asked where all are the hand's.
+        """
+        return self
+
     def why(self, scene: Scene) -> str:
         """Why the scene has this effect, for `explain()`."""
         raise NotImplementedError

@@ -29,7 +29,8 @@ class ContactCompliance(Compliance):
     """Flexibility of the object's surface at the contacts [m/N], contact axes (x, y tangents, z normal).
 
     flexibility : a number ≥ 0 or a (3,) diagonal for every contact, or (n, 3, 3) symmetric positive semidefinite
-        blocks; 0 is a rigid surface, the same as none. A planar scene uses the parts in its plane, x and z.
+        blocks; 0 is a rigid surface, the same as none. Blocks for the fingers alone leave it rigid where it meets the
+        environment. A planar scene uses the parts in its plane, x and z.
 
     Raises InputError.
     """
@@ -52,6 +53,12 @@ class ContactCompliance(Compliance):
             else:
                 value = np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(value)]).reshape(-1, 3, 3)
         object.__setattr__(self, "flexibility", read_only(value))
+
+    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
+        """Blocks of zeros for the environment's contacts, where there are blocks for the fingers alone."""
+        if self.flexibility.ndim == 3 and len(self.flexibility) == fingers:
+            return type(self)(np.concatenate([self.flexibility, np.zeros((n - fingers, 3, 3))]))
+        return self
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """As many blocks as contacts."""

@@ -24,9 +24,10 @@ __all__ = ["FingerForceBound"]
 
 @dataclass(frozen=True, init=False)
 class FingerForceBound(Effect):
-    """Upper bounds [N] > 0 on the normal forces: a number for every contact, or one for each; inf: none.
+    """Upper bounds [N] > 0 on the normal forces: a number for every finger, or one for each; inf: none.
 
-    Contacts whose force is prescribed have no bound, and contacts without a bound no unknown.
+    Contacts whose force is prescribed have no bound, and contacts without a bound no unknown. Those of the environment
+    have none, unless there is a number for each contact.
     """
 
     bounds: float | tuple[float, ...]
@@ -48,6 +49,14 @@ class FingerForceBound(Effect):
     def opens(self) -> bool:
         """Not without a bound."""
         return bool(np.isfinite(self.bounds).any())
+
+    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
+        """The fingers' bounds, and none for the environment's contacts; bounds for all n stay."""
+        bounds = self.bounds if isinstance(self.bounds, tuple) else (self.bounds,) * fingers
+        if len(bounds) not in (fingers, n):
+            expected = f"a number, {fingers}, one for each finger, or {n}, one for each contact"
+            raise InputError(f"{argument}.limits", expected, f"{len(bounds)}")
+        return type(self)(bounds + (np.inf,) * (n - len(bounds)))
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """One bound for every contact, or as many as there are contacts."""

@@ -10,8 +10,8 @@ Robotics and Automation 5 (1989), compliances in series; model, "Flexibility fro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Self
 
 import numpy as np
 
@@ -34,13 +34,15 @@ class SoftWrist(Compliance):
     at : (3,) the point of the palm that twist and wrench refer to [m], world axes (the hand's base frame).
 
     In a planar scene the forces act in the plane and their motion out of it is left out; a wrist away from the plane
-    that tilts still moves the tips within it. Joint torques don't see the wrist.
+    that tilts still moves the tips within it. Joint torques don't see the wrist, and contacts of the environment are
+    not on it.
 
     Raises InputError.
     """
 
     flexibility: Array
     at: Array
+    fingers: int | None = field(repr=False)  # the contacts that it carries, the first ones; None: all
 
     title = "soft wrist"
     equation = "E += Wᵀ C W"
@@ -56,6 +58,13 @@ class SoftWrist(Compliance):
         psd(argument, value / np.outer(size, size))
         object.__setattr__(self, "flexibility", read_only(value.copy()))
         object.__setattr__(self, "at", array("SoftWrist.at", at, (3,)))
+        object.__setattr__(self, "fingers", None)
+
+    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
+        """The wrist carries the fingers alone."""
+        made = type(self)(self.flexibility, self.at)
+        object.__setattr__(made, "fingers", fingers)
+        return made
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
@@ -70,5 +79,8 @@ class SoftWrist(Compliance):
         W = wrench_map(positions - self.at, frames)
         if soft:
             W = np.hstack([W, np.vstack([np.zeros((3, len(soft))), frames[list(soft)][:, :, 2].T])])
+        if self.fingers is not None:  # it does not carry the rest
+            W[:, 3 * self.fingers : 3 * len(positions)] = 0.0
+            W[:, 3 * len(positions) :][:, np.array(soft) >= self.fingers] = 0.0
         E = W.T @ self.flexibility @ W
         return np.asarray((E + E.T) / 2)

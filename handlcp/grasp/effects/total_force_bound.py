@@ -2,6 +2,8 @@
 
     0 ≤ z̄ ⟂ r̄ - Σ r_N ≥ 0,    ε_N += z̄ for every finger
 
+It is the hand's squeeze that is bounded: contacts of the environment are not in the sum, and z̄ does not open them.
+
 Source: paper, equations (14) to (16).
 """
 
@@ -21,7 +23,7 @@ __all__ = ["TotalForceBound"]
 
 @dataclass(frozen=True, slots=True)
 class TotalForceBound(Effect):
-    """Upper bound `limit` [N] > 0 on the sum of all unknown normal forces."""
+    """Upper bound `limit` [N] > 0 on the sum of all unknown normal forces of fingers."""
 
     limit: float
 
@@ -40,4 +42,6 @@ class TotalForceBound(Effect):
         """One, of all normal forces; z̄ is the opening common to all fingers."""
         rows = np.zeros((1, scene.components))
         rows[0, scene.normal_index] = 1.0
+        if scene.fingers is not None:
+            rows[0, 3 * scene.fingers :] = 0.0
         return (Limit("z̄", rows, np.array([self.limit])),)

@@ -10,7 +10,7 @@ from datetime import datetime
 from typing import Any
 
 from handlcp.check import integer, number
-from handlcp.errors import InputError, UnknownName
+from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.pyramid import MOST_FACES
 from handlcp.study.accuracy.left_out import compare, variants
@@ -61,6 +61,8 @@ def accuracy_cost(
         raise InputError("left_out", "True or False", repr(left_out))
     if progress is not None and not callable(progress):
         raise InputError("progress", "a function of (done, total, text), or None", repr(progress))
+    if grasp.scene.soft:
+        raise Unsupported("accuracy_cost compares methods that know no soft fingers")
     begun = datetime.now().astimezone()
     exact = grasp.solve("cone")
     bench = Bench(grasp, exact, repeats, seed)

@@ -45,14 +45,15 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
         stiff = np.where(normal[:, None] & normal, E, 0)
         yield "tangential flexibility", "fingertips that give way along the normal only", _with(grasp, stiff)
     if isinstance(grasp, HandGrasp):
-        joints = _joints_alone(grasp)
-        pads = np.where(same_finger, E - joints, 0)  # what is left where joints do nothing is rounding
+        joints, k = _joints_alone(grasp), 3 * (n - scene.environment)
+        around = np.where(np.arange(3 * n)[:, None] < k, 0, E)  # the environment's stays, whatever the hand's is
+        pads = np.where(same_finger, E - joints - around, 0)  # what is left where joints do nothing is rounding
         pads = np.where(abs(pads) > 1e-12 * abs(E).max(initial=0.0), pads, 0)
         if pads.any():
-            yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints)
+            yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints + around)
         if joints.any():
             rest = "soft fingertips" if pads.any() else "rigid fingers"
-            yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads)
+            yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads + around)
     elif E.any():
         yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
     if (bare := grasp.replace(preload=0.0)).offset.tolist() != grasp.offset.tolist():
@@ -92,7 +93,7 @@ def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
     if isinstance(grasp, HandGrasp):
         hand = grasp.state.hand
         joints = Joints(hand.joint_names, grasp.jacobian, grasp.gravity_torque, hand.torques.limits)
-    return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints))
+    return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints, grasp.scene.fingers))
 
 
 def _unsagged(grasp: HandGrasp) -> HandGrasp:

@@ -143,7 +143,8 @@ class Bench:
     def _leads_elsewhere(self, candidate: Candidate) -> bool:
         """Whether Newton's method on the exact cone leads from here to a certified equilibrium that is another one."""
         scene, assembled = self.grasp.scene, self.grasp.problem("cone")
-        problem = assembled if isinstance(assembled, GraspContact) else assembled.contact
+        assert isinstance(assembled, GraspContact)  # soft fingers are refused where the study begins
+        problem = assembled
         there = problem.candidate(SemismoothNewton().propose_contact(problem, problem.natural(candidate)).z)
         verdict = judge(scene, problem.effects, as_section("cone", scene.plane is not None), there)
         off = self.errors(there.forces, self.errors.slip)["force_error"]

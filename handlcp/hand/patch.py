@@ -1,0 +1,114 @@
+"""Where an object meets a plane: the points of it that can touch, and no more than are needed.
+
+A rigid object stays above the plane exactly when its lowest points do: corners of a box, points of a cylinder's rims,
+one point of a ball or an ellipsoid, vertices of a mesh's convex hull. Of those near the plane, a point that lies above
+a convex combination of others (at their height, inside their hull) can never touch before them, and is left out: what
+remains of a flat patch is its convex hull.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import InputError
+from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+
+__all__ = ["RIM", "patch"]
+
+RIM = 8  # points of a cylinder's rim that stands on the plane
+_FLAT = 1e-9  # of the object's size: heights that differ by less are one, and a turn by less is none
+
+
+def patch(obj: Object, point: Array, normal: Array, max_gap: float) -> tuple[Array, Array, float]:
+    """(m, 3) points [m] of the object within `max_gap` of the plane through `point` with this unit normal, on whose
+    side the object is; (m,) their gaps, < 0 below the plane; and the smallest gap of all, which says how far an object
+    is that has none. World axes. Raises InputError for an object of an unknown kind.
+    """
+    points = _extremes(obj, normal)
+    heights = (points - point) @ normal
+    near = heights <= max_gap
+    points, gaps = points[near], heights[near]
+    if len(points) > 1:
+        kept = _needed(points, gaps, normal)
+        points, gaps = points[kept], gaps[kept]
+    return points, gaps, float(heights.min())
+
+
+def _extremes(obj: Object, normal: Array) -> Array:
+    """(k, 3) candidates, world axes."""
+    placement = obj.placement
+    R, p, down = placement.rotation, placement.translation, -(placement.rotation.T @ normal)
+    match obj:
+        case Box():
+            signs = np.array([[x, y, z] for z in (-0.5, 0.5) for x in (-0.5, 0.5) for y in (-0.5, 0.5)])
+            local = signs * obj.size
+        case Sphere():
+            local = obj.radius * down[None]
+        case Ellipsoid():
+            stretched = obj.radii * down
+            local = (obj.radii * stretched / np.sqrt(stretched @ stretched))[None]
+        case Cylinder():
+            local = _rims(obj, down)
+        case Mesh() if obj.triangles is not None:
+            local = np.unique(obj.triangles.reshape(-1, 3), axis=0)
+        case Mesh():
+            local = np.unique(np.array(obj.geometry.points(), dtype=float).reshape(-1, 3), axis=0)
+        case _:
+            expected = "a Box, Sphere, Cylinder, Ellipsoid or Mesh to find contacts of"
+            raise InputError("object", expected, repr(obj)[:80])
+    return np.asarray(local @ R.T + p)
+
+
+def _rims(obj: Cylinder, down: Array) -> Array:
+    """(2 RIM, 3) points of both rims, the first of each the lowest one."""
+    leaning = float(np.hypot(down[0], down[1]))
+    start = np.arctan2(down[1], down[0]) if leaning > _FLAT else 0.0
+    a = start + 2 * np.pi * np.arange(RIM) / RIM
+    ring = np.column_stack([obj.radius * np.cos(a), obj.radius * np.sin(a), np.full(RIM, 0.5 * obj.length)])
+    return np.concatenate([ring * (1, 1, -1), ring])
+
+
+def _needed(points: Array, heights: Array, normal: Array) -> list[int]:
+    """Which points are outside the hull, seen along the normal, of those that are no higher; from the lowest up."""
+    x = np.eye(3)[int(np.argmin(abs(normal)))]
+    x = x - normal * (normal @ x)
+    x /= np.sqrt(x @ x)
+    flat = (points - points[0]) @ np.column_stack([x, np.cross(normal, x)])
+    size = float(np.ptp(points, axis=0).max())
+    order = np.argsort(heights, kind="stable")
+    levels = np.split(order, np.flatnonzero(np.diff(heights[order]) > _FLAT * size) + 1)
+    hull: list[int] = []
+    kept: list[int] = []
+    for level in levels:
+        hull = _hull(flat, [*hull, *level.tolist()], _FLAT * size)
+        kept += [i for i in hull if i not in kept]
+    return kept
+
+
+def _hull(flat: Array, members: list[int], least: float) -> list[int]:
+    """The corners of the convex hull of some points of flat (k, 2), counterclockwise (Andrew's monotone chain); no
+    point within `least` of a line between two others, or of another point, is one.
+    """
+    members = sorted(members, key=lambda i: (flat[i, 0], flat[i, 1]))
+
+    def half(run: list[int]) -> list[int]:
+        out: list[int] = []
+        for i in run:
+            while len(out) > 1 and _left(flat[out[-2]], flat[out[-1]], flat[i]) <= least:
+                out.pop()
+            if not out or np.hypot(*(flat[i] - flat[out[-1]])) > least:
+                out.append(i)
+        return out
+
+    lower, upper = half(members), half(members[::-1])
+    corners = [*lower[:-1], *upper[:-1]] or lower
+    return list(dict.fromkeys(corners))
+
+
+def _left(a: Array, b: Array, c: Array) -> float:
+    """How far b lies to the right of the line from a to c [m], so that the chain turns left there."""
+    along = c - a
+    length = float(np.hypot(*along))
+    cross = float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    return cross / length if length > 0.0 else 0.0

@@ -1,0 +1,313 @@
+"""Tables and walls: contacts found by geometry, and hands that hold what also rests on something."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import handlcp as hl
+from handlcp.errors import InputError, NotReached
+from handlcp.hand.patch import RIM
+
+G = 9.81
+HALF = 0.025
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@pytest.fixture(scope="module")
+def held():
+    """A 200 g cube between three fingers, its lower face 55 mm above the palm."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
+    box = hl.Box(2 * HALF, (0, 0, 0.08), 0.2)
+    return hand.at(hand.close_on(box)), box
+
+
+def turned(*rpy):
+    return pin.rpy.rpyToMatrix(*rpy)
+
+
+def table(flexibility=1e-3, **more):
+    return hl.Table((0, 0, 0.055), friction=hl.Coulomb(0.3), flexibility=flexibility, **more)
+
+
+def random_turn(rng):
+    q = rng.normal(size=4)
+    return pin.Quaternion(q / np.linalg.norm(q)).toRotationMatrix()
+
+
+# ---------------------------------------------------------------- which points touch
+def points(environment):
+    return np.array([c.position for c in environment.contacts])
+
+
+def test_a_box_on_its_face_an_edge_or_a_corner_has_four_two_or_one():
+    flat = hl.Table((0, 0, -HALF)).under(hl.Box(2 * HALF))
+    np.testing.assert_allclose(
+        sorted(points(flat)[:, :2].tolist()), [[x, y] for x in (-HALF, HALF) for y in (-HALF, HALF)]
+    )
+    np.testing.assert_allclose(flat.gap, 0.0, atol=1e-17)
+    edge = hl.Box(2 * HALF, pin.SE3(turned(np.pi / 4, 0, 0), np.zeros(3)))
+    below = hl.Table((0, 0, -HALF * np.sqrt(2))).under(edge)
+    np.testing.assert_allclose(sorted(points(below)[:, 0]), [-HALF, HALF], atol=1e-15)
+    np.testing.assert_allclose(points(below)[:, 1], 0, atol=1e-15)
+    corner = hl.Box(2 * HALF, pin.SE3(turned(np.arctan(np.sqrt(0.5)), 0, 0) @ turned(0, np.pi / 4, 0), np.zeros(3)))
+    assert len(hl.Table((0, 0, -HALF * np.sqrt(3))).under(corner).contacts) == 1
+
+
+def test_a_cylinder_stands_on_its_rim_and_lies_on_a_line():
+    can = hl.Cylinder(0.03, 0.1)
+    rim = points(hl.Table((0, 0, -0.05)).under(can))
+    assert len(rim) == RIM
+    np.testing.assert_allclose(np.hypot(rim[:, 0], rim[:, 1]), 0.03, rtol=1e-12)
+    line = hl.Table((0, -0.03, 0), normal=(0, 1, 0)).under(can)
+    np.testing.assert_allclose(sorted(points(line)[:, 2]), [-0.05, 0.05], rtol=1e-12)
+    np.testing.assert_allclose(points(line)[:, :2], [[0, -0.03]] * 2, atol=1e-15)
+    leaning = hl.Cylinder(0.03, 0.1, pin.SE3(turned(0.3, 0, 0), np.zeros(3)))
+    lowest = 0.03 * np.sin(0.3) + 0.05 * np.cos(0.3)
+    one = hl.Table((0, 0, -lowest)).under(leaning)
+    assert len(one.contacts) == 1
+    np.testing.assert_allclose(one.gap, 0, atol=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_ball_and_an_ellipsoid_touch_where_their_surface_has_the_planes_normal(seed):
+    rng = np.random.default_rng(seed)
+    n = rng.normal(size=3)
+    n /= np.linalg.norm(n)
+    place = pin.SE3(random_turn(rng), rng.normal(size=3))
+    ball = hl.Table(place.translation - 0.0305 * n, n).under(hl.Sphere(0.03, place))
+    np.testing.assert_allclose(points(ball)[0], place.translation - 0.03 * n, atol=1e-14)
+    np.testing.assert_allclose(ball.gap, 5e-4, rtol=1e-10)
+    radii = np.array([0.02, 0.03, 0.05])
+    egg = hl.Ellipsoid(radii, place)
+    reach = np.linalg.norm(radii * (place.rotation.T @ n))  # its support function
+    one = hl.Table(place.translation - reach * n, n).under(egg)
+    np.testing.assert_allclose(one.gap, 0.0, atol=1e-15)
+    local = place.rotation.T @ (points(one)[0] - place.translation)
+    assert (local**2 / radii**2).sum() == pytest.approx(1, rel=1e-12)
+    outward = place.rotation @ (local / radii**2)
+    np.testing.assert_allclose(outward / np.linalg.norm(outward), -n, atol=1e-12)
+
+
+def write_mesh(path, corners, faces):
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(corners).tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    path.write_text("\n".join(lines))
+    return path
+
+
+def test_a_mesh_rests_on_the_hull_of_its_lowest_face(tmp_path):
+    """A prism over a square whose lower face has a grid of vertices: four of them are the patch."""
+    from scipy.spatial import ConvexHull
+
+    g = np.linspace(-1, 1, 5) * HALF
+    bottom = [(x, y, 0.0) for x in g for y in g]
+    roof = [(x, y, 0.03) for x in (-HALF, HALF) for y in (-HALF, HALF)]
+    p = np.array(bottom + roof)
+    hull = ConvexHull(p)
+    faces = []
+    for face, equation in zip(hull.simplices, hull.equations, strict=True):
+        a, b, c = p[face]
+        faces.append(face if np.cross(b - a, c - a) @ equation[:3] > 0 else face[::-1])
+    mesh = hl.Mesh(write_mesh(tmp_path / "prism.obj", p, faces), mass=0.1)
+    feet = hl.Table((0, 0, 0)).under(mesh)
+    assert len(feet.contacts) == 4
+    np.testing.assert_allclose(abs(points(feet)[:, :2]), HALF, rtol=1e-6)
+    np.testing.assert_allclose(feet.gap, 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_small_motion_brings_a_point_left_out_below_the_plane_before_those_kept(seed):
+    """Oracle: random points, random small motions h + a + b x + c y; whatever is left out never is the lowest alone."""
+    from handlcp.hand.patch import _needed
+
+    rng = np.random.default_rng(seed)
+    p = rng.normal(size=(60, 3)) * (1, 1, 0.05)
+    p[:20, 2] = p[20, 2]  # a flat part among them
+    kept = _needed(p, p[:, 2], UP)
+    assert int(np.argmin(p[:, 2])) in kept or p[kept, 2].min() == p[:, 2].min()
+    left = [i for i in range(len(p)) if i not in kept]
+    assert left
+    for a in rng.normal(size=(2000, 2)) * 0.2:
+        height = p[:, 2] + p[:, :2] @ a
+        assert height[left].min() >= height[kept].min() - 1e-9
+
+
+def test_nothing_near_enough_says_how_far_and_an_overlap_is_a_squeeze():
+    box = hl.Box(2 * HALF)
+    with pytest.raises(NotReached) as info:
+        hl.Table((0, 0, -HALF - 0.002), name="floor").under(box)
+    assert info.value.argument == "environment"
+    assert info.value.gaps["floor"] == pytest.approx(0.002)
+    np.testing.assert_allclose(hl.Table((0, 0, -HALF - 0.002), max_gap=0.003).under(box).gap, 0.002)
+    np.testing.assert_allclose(hl.Table((0, 0, -HALF + 0.001)).under(box).gap, -0.001)
+
+
+# ---------------------------------------------------------------- a hand beside it
+def test_a_hand_and_a_table_share_the_weight_and_the_table_has_no_joints(held):
+    state, box = held
+    g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table())
+    s = g.solve()
+    assert s.names == (*state.hand.fingertips, "table 1", "table 2", "table 3", "table 4")
+    assert g.fingertips == state.hand.fingertips
+    np.testing.assert_array_equal(g.jacobian[9:], 0.0)
+    plain = state.grasp(box, hl.Coulomb(0.8), preload=0.006)
+    np.testing.assert_array_equal(g.jacobian[:9], plain.jacobian)
+    np.testing.assert_array_equal(g.flexibility[:9, :9], plain.flexibility)
+    np.testing.assert_array_equal(g.flexibility[9:, 9:], np.eye(12) * 1e-3)
+    np.testing.assert_allclose(s.forces_world.sum(0), [0, 0, 0.2 * G], atol=1e-9)
+    np.testing.assert_allclose(s.torques, plain.jacobian.T @ s.forces[:3].ravel(), rtol=1e-12, atol=1e-15)
+    assert len(s.torques) == 6
+    assert "table 1" in str(s)
+    assert "4 of the 7 contacts" in str(g.explain())
+
+
+def test_fingers_that_only_press_leave_the_weight_to_a_rigid_table():
+    """Smooth fingers on upright flanks carry nothing: the table has all of the weight."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    can = hl.Cylinder(0.025, 0.05, (0, 0, 0.08), 0.3)
+    floor = hl.Table((0, 0, 0.055))
+    s = hand.at(hand.close_on(can)).grasp(can, hl.Frictionless(), preload=0.003, environment=floor).solve()
+    np.testing.assert_allclose(s.forces_world[3:, 2].sum(), 0.3 * G, rtol=1e-9)
+    assert not s.uniqueness.forces_determined
+
+
+def test_effects_act_on_the_fingers_alone(held):
+    state, box = held
+    free = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table()).solve()
+    for effect in (hl.TotalForceBound(0.8 * free.normal_force[:3].sum()), hl.FingerForceBound([2.0, 2.0, 2.0])):
+        s = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table(), effects=[effect]).solve()
+        assert s.held
+    assert s.normal_force[:3].max() <= 2.0 * (1 + 1e-9)
+    wrist = hl.SoftWrist([1e-4] * 3 + [0.1] * 3)
+    g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table(), effects=[wrist])
+    np.testing.assert_array_equal(g.scene.flexibility[9:], g.flexibility[9:])
+    weak = hl.example_hand("three_finger", joint_stiffness=6.0, torque_limits=0.15)
+    weak_state = weak.at(state.q)
+    yields = weak_state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table(), effects=[hl.TorqueSaturation()])
+    s = yields.solve()
+    assert abs(s.torques).max() <= 0.15 * (1 + 1e-9)
+    assert s.torque_check.yielding
+
+
+def test_all_that_changes_a_grasp_keeps_the_table(held):
+    state, box = held
+    g = state.grasp(
+        box, hl.Coulomb(0.8), preload=0.006, environment=table(), finger_weight=True, joint_offset=[0.01] * 6
+    )
+    h = g.replace(preload=[0.005, 0.006, 0.007], wrench=(0, 0, -1, 0, 0, 0), joint_offset=[0.02] * 6)
+    np.testing.assert_array_equal(h.scene.offset[3:], g.scene.offset[3:])
+    np.testing.assert_allclose(h.tip_offset[:3, 2], [-0.005, -0.006, -0.007], atol=1e-15)
+    np.testing.assert_array_equal(g.tip_sag[3:], 0.0)
+    assert pickle.loads(pickle.dumps(g)).names == g.names
+    assert copy.copy(g).names == g.names
+    shares = {e.title: e.share for e in g.explain(measure=True).effects if e.on}
+    assert shares["environment contacts"] is not None
+    assert g.required_preload().value == 0.0
+
+
+def test_given_contacts_take_an_environment_and_no_table(held):
+    state, box = held
+    contacts = state.grasp(box, hl.Coulomb(0.8)).contacts
+    around = table().under(box)
+    g = state.grasp(contacts, preload=0.006, environment=around)
+    np.testing.assert_allclose(
+        g.scene.positions, state.grasp(box, hl.Coulomb(0.8), environment=around).scene.positions, atol=1e-15
+    )
+    with pytest.raises(InputError, match="finds its contacts with an object"):
+        state.grasp(contacts, environment=table())
+
+
+def test_a_stream_follows_hand_and_table(held):
+    """The same answers as single solves, where posture, load, table and fingers' offsets move."""
+    state, box = held
+    g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table(), finger_weight=True)
+    stream, rng = hl.GraspStream(g), np.random.default_rng(0)
+    shift = np.array(g.tip_offset)
+    decided = 0
+    for k in range(6):
+        shift[3:, 2] = 1e-5 * k  # the table sinks
+        q = state.q + 1e-3 * rng.normal(size=6)
+        u = stream.update(q, wrench=np.append(rng.normal(size=3) * 0.1 + [0, 0, -1.9], [0, 0, 0]), offset=shift)
+        now = stream.grasp
+        made = g.replace(offset=shift)
+        np.testing.assert_allclose(now.scene.offset[3:], made.scene.offset[3:], atol=1e-18)
+        np.testing.assert_array_equal(now.jacobian[9:], 0.0)
+        there = state.hand.at(q).grasp(g.contacts[:3], environment=table().under(box))
+        np.testing.assert_allclose(now.flexibility, there.flexibility, rtol=1e-12, atol=1e-18)
+        np.testing.assert_allclose(now.jacobian, there.jacobian, rtol=1e-12, atol=1e-15)
+        if u.held:
+            decided += 1
+            s = now.solve(start=u)
+            np.testing.assert_allclose(u.forces, s.forces, atol=1e-8)
+            np.testing.assert_allclose(u.torques, s.torques, atol=1e-9)
+            assert len(u.contact_state) == 7
+    assert decided >= 3
+
+
+def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(held):
+    """Fingers without pads on a table a hundred times as stiff: the first stage fails from nowhere, and each answer
+    from a solution on is that of a single solve.
+    """
+    _, box = held
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    q = hand.close_on(box)
+    g = hand.at(q).grasp(box, hl.Coulomb(0.8), preload=0.003, environment=table(1e-5))
+    assert not hl.GraspStream(g).update(q).held
+    stream, rng = hl.GraspStream(g, start=g.solve()), np.random.default_rng(0)
+    for _ in range(5):
+        u = stream.update(q + 1e-4 * rng.normal(size=6))
+        assert u.held
+        np.testing.assert_allclose(u.forces, stream.grasp.solve(start=u).forces, atol=1e-8)
+    assert not stream.update(wrench=(0, 0, 1e3, 0, 0, 0)).held, "nothing holds that"
+    assert stream.update(wrench=(0, 0, -0.2 * G, 0, 0, 0)).held, "it begins at the solution again"
+    assert pickle.loads(pickle.dumps(stream)).update(q).held
+    with pytest.raises(InputError) as info:
+        hl.GraspStream(g, start=hand.at(q).grasp(box).solve(throw=False))
+    assert info.value.argument == "start"
+
+
+def test_a_stream_takes_arrays_of_fingers_and_leaves_the_table(held):
+    state, box = held
+    g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table())
+    stream = hl.GraspStream(g)
+    there = g.scene.positions[:3] + 1e-3 * UP
+    stream.update(positions=there, frames=g.scene.frames[:3], offset=np.full((3, 3), -1e-4))
+    now = stream.grasp.scene
+    np.testing.assert_array_equal(now.positions, [*there, *g.scene.positions[3:]])
+    np.testing.assert_array_equal(now.offset, [*np.full((3, 3), -1e-4), *g.scene.offset[3:]])
+    for bad in ({"offset": np.zeros((4, 3))}, {"positions": np.zeros((2, 3))}, {"frames": np.zeros((5, 3, 3))}):
+        with pytest.raises(InputError):
+            stream.update(**bad)
+
+
+def test_a_table_below_the_hands_reach_and_bad_tables_are_refused(held):
+    state, box = held
+    with pytest.raises(NotReached, match="table"):
+        state.grasp(box, environment=hl.Table((0, 0, 0.05)))
+    for bad in ("floor", 3, [hl.Coulomb(0.5)], []):
+        with pytest.raises(InputError) as info:
+            state.grasp(box, environment=bad)
+        assert info.value.argument.startswith("environment")
+    for argument, change in {
+        "point": {"point": (0, 0)}, "normal": {"normal": (0, 0, 2)}, "friction": {"friction": 0.5},
+        "flexibility": {"flexibility": (1e-3, -1e-3, 0)}, "max_gap": {"max_gap": -1}, "name": {"name": 3},
+    }.items():  # fmt: skip
+        with pytest.raises(InputError) as info:
+            hl.Table(**({"point": (0, 0, 0)} | change))
+        assert info.value.argument == argument
+    with pytest.raises(InputError):
+        table().under("box")
+
+
+def test_a_table_is_a_value():
+    t = table(name="floor", max_gap=2e-3)
+    again = pickle.loads(pickle.dumps(t))
+    assert (again.name, again.max_gap, again.friction) == ("floor", 2e-3, hl.Coulomb(0.3))
+    np.testing.assert_array_equal(again.flexibility, t.flexibility)
+    with pytest.raises(AttributeError):
+        t.name = "wall"
