@@ -19,7 +19,7 @@ from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect, TorqueSaturation
 from handlcp.grasp.environment import beside
 from handlcp.grasp.explain import Explanation
-from handlcp.grasp.friction import Coulomb, Friction, Frictionless
+from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.pyramid import Pyramid
@@ -319,9 +319,9 @@ def _frictions(friction: Any, names: list[str]) -> list[Friction]:
     if isinstance(friction, Mapping):
         laws = [per_name("friction", friction, names, "a fingertip").get(name, Coulomb(0.6)) for name in names]
     for name, law in zip(names, laws, strict=True):
-        if not isinstance(law, (Coulomb, Frictionless)):
+        if not isinstance(law, LAWS):
             where = f"friction[{name!r}]" if isinstance(friction, Mapping) else "friction"
-            raise InputError(where, "Coulomb(mu), Frictionless(), or a mapping of fingertips to them", repr(law))
+            raise InputError(where, f"{LAW}, or a mapping of fingertips to them", repr(law))
     return laws
 
 

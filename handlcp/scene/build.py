@@ -11,6 +11,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp import (
+    AnisotropicCoulomb,
     Contact,
     ContactCompliance,
     Coulomb,
@@ -19,10 +20,12 @@ from handlcp.grasp import (
     Frictionless,
     Grasp,
     PrescribedForce,
+    SoftFinger,
     SoftWrist,
     TorqueSaturation,
     TotalForceBound,
 )
+from handlcp.scene.kinds import LAW_KEYS
 from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SoftWristTable, SphereTable
 
 if TYPE_CHECKING:
@@ -114,7 +117,8 @@ def _by_hand(scene: SceneFile) -> Grasp:
         if posture.close:
             q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
-        laws = {f: _law(v) for f, v in g.friction.items()} if isinstance(g.friction, dict) else _law(g.friction)
+        given: Any = g.friction
+        laws = {f: _law(v) for f, v in given.items()} if _by_name(given) else _law(given)
         return the_hand.at(q).grasp(
             obj, laws, _wrench(scene), g.gravity_m_per_s2, _by_finger("grasp.preload_m", g.preload_m, fingers),
             reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=_effects(scene, fingers),
@@ -125,7 +129,7 @@ def _by_hand(scene: SceneFile) -> Grasp:
 def _by_contacts(scene: SceneFile) -> Grasp:
     g, tables, contacts = scene.grasp, scene.contact, []
     names = tuple(c.name or f"finger {i + 1}" for i, c in enumerate(tables))
-    laws = g.friction if isinstance(g.friction, dict) else dict.fromkeys(names, g.friction)
+    laws: Any = g.friction if _by_name(g.friction) else dict.fromkeys(names, g.friction)
     _known("grasp.friction", laws, names)
     for i, c in enumerate(tables):
         law = laws.get(names[i], 0.6) if c.friction is None else c.friction
@@ -178,7 +182,16 @@ def _wrench(scene: SceneFile) -> Array:
 
 
 def _law(value: Any) -> Friction:
-    return Frictionless() if value == "frictionless" else Coulomb(value)
+    if not isinstance(value, dict):
+        return Frictionless() if value == "frictionless" else Coulomb(value)
+    if "mu_x" in value:
+        return AnisotropicCoulomb(value["mu_x"], value["mu_y"], value.get("along"))
+    return SoftFinger(value["mu"], value["mu_torsion_m"], value.get("torsional_flexibility_rad_per_Nm", 0.0))
+
+
+def _by_name(value: Any) -> bool:
+    """Whether a friction is a table by finger; that of one law has the law's keys."""
+    return isinstance(value, dict) and not any(needed <= set(value) for needed, _ in LAW_KEYS)
 
 
 def _by_finger(key: str, value: Any, fingers: Sequence[str], otherwise: float = 0.0) -> Any:

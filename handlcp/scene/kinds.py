@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, WrapValidator
+from pydantic import AfterValidator, Field, ValidationError, WrapValidator
 from pydantic_core import PydanticCustomError
 
 __all__ = [
+    "LAW_KEYS",
     "SHAPES",
     "Compliance",
     "Expected",
@@ -98,11 +99,27 @@ Radius = Annotated[_Above0 | dict[str, _Above0], Expected("a number > 0, or a ta
 Posture = Annotated[
     list[_Finite] | dict[str, _Finite], Expected("one finite number for each joint, or a table by joint name")
 ]
-Friction = Annotated[_From0 | Literal["frictionless"], Expected('a coefficient ≥ 0 or "frictionless"')]
-FrictionByFinger = Annotated[
-    _From0 | Literal["frictionless"] | dict[str, _From0 | Literal["frictionless"]],
-    Expected('a coefficient ≥ 0, "frictionless", or a table of them by finger'),
-]
+LAW_KEYS = (  # of a friction that is more than a coefficient: needed, and allowed beside
+    (frozenset({"mu", "mu_torsion_m"}), frozenset({"torsional_flexibility_rad_per_Nm"})),
+    (frozenset({"mu_x", "mu_y"}), frozenset({"along"})),
+)
+
+
+def _law_table(value: dict[str, Any]) -> dict[str, Any]:
+    """A soft finger's table, or that of an anisotropic friction."""
+    if not any(needed <= set(value) <= needed | more for needed, more in LAW_KEYS):
+        raise ValueError("keys of no friction law")
+    return value
+
+
+_LawTable = Annotated[dict[str, _Finite | _Three], AfterValidator(_law_table)]
+_Law = _From0 | Literal["frictionless"] | _LawTable
+_LAW_WORDS = (
+    'a coefficient ≥ 0, "frictionless", {mu, mu_torsion_m} (also torsional_flexibility_rad_per_Nm) for a soft finger, '
+    "or {mu_x, mu_y} (also along)"
+)
+Friction = Annotated[_Law, Expected(_LAW_WORDS)]
+FrictionByFinger = Annotated[_Law | dict[str, _Law], Expected(f"{_LAW_WORDS}, or a table of these by finger")]
 Preload = Annotated[
     _Finite | list[_Finite] | dict[str, _Finite],
     Expected("a finite number, one for each contact, or a table by finger"),
