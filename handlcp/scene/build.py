@@ -61,6 +61,13 @@ ENVIRONMENT = {
     "max_gap": "max_gap_m", "gap": "gap_m", "tangent": "tangent", "name": "name",
 }  # fmt: skip
 
+LAW = {
+    "SoftFinger.mu": "friction.mu", "SoftFinger.mu_torsion": "friction.mu_torsion_m",
+    "SoftFinger.torsional_flexibility": "friction.torsional_flexibility_rad_per_Nm",
+    "AnisotropicCoulomb.mu_x": "friction.mu_x", "AnisotropicCoulomb.mu_y": "friction.mu_y",
+    "AnisotropicCoulomb.along": "friction.along",
+}  # fmt: skip
+
 
 def build(scene: SceneFile) -> Grasp:
     """The grasp that a scene file describes."""
@@ -184,9 +191,10 @@ def _wrench(scene: SceneFile) -> Array:
 def _law(value: Any) -> Friction:
     if not isinstance(value, dict):
         return Frictionless() if value == "frictionless" else Coulomb(value)
-    if "mu_x" in value:
-        return AnisotropicCoulomb(value["mu_x"], value["mu_y"], value.get("along"))
-    return SoftFinger(value["mu"], value["mu_torsion_m"], value.get("torsional_flexibility_rad_per_Nm", 0.0))
+    with keyed(LAW):
+        if "mu_x" in value:
+            return AnisotropicCoulomb(value["mu_x"], value["mu_y"], value.get("along"))
+        return SoftFinger(value["mu"], value["mu_torsion_m"], value.get("torsional_flexibility_rad_per_Nm", 0.0))
 
 
 def _by_name(value: Any) -> bool:
