@@ -127,7 +127,7 @@ def judge_soft(scene: Scene, effects: tuple[Effect, ...], section: Section, cand
     lost = scene.wrench + scene.grasp_matrix @ c
     lost_force, lost_moment = float(np.linalg.norm(lost[:3])), float(np.linalg.norm(lost[3:]))
     balance = float(np.hypot(lost_force, lost_moment / units.length)) / F
-    turn = scene.spin_axes.T @ u[3:] + E[3 * n :] @ c + opened[3 * n :]
+    turn = scene.spin_axes.T @ u[3:] + E[3 * n :] @ c + opened[3 * n :] + scene.every_offset[3 * n :]
     others = F
     if F == F and np.isfinite(turn).all():
         worst = soft_laws(scene, section, candidate, v, turn, F, opened)

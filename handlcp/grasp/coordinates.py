@@ -36,6 +36,11 @@ class Law:
         """(n, 3) S d."""
         return motion if self.scale is None else read_only(motion * self._rows(len(motion)))
 
+    def of_spin(self, spin: Array | None) -> Array | None:
+        """(k,) levers times angles [m]."""
+        assert self.scale is not None  # there are soft contacts
+        return None if spin is None else read_only(spin * self.scale[len(self.scale) - len(self.soft) :])
+
     def of_flexibility(self, E: Array) -> Array:
         """(c, c) S E S."""
         return E if self.scale is None else read_only(E * self.scale[:, None] * self.scale)

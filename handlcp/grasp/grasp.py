@@ -152,6 +152,7 @@ class Grasp:
             law.soft,
             law.scale,
             fingers,
+            law.of_spin(self._spun()) if law.soft else None,
         )
 
     @property
@@ -270,6 +271,10 @@ class Grasp:
             return self._complete(conclude_first(self.scene, self.reference, self.names, found, trace))
         effects = found.kind.design.effects
         return self._solution(effects, section, found.candidate, found.verdict, found.iterations, trace)
+
+    def _spun(self) -> Array | None:
+        """(k,) how far the object has turned on the soft fingertips before any load [rad]; None: not at all."""
+        return None
 
     def _shifted(self, offset: Array) -> Array:
         """The scene's offset from one that was asked for: what a hand adds to it is nothing here."""

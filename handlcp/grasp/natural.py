@@ -132,14 +132,16 @@ def resolve_soft(
     freedom: Array,
     index: Ints,
     spin_axes: Array,
+    every_offset: Array,
 ) -> tuple[float, float, float, Array, Array, Array, tuple[Array, Array, Array, Array, Array]]:
-    """The same for n contacts of which k bear moments about their normals; spin_axes (3, k), flexibility (3n + k)²."""
+    """The same for n contacts of which k bear moments about their normals; spin_axes (3, k), flexibility (c, c) and
+    every_offset (c,) over all c = 3n + k components.
+    """
     n, k = len(positions), spin_axes.shape[1]
     size, length, motion, centre = sizes(positions, flexibility, offset, force, moment)
     arms = positions - centre
     wrench = np.append(force, moment - np.cross(centre, force))
     G = np.hstack([wrench_map(arms, frames), np.vstack([np.zeros((3, k)), spin_axes])])
-    padded = np.zeros((n + k, 3))  # no moment has an offset
-    padded[:n] = offset
+    padded = np.append(every_offset, np.zeros(2 * k)).reshape(n + k, 3)  # rows of three, as the kernel reads them
     blocks = natural_blocks(G, wrench, freedom, flexibility, padded, index, size, length, motion)
     return size, length, motion, centre, arms, wrench, blocks

@@ -25,7 +25,8 @@ class Scene:
     fingers: how many contacts, the first ones, are the fingers', the rest being the environment's; None: all.
     soft (k,): contacts that bear a moment about their normal, too; there are c = 3n + k force components, the contacts'
     x, y, z and then those moments. scale (c,): what a component of one means in contact axes [N, N·m]; a column of
-    frames is as long as its own. None: all are 1, and contact axes are the law's.
+    frames is as long as its own. None: all are 1, and contact axes are the law's. spin (k,): what offset is for the
+    moments, m; None: zero.
     """
 
     positions: Array
@@ -40,6 +41,7 @@ class Scene:
     soft: tuple[int, ...] = ()
     scale: Array | None = None
     fingers: int | None = None
+    spin: Array | None = None
 
     @property
     def n(self) -> int:
@@ -57,7 +59,7 @@ class Scene:
         if self.soft:
             force, length, motion, centre, arms, wrench, blocks = resolve_soft(
                 self.positions, self.frames, self.flexibility, self.offset, self.force, self.moment, freedom,
-                np.concatenate([self.normal_index, self.tangent_index]), self.spin_axes,
+                np.concatenate([self.normal_index, self.tangent_index]), self.spin_axes, self.every_offset,
             )  # fmt: skip
             return GraspUnits(force, length, motion, centre), arms, wrench, Natural(*blocks, len(self.normal_index))
         index = _index(self.governed, self.rough, self.tangents)
@@ -92,6 +94,12 @@ class Scene:
         """(3, k) moments that one of each torsional component stands for: lever times normal [m]."""
         assert self.scale is not None  # where there are soft contacts
         return (self.frames[list(self.soft)][:, :, 2] * self.scale[3 * self.n :, None]).T
+
+    @property
+    def every_offset(self) -> Array:
+        """(c,) offset of all components [m]."""
+        spin = np.zeros(len(self.soft)) if self.spin is None else self.spin
+        return np.append(self.offset.ravel(), spin)
 
     def physical(self, forces: Array) -> Array:
         """(n, 3) forces in contact axes from those in the laws' coordinates; a motion is divided by the same scale."""

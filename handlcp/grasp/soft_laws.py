@@ -24,7 +24,7 @@ def soft_laws(
     """
     surface, c = limit_surface(section), candidate.components
     E = scene.flexibility
-    offset = opened + np.append(scene.offset.ravel(), np.zeros(len(scene.soft)))
+    offset = opened + scene.every_offset
     terms = np.maximum(abs(scene.grasp_matrix.T @ candidate.twist), np.maximum(abs(E @ c), abs(offset)))
     limits = surface.limit(scene.mu)
     normal, cone, slip = 0.0, 0.0, 0.0

@@ -113,6 +113,12 @@ class GraspSolution:
                     self.names, self.contact_state, self.forces, self.slip, self.gap, strict=True
                 )
             ]
+            if self.torsion is not None and self.spin is not None:
+                lines += [
+                    f"  {name}: moment {1e3 * m:.4g} mN·m about its normal, spin {a:.3g} rad"
+                    for name, m, a in zip(self.names, self.torsion, self.spin, strict=True)
+                    if m or a
+                ]
             u = self.object_displacement
             lines.append(
                 f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"

@@ -16,7 +16,8 @@ from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import Effect, TorqueSaturation
+from handlcp.grasp.coordinates import soft_contacts
+from handlcp.grasp.effects import Effect, PrescribedForce, TorqueSaturation
 from handlcp.grasp.environment import beside
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
@@ -30,6 +31,7 @@ from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.table import surrounding
 from handlcp.hand.torques import TorqueCheck, torque_check
+from handlcp.hand.torsion import NO_TURNING, turning_jacobian, with_turning
 from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver
 
@@ -68,7 +70,7 @@ class HandGrasp(Grasp):
     state : the posture. fingertips : names, one for each finger; contacts of the environment come after them.
     target : the object, or None for contacts given one by one.
     jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints, zero for
-        the environment's.
+        the environment's. turning : (k, nv) of the k soft contacts' fingertips about their normals.
     finger_weight : what was asked for, as in `HandState.grasp`.
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
     sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
@@ -81,6 +83,7 @@ class HandGrasp(Grasp):
     fingertips: tuple[str, ...]
     target: Object | None
     jacobian: Array
+    turning: Array
     finger_weight: FingerWeight
     gravity_torque: Array
     sag: Array
@@ -153,6 +156,7 @@ class HandGrasp(Grasp):
     def _fingers_alone(self) -> Self:
         made = super()._fingers_alone()
         made.jacobian = self.jacobian[: 3 * made.scene.n]
+        made.turning = self.turning[: len(made.scene.soft)]
         return made
 
     def _placed(self) -> HandGrasp:
@@ -176,12 +180,17 @@ class HandGrasp(Grasp):
         """(n, 3) J (K⁻¹ g - δq) [m]: what sagging and commanded joints add to the offset."""
         return tip_motion(self.jacobian, self.sag - self.joint_offset, self.scene.plane is not None)
 
+    def _spun(self) -> Array:
+        return np.asarray(self.turning @ (self.sag - self.joint_offset))
+
     def _shifted(self, offset: Array) -> Array:
         return read_only(offset + self._added) if self._adds else offset
 
     def _complete(self, solution: GraspSolution) -> HandGraspSolution:
         hand, solution = self.state.hand, super()._complete(solution)
         torque = solution.forces.reshape(-1) @ self.jacobian
+        if solution.torsion is not None:
+            torque = torque + solution.torsion[list(self.scene.soft)] @ self.turning
         total, yielded, yielding = torque + self.gravity_torque, np.zeros(hand.nv), _NOBODY
         for e in self.effects:
             if isinstance(e, TorqueSaturation):
@@ -271,6 +280,14 @@ def grasp(
         m = len(around.contacts)
         jacobian = np.concatenate([jacobian, np.zeros((3 * m, hand.nv))])
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
+    turning = NO_TURNING
+    if not all([c.plain for c in contacts]):
+        effects = (effects,) if isinstance(effects, Effect) or not isinstance(effects, Iterable) else tuple(effects)
+        prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
+        governed = tuple([i not in prescribed for i in range(len(contacts))])
+        if soft := soft_contacts(contacts, governed, normal is not None):
+            turning = read_only(turning_jacobian(state, tips, frames, soft))
+            flexibility = with_turning(state, jacobian, turning, flexibility)
     g = array("gravity", gravity, (3,))
     if reference is None:
         point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
@@ -286,10 +303,12 @@ def grasp(
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
+        every = np.vstack([jacobian, turning]) if len(turning) else jacobian
         asked = arguments.effects(
-            effects, len(contacts), Joints(hand.joint_names, jacobian, weigh, hand.torques.limits), own
+            effects, len(contacts), Joints(hand.joint_names, every, weigh, hand.torques.limits), own
         )
     made = HandGrasp.__new__(HandGrasp)
+    made.jacobian, made.turning, made.sag, made.joint_offset = jacobian, turning, sag, command
     made._place(
         contacts,
         positions,
@@ -302,11 +321,10 @@ def grasp(
         normal,
         own,
     )
-    made.state, made.target, made.jacobian = state, obj, jacobian
+    made.state, made.target = state, obj
     made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
-    made.joint_offset = command
     made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
-    made.gravity_torque, made.sag = weigh, sag
+    made.gravity_torque = weigh
     return made
 
 

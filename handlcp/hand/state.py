@@ -82,6 +82,13 @@ class HandState:
         coupling = hand.kinematics.coupling
         return J if coupling is None else np.asarray(J @ coupling)
 
+    def turning(self, tips: Sequence[int]) -> Array:
+        """(m, 3, nv) angular Jacobian of the tips numbered `tips`, world axes [rad/rad]."""
+        spread, hand = self._spread.reshape(4, 3, -1), self.hand
+        J = np.stack([spread[2, 2], -spread[1, 2], spread[1, 1]]) * hand.tips.support[list(tips)]
+        coupling = hand.kinematics.coupling
+        return np.asarray(J if coupling is None else J @ coupling)
+
     def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
         """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,)
         [m/s²] world axes.

@@ -103,8 +103,16 @@ def _contacts(grasp: Grasp, solution: GraspSolution) -> list[dict[str, Any]]:
             "slip_m": solution.slip[i] if not planar else solution.slip[i][:1],
             "gap_m": solution.gap[i],
         }
+        | _moments(solution, i)
         for i, name in enumerate(solution.names)
     ]
+
+
+def _moments(solution: GraspSolution, i: int) -> dict[str, Any]:
+    """Of soft fingers."""
+    if solution.torsion is None or solution.spin is None:
+        return {}
+    return {"torsion_Nm": solution.torsion[i], "spin_rad": solution.spin[i]}
 
 
 def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:

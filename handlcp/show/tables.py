@@ -49,7 +49,11 @@ def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Tabl
     table = plain("Contacts", caption=_limit_note(grasp, faces))
     table.add_column("contact" if grasp.scene.environment else "finger", overflow="fold")
     table.add_column("state", no_wrap=True)
-    for heading in ("normal\nN", "friction\nN", "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}"):
+    moments = solution.torsion
+    headings = ["normal\nN", "friction\nN", "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}"]
+    if moments is not None:
+        headings.insert(2, "moment\nmN·m")
+    for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     used = friction_used(grasp, solution)
     for i, (name, state) in enumerate(zip(solution.names, solution.contact_state, strict=True)):
@@ -59,6 +63,7 @@ def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Tabl
             Text(state, style=STATE.get(state, "dim")),
             _number(f[2]),
             _number(float(np.hypot(f[0], f[1]))),
+            *([] if moments is None else [_number(1e3 * float(moments[i]))]),
             units.percent(used[i]),
             slip(float(slips[i])),
             gap(float(solution.gap[i])),
@@ -67,11 +72,15 @@ def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Tabl
 
 
 def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
-    """(n) |r_T| / (μ r_N); NaN where there is no friction or no force."""
-    out = []
-    for contact, f in zip(grasp.contacts, solution.forces, strict=True):
-        limit = contact.mu * f[2]
-        out.append(float(np.hypot(f[0], f[1]) / limit) if limit > 0 else float("nan"))
+    """(n) |r_T| / (μ r_N), of ellipses and ellipsoids in units of their half-axes; NaN where there is no friction or no
+    force.
+    """
+    out, scene = [], grasp.scene
+    moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
+    for i, (contact, f) in enumerate(zip(grasp.contacts, scene.lawful(solution.forces), strict=True)):
+        limit, lever = scene.mu[i] * f[2], contact.friction.lever
+        moment = moments[i] / lever if lever > 0.0 else 0.0
+        out.append(float(np.hypot(np.hypot(f[0], f[1]), moment) / limit) if limit > 0 else float("nan"))
     return out
 
 

@@ -107,18 +107,24 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
     return Verdict(word, "; ".join(p for p in parts if p), tuple(notes))
 
 
+_TWIST = 1e-4  # rad on the object below which a soft finger is not said to twist
+
+
 def _sliding(s: GraspSolution, who: str) -> str:
     slips = np.hypot(*s.slip.T)
     sliding = [(n, float(d)) for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"]
+    spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
+    turns = [(n, float(a)) for n, a in zip(s.names, spins, strict=True) if a > _TWIST]
     apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
     parts = []
     if sliding and len(sliding) == len(s.names) > 1:
         parts.append(f"all {who} slide, up to {units.length(max(d for _, d in sliding))}")
     elif sliding:
-        parts.append(", ".join(f"{n} slides {units.length(d)}" for n, d in sliding))
+        parts.append(", ".join(f"{n} slides {units.length(d)}" for n, d in sliding if d > units.NOTHING or not turns))
+        parts.append(", ".join(f"{n} twists by {units.angle(a)} on the object" for n, a in turns))
     if apart:
         parts.append(f"{_listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
-    return "; ".join(parts) or f"all {who} stick"
+    return "; ".join(p for p in parts if p) or f"all {who} stick"
 
 
 def _motion(grasp: Grasp, s: GraspSolution) -> str:
