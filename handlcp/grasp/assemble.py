@@ -80,7 +80,7 @@ class GraspProblem(LCP):
         return assemble_contact(self._scene, friction[0].pyramid if friction else section, asked)
 
     def natural(self, candidate: Candidate) -> Array:
-        """(n,) z with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        """(n,) z with these forces, motion and unknowns of further effects, the way back from `candidate`."""
         return self.lift(self.contact.natural(candidate))
 
     def lift(self, x: Array) -> Array:
@@ -154,6 +154,12 @@ class GraspContact(ContactProblem):
     _scene: Scene
 
     @property
+    def limited(self) -> Ints:
+        """(m,) which unknowns are motions of limits that give way, those of effects asked for."""
+        at, extra = self._system.at, self._system.layout.extra
+        return np.concatenate([_NO_INTS, *(np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free)])
+
+    @property
     def scene(self) -> Scene:
         """What was assembled."""
         return self._scene
@@ -168,8 +174,11 @@ class GraspContact(ContactProblem):
         return decode(self._scene, self._system, self.effects, x)
 
     def natural(self, candidate: Candidate) -> Array:
-        """(n,) x with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        """(n,) x with these forces, motion and unknowns of further effects, the way back from `candidate`."""
         return encode(self._scene, self._system, candidate)
+
+
+_NO_INTS = np.zeros(0, np.int64)
 
 
 @dataclass(frozen=True, slots=True)

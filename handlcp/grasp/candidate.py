@@ -45,7 +45,7 @@ def decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) 
 
 
 def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
-    """(N,) natural units, from forces and motion; zero for all other unknowns."""
+    """(N,) natural units, from forces, motion and unknowns of further effects, as far as given; zero for the others."""
     x, at = np.zeros(len(system.q)), system.at
     forces = candidate.forces.ravel() / scene.units.force
     twist = candidate.twist if scene.freedom is None else scene.freedom @ candidate.twist
@@ -53,6 +53,9 @@ def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
     for name, part in parts.items():
         if name in at:
             x[at[name]] = part
+    for g in system.layout.extra:
+        if g.name in candidate.extra:
+            x[at[g.name]] = candidate.extra[g.name] / g.sizes(scene)[0]
     return x
 
 

@@ -32,8 +32,8 @@ class EquilibriumSearch:
 
     outcome : "solution" (certified), "none" (proved within the bounds) or "unknown" (time or cuts spent).
     candidate : the certified answer, or None.
-    force_bound [N], motion_bound [m] : "none" is said of normal forces up to the one, and of gaps and slips (along
-        each face that is slid against) up to the other.
+    force_bound [N], motion_bound [m] : "none" is said of normal forces up to the one; of gaps, slips (along each face
+        that is slid against) and what limits give way (angles times their levers) up to the other.
     seconds : wall time. cuts : choices of modes that the certifier refused.
     """
 
@@ -46,8 +46,8 @@ class EquilibriumSearch:
 
 
 def applicable(effects: tuple[Effect, ...]) -> bool:
-    """Whether contact modes describe the scene: no effect opens contacts by unknowns of its own (a force bound)."""
-    return not any(e.opens for e in effects)
+    """Whether contact modes describe the scene: no effect moves the contacts but by limits that give way."""
+    return all(type(e).opening is Effect.opening for e in effects)
 
 
 def widest(scene: Scene, offset: Array | None = None) -> float:
@@ -73,7 +73,7 @@ def find_equilibrium(
     only when the certifier passes it.
     """
     if not applicable(effects):
-        raise ValueError("an effect opens the contacts; search the assembled problem with handlcp.lcp.search")
+        raise ValueError("an effect moves the contacts by no limit; search the assembled problem: handlcp.lcp.search")
     start, program = time.monotonic(), Program(scene, effects, section)
     believed = Believer(scene, effects, section)
     wide = widest(scene, program.offset) if bound is None else float(bound)

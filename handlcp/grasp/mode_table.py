@@ -5,7 +5,10 @@ With all contacts stuck a grasp is a linear system. Its inverse gives the forces
     x = c + P y        from  [[E, GᵀU], [UᵀG, 0]] (x, u') = (y - d, -Uᵀw)
 
 with U a basis of the object motions that move any contact. Rigid fingers whose forces are not determined have no
-inverse, and no table.
+inverse, and no table. A limit of an effect is one more contact without friction: it "pushes" with the slack t that is
+left, and "opens" by the motion s that gives way (`effects.limit`),
+
+    t = room - A x,  x = c + P (y - Aᵀs)
 """
 
 from __future__ import annotations
@@ -32,7 +35,8 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """x = c + P y (N = 3n components, those that a contact lacks zero), and the modes as `every_mode.visit` wants them.
+    """x = c + P y (N = 3n components, those that a contact lacks zero; n counts limits, too), and the modes as
+    `every_mode.visit` wants them.
 
     problem : what it was made of. back (problem.n, N), back0 (problem.n,): all its unknowns are back0 + back y.
     """
@@ -104,16 +108,19 @@ def _append(rows: Array, contact: int, block: Array) -> Array:
 
 
 def mode_table(problem: GraspContact) -> Table | None:
-    """For a pyramid or a planar problem without unknowns but forces and the object's motion; None where sticking
-    contacts leave forces undetermined.
+    """For a pyramid or a planar problem whose unknowns are forces, the object's motion and what limits give way; None
+    where sticking contacts leave forces undetermined.
     """
     friction = {int(block[0]): (block, float(mu)) for block, mu in zip(problem.blocks, problem.limits, strict=True)}
-    contacts = [friction.get(i, (np.array([i, -1, -1]), 0.0)) for i in np.flatnonzero(problem.role == 1).tolist()]
+    signed = np.flatnonzero(problem.role == 1).tolist()
+    contacts = [friction.get(i, (np.array([i, -1, -1]), 0.0)) for i in signed]
     if not contacts:
         return None
     place = np.array([block for block, _ in contacts]).ravel()
-    here, free = np.flatnonzero(place >= 0), np.flatnonzero(problem.role == 0)
-    own = place[here]
+    limit = np.isin(place, problem.limited)
+    here, there = np.flatnonzero((place >= 0) & ~limit), np.flatnonzero(limit)
+    free = np.flatnonzero(problem.role == 0)
+    own, limited = place[here], place[there]
     G = problem.M[np.ix_(free, own)]
     U, size, _ = np.linalg.svd(G, full_matrices=False)
     U = U[:, size > RANK * size[0]]
@@ -128,6 +135,12 @@ def mode_table(problem: GraspContact) -> Table | None:
     P[np.ix_(here, here)], c[here] = inverse[:k, :k], start[:k]
     back[np.ix_(own, here)], back[np.ix_(free, here)] = inverse[:k, :k], U @ inverse[k:, :k]
     back0[own], back0[free] = start[:k], U @ start[k:]
+    if len(there):
+        A = -problem.M[np.ix_(limited, own)]
+        back[:, there] = -back[:, here] @ A.T
+        back[limited, there] = 1.0
+        P[np.ix_(here, there)] = back[np.ix_(own, there)]
+        P[there], c[there] = -A @ back[own], problem.q[limited] - A @ start[:k]
     kinds = [_modes(int((block >= 0).sum()), mu, problem.faces) for block, mu in contacts]
     shape = len(kinds), max(len(modes) for modes in kinds)
     deepest = max(len(X) for modes in kinds for _, _, X, _ in modes)
