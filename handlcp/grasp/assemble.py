@@ -202,24 +202,32 @@ _MOST_DESIGNS = 1024
 
 def design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> Design:
     """The design of this scene, with friction as a set."""
-    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible)
-    if asked or (known := _DESIGNS.get(key)) is None:
-        effects = called_for(scene, section, asked, multipliers=False)
-        where = layout(u for e in effects for u in e.unknowns(scene))
-        at, axes, k = where.at, scene.tangents, len(scene.rough)
-        blocks = np.full((k, 3), -1, dtype=np.int64)
-        if k:
-            blocks[:, 0] = at["r_N"].start + scene.rough_rows
-            blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
-            if axes == 2:
-                blocks[:, 2] = blocks[:, 1] + 1
-        free = np.arange(where.size) >= at["u"].start
-        known = Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
-        if not asked:
+    groups = tuple([u for e in asked for u in e.unknowns(scene)]) if asked else ()
+    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible, groups)
+    if (known := _DESIGNS.get(key)) is None:
+        known = _design(scene, section, groups)
+        if not any(g.levers for g in groups):  # levers differ from posture to posture
             if len(_DESIGNS) >= _MOST_DESIGNS:
                 _DESIGNS.clear()
             _DESIGNS[key] = known
-    return known
+    if not asked:
+        return known
+    return Design((*known.effects, *asked), known.layout, known.free, known.role, known.blocks, known.rough)
+
+
+def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Design:
+    """With further effects' groups, but only the effects that the scene's data call for."""
+    effects = called_for(scene, section, (), multipliers=False)
+    where = layout((*(u for e in effects for u in e.unknowns(scene)), *groups))
+    at, axes, k = where.at, scene.tangents, len(scene.rough)
+    blocks = np.full((k, 3), -1, dtype=np.int64)
+    if k:
+        blocks[:, 0] = at["r_N"].start + scene.rough_rows
+        blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
+        if axes == 2:
+            blocks[:, 2] = blocks[:, 1] + 1
+    free = np.arange(where.size) >= at["u"].start
+    return Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
 
 
 def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact:

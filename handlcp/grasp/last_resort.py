@@ -52,7 +52,7 @@ def _taking_part(scene: Scene, effects: tuple[Effect, ...], moves: Array) -> lis
     """Titles of the effects whose limits give way in an overload, by the motions (m,) that prove it."""
     titles, at = [], 0
     for e in effects:
-        end = at + sum(len(limit.room) for limit in e.limits(scene))
+        end = at + sum(len(limit.room) for limit in e.present(scene))
         if (moves[at:end] > ACTIVE * moves.max(initial=0.0)).any():
             titles.append(e.title)
         at = end

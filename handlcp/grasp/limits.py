@@ -25,7 +25,7 @@ def rows_and_room(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Array, Arr
 
 def every_limit(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Limit, ...]:
     """What the effects limit, empty groups left out, in the effects' order."""
-    return tuple([limit for e in effects for limit in e.limits(scene) if len(limit.room)])
+    return tuple([limit for e in effects for limit in e.present(scene)])
 
 
 def stacked(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
