@@ -6,9 +6,11 @@ With all contacts stuck a grasp is a linear system. Its inverse gives the forces
 
 with U a basis of the object motions that move any contact. Rigid fingers whose forces are not determined have no
 inverse, and no table. A limit of an effect is one more contact without friction: it "pushes" with the slack t that is
-left, and "opens" by the motion s that gives way (`effects.limit`),
+left, and "opens" by the motion s that gives way (`effects.limit`); two limits on the same, one each way, are one.
 
     t = room - A x,  x = c + P (y - Aᵀs)
+
+Slacks are told in units of the room, where that is large, so that nothing looks small beside a bound out of reach.
 """
 
 from __future__ import annotations
@@ -112,11 +114,12 @@ def mode_table(problem: GraspContact) -> Table | None:
     where sticking contacts leave forces undetermined.
     """
     friction = {int(block[0]): (block, float(mu)) for block, mu in zip(problem.blocks, problem.limits, strict=True)}
-    signed = np.flatnonzero(problem.role == 1).tolist()
+    signed = np.setdiff1d(np.flatnonzero(problem.role == 1), problem.limited).tolist()
     contacts = [friction.get(i, (np.array([i, -1, -1]), 0.0)) for i in signed]
     if not contacts:
         return None
-    place = np.array([block for block, _ in contacts]).ravel()
+    pairs = _paired(problem)
+    place = np.concatenate([block for block, _ in contacts] + pairs)
     limit = np.isin(place, problem.limited)
     here, there = np.flatnonzero((place >= 0) & ~limit), np.flatnonzero(limit)
     free = np.flatnonzero(problem.role == 0)
@@ -140,8 +143,11 @@ def mode_table(problem: GraspContact) -> Table | None:
         back[:, there] = -back[:, here] @ A.T
         back[limited, there] = 1.0
         P[np.ix_(here, there)] = back[np.ix_(own, there)]
-        P[there], c[there] = -A @ back[own], problem.q[limited] - A @ start[:k]
+        room = problem.q[limited]
+        size = np.maximum(abs(room), 1.0)
+        P[there], c[there] = -A @ back[own] / size[:, None], (room - A @ start[:k]) / size
     kinds = [_modes(int((block >= 0).sum()), mu, problem.faces) for block, mu in contacts]
+    kinds += [_modes(1, 0.0, 0) if block[1] < 0 else _BOTH_WAYS for block in pairs]
     shape = len(kinds), max(len(modes) for modes in kinds)
     deepest = max(len(X) for modes in kinds for _, _, X, _ in modes)
     rank, count = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
@@ -154,7 +160,24 @@ def mode_table(problem: GraspContact) -> Table | None:
     return Table(problem, back, back0, P, c, np.array([len(modes) for modes in kinds]), rank, A, B, X, Y, count)
 
 
+def _paired(problem: GraspContact) -> list[Ints]:
+    """(3,) unknowns of each limit, or of two on the same thing, one each way; padded by -1."""
+    out, left = [], problem.limited.tolist()
+    while left:
+        i = left.pop(0)
+        against = [j for j in left if not (problem.M[i] + problem.M[j]).any() and problem.q[i] + problem.q[j] > 0.0]
+        out.append(np.array([i, *against[:1], -1, -1])[:3])
+        left = [j for j in left if j not in against[:1]]
+    return out
+
+
 Mode = tuple[Array, Array, Array, Array]
+_FIRST, _SECOND = np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]])
+_BOTH_WAYS: list[Mode] = [  # one way, not at all, the other way: s ≥ 0 of the one, t ≥ 0 of the other
+    (_FIRST, _FIRST.T, np.vstack([0 * _FIRST, _SECOND]), np.vstack([_FIRST, 0 * _SECOND])),
+    (np.zeros((0, 2)), np.zeros((2, 0)), np.eye(2), np.zeros((2, 2))),
+    (_SECOND, _SECOND.T, np.vstack([0 * _SECOND, _FIRST]), np.vstack([_SECOND, 0 * _FIRST])),
+]
 
 
 def _modes(d: int, mu: float, faces: int) -> list[Mode]:

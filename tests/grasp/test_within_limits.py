@@ -13,10 +13,12 @@ from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.equilibria import find_equilibrium
 from handlcp.grasp.joints import Joints
+from handlcp.grasp.mode_table import mode_table
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import as_section
 from handlcp.lcp.search import search
 from tests.grasp.scenes import pinch, ring
+from tests.grasp.test_uniqueness import hook
 
 C = 1e-4  # m/N
 SECTIONS = [4, 8, "cone"]
@@ -219,3 +221,39 @@ def test_where_there_is_an_equilibrium_it_never_says_none(seed, faces, kind):
     effects = (*assemble_contact(g.scene, section, ()).effects, effect)
     assert judge(g.scene, effects, section, answer).residuals.passes
     assert searched(g, 4 if faces == 2 else faces, effect, seconds=30.0).outcome == "solution"
+    if faces != "cone":  # nor do all modes one by one
+        found = mode_table(assemble_contact(g.scene, section, (effect,))).visit()[0]
+        assert any(c is not None and judge(g.scene, effects, section, c).residuals.passes for c in found)
+
+
+# ---------------------------------------------------------------- all of them
+def test_a_hook_whose_stuck_finger_is_bounded_still_has_three_equilibria():
+    """Of `hook`'s, the open one and the sliding one keep the bound of 0.7 N. Instead of r_N = 1 the stuck finger has
+    0.7, with r_T = -1.3 + 0.9 · 0.3, inside friction as 1.03 < 1.05, and gives way by 0.3 - 0.9 · 0.27, in 1e-3.
+    """
+    g = hook(1.5)
+    bounded = hl.Grasp(
+        g.contacts,
+        (0, 10.0, 0),
+        flexibility=g.flexibility,
+        offset=g.scene.offset,
+        effects=[hl.FingerForceBound([0.7, np.inf, np.inf])],
+    )
+    found = bounded.equilibria()
+    assert (found.complete, found.why) == (True, "all 32 choices of contact modes were solved")
+    by_force = sorted(found, key=lambda s: s.normal_force[0])
+    assert [s.normal_force[0] for s in by_force] == pytest.approx([0.0, 17 / 35, 0.7], abs=1e-9)
+    assert [s.extra["z̄_i"][0] for s in by_force] == pytest.approx([0.0, 0.0, 0.057e-3], abs=1e-12)
+
+
+@pytest.mark.parametrize("room", [5.0, 1e12])
+def test_limits_both_ways_are_three_modes_and_out_of_reach_hide_no_equilibrium(room):
+    free, section = hook(1.5), as_section(8, planar=True)
+    J = np.random.default_rng(0).normal(size=(9, 2)) * 0.05
+    effect = hl.TorqueSaturation().for_grasp("", 3, Joints(("", ""), J, np.zeros(2), np.full(2, room)), ())
+    effects = (*assemble_contact(free.scene, section, ()).effects, effect)
+    plain, table = (mode_table(assemble_contact(free.scene, section, asked)) for asked in ((), (effect,)))
+    assert table.choices == 9 * plain.choices
+    every = [c for c in table.visit()[0] if judge(free.scene, effects, section, c).residuals.passes]
+    assert sorted(c.forces[0, 2] for c in every) == pytest.approx([0.0, 17 / 35, 1.0], abs=1e-9)
+    assert all((c.extra[name] == 0.0).all() for c in every for name in ("s⁺", "s⁻"))
