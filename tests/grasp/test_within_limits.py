@@ -257,3 +257,42 @@ def test_limits_both_ways_are_three_modes_and_out_of_reach_hide_no_equilibrium(r
     every = [c for c in table.visit()[0] if judge(free.scene, effects, section, c).residuals.passes]
     assert sorted(c.forces[0, 2] for c in every) == pytest.approx([0.0, 17 / 35, 1.0], abs=1e-9)
     assert all((c.extra[name] == 0.0).all() for c in every for name in ("s⁺", "s⁻"))
+
+
+# ---------------------------------------------------------------- words
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_only_limits_that_stand_in_the_way_are_named(faces):
+    def diagnosed(*effects):
+        s = pinch(effects=effects).solve(faces, throw=False)
+        assert s.status is hl.Status.NO_EQUILIBRIUM
+        return s.diagnosis
+
+    assert diagnosed(hl.TotalForceBound(1e3), hl.FingerForceBound(0.9)).endswith(
+        ": the per-finger force bound leaves no force that balances it"
+    )
+    assert "the total normal force is bounded to 1 N" in diagnosed(hl.TotalForceBound(1.0), hl.FingerForceBound(9.0))
+    weak = pinch(squeeze=0.0, effects=[hl.TotalForceBound(1e3)]).solve(faces, throw=False)
+    assert weak.diagnosis.endswith("m on each finger would hold it")
+    assert "bound" not in weak.diagnosis
+    rigid = {"flexibility": 0.0, "load": (0, 0, -3.0)}
+    unbounded = pinch(**rigid, effects=[hl.FingerForceBound(np.inf)]).solve(faces, throw=False)
+    assert unbounded.diagnosis.endswith("rigid fingers cannot give way to the squeeze")
+    assert pinch(**rigid, effects=[hl.FingerForceBound(7.0)]).solve(faces).held
+
+
+def test_two_limits_that_are_too_low_only_together_are_named_together():
+    """The finger below could carry all 4 N but is bounded to one; the pair would need 6 N in all for the rest."""
+    contacts = [hl.Contact((x, 0), (-np.sign(x), 0), hl.Coulomb(0.5)) for x in (-1.0, 1.0)]
+    up = hl.Contact((0, -1), (0, 1), hl.Frictionless())
+    effects = [hl.TotalForceBound(4.0), hl.FingerForceBound([np.inf, np.inf, 1.0])]
+
+    def g(*chosen):
+        return hl.Grasp([*contacts, up], (0, -4.0, 0), flexibility=C, preload=1e-3, effects=chosen)
+
+    section = as_section(8, planar=True)
+    assert all(overload(g(e).scene, section, (e,)) is None for e in effects)
+    s = g(*effects).solve(throw=False)
+    assert s.status is hl.Status.NO_EQUILIBRIUM
+    assert s.diagnosis.endswith(
+        "the total normal-force bound and the per-finger force bound together leave no force that balances it"
+    )
