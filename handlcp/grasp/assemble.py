@@ -85,7 +85,7 @@ class GraspProblem(LCP):
         return assemble_contact(self._scene, friction[0].pyramid if friction else section, asked)
 
     def natural(self, candidate: Candidate) -> Array:
-        """(n,) z with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        """(n,) z with these forces, motion and unknowns of further effects, the way back from `candidate`."""
         if self.contact is None:
             return encode(self._scene, self._system, candidate)[: self.n]
         return self.lift(self.contact.natural(candidate))
@@ -156,6 +156,12 @@ class GraspContact(ContactProblem):
     _scene: Scene
 
     @property
+    def limited(self) -> Ints:
+        """(m,) which unknowns are motions of limits that give way, those of effects asked for."""
+        at, extra = self._system.at, self._system.layout.extra
+        return np.concatenate([_NO_INTS, *(np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free)])
+
+    @property
     def scene(self) -> Scene:
         """What was assembled."""
         return self._scene
@@ -170,8 +176,11 @@ class GraspContact(ContactProblem):
         return decode(self._scene, self._system, self.effects, x)
 
     def natural(self, candidate: Candidate) -> Array:
-        """(n,) x with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
+        """(n,) x with these forces, motion and unknowns of further effects, the way back from `candidate`."""
         return encode(self._scene, self._system, candidate)
+
+
+_NO_INTS = np.zeros(0, np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,24 +204,32 @@ _MOST_DESIGNS = 1024
 
 def design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> Design:
     """The design of this scene, with friction as a set."""
-    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible, scene.anisotropic > 0)
-    if asked or (known := _DESIGNS.get(key)) is None:
-        effects = called_for(scene, section, asked, multipliers=False)
-        where = layout(u for e in effects for u in e.unknowns(scene))
-        at, axes, k = where.at, scene.tangents, len(scene.rough)
-        blocks = np.full((k, 3), -1, dtype=np.int64)
-        if k:
-            blocks[:, 0] = at["r_N"].start + scene.rough_rows
-            blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
-            if axes == 2:
-                blocks[:, 2] = blocks[:, 1] + 1
-        free = np.arange(where.size) >= at["u"].start
-        known = Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
-        if not asked:
+    groups = tuple([u for e in asked for u in e.unknowns(scene)]) if asked else ()
+    key = (section, scene.governed, scene.rough, scene.plane is None, scene.flexible, scene.anisotropic > 0, groups)
+    if (known := _DESIGNS.get(key)) is None:
+        known = _design(scene, section, groups)
+        if not any(g.levers for g in groups):  # levers differ from posture to posture
             if len(_DESIGNS) >= _MOST_DESIGNS:
                 _DESIGNS.clear()
             _DESIGNS[key] = known
-    return known
+    if not asked:
+        return known
+    return Design((*known.effects, *asked), known.layout, known.free, known.role, known.blocks, known.rough)
+
+
+def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Design:
+    """With further effects' groups, but only the effects that the scene's data call for."""
+    effects = called_for(scene, section, (), multipliers=False)
+    where = layout((*(u for e in effects for u in e.unknowns(scene)), *groups))
+    at, axes, k = where.at, scene.tangents, len(scene.rough)
+    blocks = np.full((k, 3), -1, dtype=np.int64)
+    if k:
+        blocks[:, 0] = at["r_N"].start + scene.rough_rows
+        blocks[:, 1] = at["r_T"].start + axes * np.arange(k)
+        if axes == 2:
+            blocks[:, 2] = blocks[:, 1] + 1
+    free = np.arange(where.size) >= at["u"].start
+    return Design(effects, where, free, roles(free, blocks), blocks, np.array(scene.rough, dtype=np.int64))
 
 
 def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact:

@@ -78,7 +78,7 @@ def of_solution(scene: Scene, solution: GraspSolution) -> Candidate:
 
 
 def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
-    """(N,) natural units, from forces and motion; zero for all other unknowns."""
+    """(N,) natural units, from forces, motion and unknowns of further effects, as far as given; zero for the others."""
     x, at = np.zeros(len(system.q)), system.at
     forces = candidate.components / scene.units.force
     if len(forces) < scene.components:  # a start knows no moments
@@ -89,6 +89,9 @@ def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
     tangential = forces[scene.tangent_index]
     x[system.tangential : system.tangential + len(tangential)] = tangential
     x[at["u"]] = twist / scene.twist_units
+    for g in system.layout.extra:
+        if g.name in candidate.extra:
+            x[at[g.name]] = candidate.extra[g.name] / g.sizes(scene)[0]
     return x
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from handlcp.check import Array
-from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.catalogue import asked_for
 from handlcp.grasp.certify import judge
@@ -15,7 +14,9 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.modes import Program
 from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_form import GraspBalls, chain_form
 from handlcp.lcp.search import Outcome
+from handlcp.lcp.solvers.balls import ball_stages
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 
 __all__ = ["Believer", "EquilibriumSearch", "applicable", "find_equilibrium", "widest"]
@@ -32,8 +33,8 @@ class EquilibriumSearch:
 
     outcome : "solution" (certified), "none" (proved within the bounds) or "unknown" (time or cuts spent).
     candidate : the certified answer, or None.
-    force_bound [N], motion_bound [m] : "none" is said of normal forces up to the one, and of gaps and slips (along
-        each face that is slid against) up to the other.
+    force_bound [N], motion_bound [m] : "none" is said of normal forces up to the one; of gaps, slips (along each face
+        that is slid against) and what limits give way (angles times their levers) up to the other.
     seconds : wall time. cuts : choices of modes that the certifier refused.
     """
 
@@ -46,8 +47,8 @@ class EquilibriumSearch:
 
 
 def applicable(effects: tuple[Effect, ...]) -> bool:
-    """Whether contact modes describe the scene: no effect opens contacts by unknowns of its own (a force bound)."""
-    return not any(e.opens for e in effects)
+    """Whether contact modes describe the scene: no effect moves the contacts but by limits that give way."""
+    return all(type(e).opening is Effect.opening for e in effects)
 
 
 def widest(scene: Scene, offset: Array | None = None) -> float:
@@ -73,14 +74,16 @@ def find_equilibrium(
     only when the certifier passes it.
     """
     if not applicable(effects):
-        raise ValueError("an effect opens the contacts; search the assembled problem with handlcp.lcp.search")
+        raise ValueError("an effect moves the contacts by no limit; search the assembled problem: handlcp.lcp.search")
     start, program = time.monotonic(), Program(scene, effects, section)
     believed = Believer(scene, effects, section)
     wide = widest(scene, program.offset) if bound is None else float(bound)
     runs = [(program, wide, 1.0)]
     if bound is None:
         runs = [(program, wide, 0.8), (program, _NARROW / _WIDE * wide, 1.0)]
-        if section.faces == 0 or section.faces > _FEW:
+        if scene.soft:
+            runs = [(program, wide, 1.0)]
+        elif section.faces == 0 or section.faces > _FEW:
             runs = [(Program(scene, effects, Pyramid(_COARSE)), wide, 0.4), (program, wide, 1.0)]
     outcome: Outcome = "unknown"
     candidate, cuts, b = None, 0, wide
@@ -105,7 +108,7 @@ class Believer:
 
     def __init__(self, scene: Scene, effects: tuple[Effect, ...], section: Section) -> None:
         self.scene, self.effects, self.section = scene, effects, section
-        self.problem = assemble_contact(scene, section, asked_for(effects))
+        self.problem = chain_form(scene, section, asked_for(effects))
 
     def __call__(self, candidates: Iterable[Candidate]) -> Candidate | None:
         for candidate in candidates:
@@ -116,4 +119,6 @@ class Believer:
 
     def _newton(self, c: Candidate) -> Candidate:
         start = self.problem.natural(c)
+        if isinstance(self.problem, GraspBalls):
+            return self.problem.candidate(next(ball_stages(self.problem, 0, start))[1].z)
         return self.problem.candidate(NSNGRK(max_iterations=0).propose_contact(self.problem, start).z)

@@ -55,7 +55,7 @@ def force_error(problem: GraspContact, solution: GraspSolution) -> float:
     problem : with the cone or the planar interval as its section. solution : certified for it.
     """
     scene, at = problem.scene, _places(problem)
-    x = _unknowns(problem, solution, at)
+    x = _unknowns(problem, solution)
     look = _look(
         problem.M, problem.q, x, problem.role, problem.blocks, problem.limits, _reach(problem),
         at["u"], scene.dof,
@@ -260,11 +260,7 @@ def _places(problem: GraspContact) -> dict[str, int]:
     return at
 
 
-def _unknowns(problem: GraspContact, solution: GraspSolution, at: dict[str, int]) -> Array:
+def _unknowns(problem: GraspContact, solution: GraspSolution) -> Array:
     """(n,) natural units, the way back from a solution."""
     scene = problem.scene
-    x = problem.natural(of_solution(scene, solution))
-    for g in problem.groups:
-        if g.name in solution.extra:
-            x[at[g.name] :][: g.count] = solution.extra[g.name] / g.sizes(scene)[0]
-    return x
+    return problem.natural(of_solution(scene, solution))

@@ -18,6 +18,7 @@ from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.soft_form import GraspBalls
 from handlcp.lcp.search import search
+from handlcp.tolerances import ACTIVE
 
 __all__ = ["Found", "last_resort"]
 
@@ -36,44 +37,54 @@ def last_resort(problem: GraspProblem | GraspContact | GraspBalls, section: Sect
 def _cause(problem: GraspProblem | GraspContact | GraspBalls, section: Section) -> str:
     """What stands in the way of any equilibrium, as far as a linear program can tell."""
     scene, effects = problem.scene, problem.effects
+    proof = overload(scene, section, effects)
+    if proof is None:
+        some = any(e.opens for e in effects)
+        return "" if some or not jammed(scene) else "rigid fingers cannot give way to the squeeze"
     for e in effects:
         if isinstance(e, TotalForceBound):
-            bound = f"the total normal force is bounded to {e.limit:.4g} N"
             least = least_total(scene, section, load_to_balance(scene, effects))
-            short = least is not None and least > 1.001 * e.limit  # so that the two numbers differ in print
-            return f"{bound}, and balance needs {least:.4g} N" if short else bound
-    if overload(scene, section, effects) is not None:
-        return f"{_listed_limits(scene, effects)} no force that balances it"
-    return "rigid fingers cannot give way to the squeeze" if applicable(effects) and jammed(scene) else ""
+            if least is not None and least > 1.001 * e.limit:  # so that the two numbers differ in print
+                return f"the total normal force is bounded to {e.limit:.4g} N, and balance needs {least:.4g} N"
+    titles = _taking_part(scene, effects, proof[scene.dof :])
+    verb = "leaves" if len(titles) == 1 else "together leave"
+    return f"the {' and the '.join(titles)} {verb} no force that balances it"
 
 
-def _listed_limits(scene: Scene, effects: tuple[Effect, ...]) -> str:
-    """Their titles, and a verb."""
-    titles = [e.title for e in effects if e.limits(scene)]
-    return f"the {' and the '.join(titles)} {'leaves' if len(titles) == 1 else 'leave'}"
+def _taking_part(scene: Scene, effects: tuple[Effect, ...], moves: Array) -> list[str]:
+    """Titles of the effects whose limits give way in an overload, by the motions (m,) that prove it."""
+    titles, at = [], 0
+    for e in effects:
+        end = at + sum(len(limit.room) for limit in e.present(scene))
+        if (moves[at:end] > ACTIVE * moves.max(initial=0.0)).any():
+            titles.append(e.title)
+        at = end
+    return titles
 
 
 def _found(problem: GraspProblem | GraspContact | GraspBalls, section: Section, seconds: float) -> Found:
-    """The search that suits the effects."""
+    """By a linear program where limits alone decide, by all choices of contact modes where they are few, by search."""
     scene, effects = problem.scene, problem.effects
-    if applicable(effects):
-        quick, left = _every_mode(problem, section, seconds)
-        if quick is not None:
-            return quick
-        found = find_equilibrium(scene, effects, section, left)
-        words = f"over contact modes, {found.outcome}"
-        return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
+    if not applicable(effects):
+        return None, None, "impossible, an effect moves the contacts by more than limits that give way"
     if overload(scene, section, effects) is not None:
         size = widest(scene)  # this proof has no bounds; those of a search are stated
         return None, (size * scene.units.force, size * scene.units.motion), "limits on the forces, none"
-    plain = None
-    if isinstance(problem, GraspProblem):
-        plain = problem
-    elif problem.pyramid is not None and section.faces != 0:
-        lcp, _ = problem.pyramid(section.faces)
-        plain = lcp if isinstance(lcp, GraspProblem) else None
-    if plain is None:
-        return None, None, "impossible, an effect opens the contacts and the exact cone has no multipliers"
+    if isinstance(problem, GraspBalls) and section.faces:
+        return _on_polyhedra(problem, section, seconds)
+    quick, left = _every_mode(problem, section, seconds)
+    if quick is not None:
+        return quick
+    found = find_equilibrium(scene, effects, section, left)
+    words = f"over contact modes, {found.outcome}"
+    return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
+
+
+def _on_polyhedra(problem: GraspBalls, section: Section, seconds: float) -> Found:
+    """Soft fingers on polyhedra: by the active sets of the LCP with a multiplier a face."""
+    plain, _ = problem.pyramid(section.faces)
+    assert isinstance(plain, GraspProblem)
+    scene, effects = problem.scene, problem.effects
 
     def passes(z: Array) -> bool:
         return judge(scene, effects, section, plain.candidate(z)).residuals.passes
@@ -82,8 +93,7 @@ def _found(problem: GraspProblem | GraspContact | GraspBalls, section: Section, 
     words = f"over active sets, {result.outcome}"
     if result.z is not None:
         return plain.candidate(result.z), None, words
-    size = float(result.bound_z[~plain.free].max(initial=0.0))
-    units = scene.units
+    size, units = float(result.bound_z[~plain.free].max(initial=0.0)), scene.units
     return None, (size * units.force, size * units.motion) if result.none_exists else None, words
 
 

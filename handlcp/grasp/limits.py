@@ -13,19 +13,34 @@ from handlcp.grasp.effects import Effect, Limit
 from handlcp.grasp.scene import Scene
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["Limits", "at_answer", "rows_and_room"]
+__all__ = ["Limits", "at_answer", "every_limit", "motions_in_si", "rows_and_room", "stacked"]
 
 _MOST_RESTING = 4  # limits just reached whose 2^k choices are all looked at; beyond that all or none give way
 
 
 def rows_and_room(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Array, Array]:
     """(m, 3n) rows A and (m,) room b of all limits A r ≤ b, natural units, in the effects' order."""
-    return _rows_and_room(scene, _every(scene, effects))
+    return stacked(scene, every_limit(scene, effects))
 
 
-def _rows_and_room(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
+def every_limit(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Limit, ...]:
+    """What the effects limit, empty groups left out, in the effects' order."""
+    return tuple([limit for e in effects for limit in e.present(scene)])
+
+
+def stacked(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
+    """`rows_and_room` of these."""
     rows = [np.zeros((0, scene.components)), *(limit.natural_rows for limit in every)]
     return np.concatenate(rows), np.concatenate([np.zeros(0), *(limit.natural_room(scene) for limit in every)])
+
+
+def motions_in_si(scene: Scene, every: tuple[Limit, ...], s: Array) -> dict[str, Array]:
+    """By group name, from the motions s (m,) of all limits in natural units."""
+    out, at = {}, 0
+    for limit in every:
+        out[limit.name] = s[at : at + len(limit.room)] * limit.unknown.sizes(scene)[0]
+        at += len(limit.room)
+    return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,19 +83,16 @@ class Limits:
 
     def moved(self, scene: Scene, active: Bools, change: Array) -> dict[str, Array]:
         """The answer's `extra` after a change (active.sum(),) of what gives way, natural units."""
-        s, out, at = self.motion.copy(), dict(self.extra), 0
+        s = self.motion.copy()
         s[active] = np.maximum(s[active] + change, 0.0)
-        for limit in self.every:
-            out[limit.name] = s[at : at + len(limit.room)] * limit.unknown.sizes(scene)[0]
-            at += len(limit.room)
-        return out
+        return self.extra | motions_in_si(scene, self.every, s)
 
 
 def at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -> Limits:
     """The limits where this candidate stands."""
-    if not (every := _every(scene, effects)):
+    if not (every := every_limit(scene, effects)):
         return Limits(np.zeros((0, scene.components)), _NONE, _NONE, _NO_CHOICE[0], (), candidate.extra)
-    rows, room = _rows_and_room(scene, every)
+    rows, room = stacked(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
     slack = room - rows @ (candidate.components / scene.units.force)
     resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
@@ -89,7 +101,3 @@ def at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -
 
 _NONE = np.zeros(0)
 _NO_CHOICE = [_NONE > 0.0]
-
-
-def _every(scene: Scene, effects: tuple[Effect, ...]) -> tuple[Limit, ...]:
-    return tuple([limit for e in effects for limit in e.limits(scene) if len(limit.room)])

@@ -5,7 +5,12 @@ With all contacts stuck a grasp is a linear system. Its inverse gives the forces
     x = c + P y        from  [[E, GᵀU], [UᵀG, 0]] (x, u') = (y - d, -Uᵀw)
 
 with U a basis of the object motions that move any contact. Rigid fingers whose forces are not determined have no
-inverse, and no table.
+inverse, and no table. A limit of an effect is one more contact without friction: it "pushes" with the slack t that is
+left, and "opens" by the motion s that gives way (`effects.limit`); two limits on the same, one each way, are one.
+
+    t = room - A x,  x = c + P (y - Aᵀs)
+
+Slacks are told in units of the room, where that is large, so that nothing looks small beside a bound out of reach.
 """
 
 from __future__ import annotations
@@ -32,7 +37,8 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """x = c + P y (N = 3n components, those that a contact lacks zero), and the modes as `every_mode.visit` wants them.
+    """x = c + P y (N = 3n components, those that a contact lacks zero; n counts limits, too), and the modes as
+    `every_mode.visit` wants them.
 
     problem : what it was made of. back (problem.n, N), back0 (problem.n,): all its unknowns are back0 + back y.
     """
@@ -104,16 +110,20 @@ def _append(rows: Array, contact: int, block: Array) -> Array:
 
 
 def mode_table(problem: GraspContact) -> Table | None:
-    """For a pyramid or a planar problem without unknowns but forces and the object's motion; None where sticking
-    contacts leave forces undetermined.
+    """For a pyramid or a planar problem whose unknowns are forces, the object's motion and what limits give way; None
+    where sticking contacts leave forces undetermined.
     """
     friction = {int(block[0]): (block, float(mu)) for block, mu in zip(problem.blocks, problem.limits, strict=True)}
-    contacts = [friction.get(i, (np.array([i, -1, -1]), 0.0)) for i in np.flatnonzero(problem.role == 1).tolist()]
+    signed = np.setdiff1d(np.flatnonzero(problem.role == 1), problem.limited).tolist()
+    contacts = [friction.get(i, (np.array([i, -1, -1]), 0.0)) for i in signed]
     if not contacts:
         return None
-    place = np.array([block for block, _ in contacts]).ravel()
-    here, free = np.flatnonzero(place >= 0), np.flatnonzero(problem.role == 0)
-    own = place[here]
+    pairs = _paired(problem)
+    place = np.concatenate([block for block, _ in contacts] + pairs)
+    limit = np.isin(place, problem.limited)
+    here, there = np.flatnonzero((place >= 0) & ~limit), np.flatnonzero(limit)
+    free = np.flatnonzero(problem.role == 0)
+    own, limited = place[here], place[there]
     G = problem.M[np.ix_(free, own)]
     U, size, _ = np.linalg.svd(G, full_matrices=False)
     U = U[:, size > RANK * size[0]]
@@ -128,7 +138,16 @@ def mode_table(problem: GraspContact) -> Table | None:
     P[np.ix_(here, here)], c[here] = inverse[:k, :k], start[:k]
     back[np.ix_(own, here)], back[np.ix_(free, here)] = inverse[:k, :k], U @ inverse[k:, :k]
     back0[own], back0[free] = start[:k], U @ start[k:]
+    if len(there):
+        A = -problem.M[np.ix_(limited, own)]
+        back[:, there] = -back[:, here] @ A.T
+        back[limited, there] = 1.0
+        P[np.ix_(here, there)] = back[np.ix_(own, there)]
+        room = problem.q[limited]
+        size = np.maximum(abs(room), 1.0)
+        P[there], c[there] = -A @ back[own] / size[:, None], (room - A @ start[:k]) / size
     kinds = [_modes(int((block >= 0).sum()), mu, problem.faces) for block, mu in contacts]
+    kinds += [_modes(1, 0.0, 0) if block[1] < 0 else _BOTH_WAYS for block in pairs]
     shape = len(kinds), max(len(modes) for modes in kinds)
     deepest = max(len(X) for modes in kinds for _, _, X, _ in modes)
     rank, count = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
@@ -141,7 +160,24 @@ def mode_table(problem: GraspContact) -> Table | None:
     return Table(problem, back, back0, P, c, np.array([len(modes) for modes in kinds]), rank, A, B, X, Y, count)
 
 
+def _paired(problem: GraspContact) -> list[Ints]:
+    """(3,) unknowns of each limit, or of two on the same thing, one each way; padded by -1."""
+    out, left = [], problem.limited.tolist()
+    while left:
+        i = left.pop(0)
+        against = [j for j in left if not (problem.M[i] + problem.M[j]).any() and problem.q[i] + problem.q[j] > 0.0]
+        out.append(np.array([i, *against[:1], -1, -1])[:3])
+        left = [j for j in left if j not in against[:1]]
+    return out
+
+
 Mode = tuple[Array, Array, Array, Array]
+_FIRST, _SECOND = np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]])
+_BOTH_WAYS: list[Mode] = [  # one way, not at all, the other way: s ≥ 0 of the one, t ≥ 0 of the other
+    (_FIRST, _FIRST.T, np.vstack([0 * _FIRST, _SECOND]), np.vstack([_FIRST, 0 * _SECOND])),
+    (np.zeros((0, 2)), np.zeros((2, 0)), np.eye(2), np.zeros((2, 2))),
+    (_SECOND, _SECOND.T, np.vstack([0 * _SECOND, _FIRST]), np.vstack([_SECOND, 0 * _FIRST])),
+]
 
 
 def _modes(d: int, mu: float, faces: int) -> list[Mode]:

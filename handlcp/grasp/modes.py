@@ -9,6 +9,12 @@ its motion v are nonnegative multiples of a few generators: edges of the frictio
 with binary y_i, natural units: normal forces, gaps and slips along each face up to b, any u. HiGHS branches and bounds.
 Its tolerances only widen what counts, so "none" stands. The exact cone is enclosed in sectors: a force within a thin
 triangle around the arc, and a slip within the opposite sector. No point of that proves a solution; none proves none.
+
+An effect's limit (`effects.limit`) holds or gives way: two modes more, with a slack t or a motion s,
+
+    v += Aᵀ s,  A r + t = room,  0 ≤ t_j ≤ T_j y_j,  0 ≤ s_j ≤ b y'_j,  y_j + y'_j = 1
+
+where T_j is the most that forces up to b can leave: s alone is cut off at b.
 """
 
 from __future__ import annotations
@@ -22,8 +28,10 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.limits import every_limit, motions_in_si, stacked
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.scene import Scene
+from handlcp.grasp.soft_modes import soft_modes
 
 __all__ = ["Program"]
 
@@ -73,51 +81,68 @@ def _rows(*parts: Any) -> Bools:
 
 
 class Program:
-    """The program of the module's docstring. Unknowns: per governed contact a_i, c_i, y_i, β_i; then u.
+    """The program of the module's docstring. Unknowns: per governed contact a_i, c_i, y_i, β_i; t, s, y, y'; then u.
 
     β_i are bits of the direction in which the contact slides, in Gray code: sums of y_i that have to be integers, too,
     so that branching can split directions in halves. Half the time at 8 and 16 faces.
     """
 
     def __init__(self, scene: Scene, effects: tuple[Effect, ...], section: Section) -> None:
+        assert not scene.soft or section.faces == 0  # polyhedra have multipliers instead, and `lcp.search`
         units, dof = scene.units, scene.dof
-        self.scene, self.given, self.exhausted = scene, np.zeros(3 * scene.n), False
+        self.scene, self.given, self.exhausted = scene, np.zeros(scene.components), False
         for e in effects:
             if isinstance(e, PrescribedForce):
                 self.given[3 * e.contact : 3 * e.contact + 3] = scene.lawful_at(e.contact, e.force) / units.force
         E = scene.flexibility * (units.force / units.motion)
-        self.offset = scene.offset.ravel() / units.motion + E @ self.given
+        self.offset = scene.every_offset / units.motion + E @ self.given
         limits = section.limit(scene.mu)
         mine = [i for i in range(scene.n) if scene.governed[i]]
-        kinds = [_modes(float(limits[i]), section) for i in mine]
+        soft = dict(zip(scene.soft, scene.soft_index.tolist(), strict=True)) if scene.soft else {}
+        kinds = [soft_modes(float(scene.mu[i])) if i in soft else _modes(float(limits[i]), section) for i in mine]
         codes = [_gray(len(A) - 2, section.faces) for _, _, A, _ in kinds]
         sizes = [(F.shape[1], V.shape[1], len(A), len(c)) for (F, V, A, _), c in zip(kinds, codes, strict=True)]
-        self.nv = nv = int(np.sum(sizes)) + dof
-        self.force, self.motion = np.zeros((3 * scene.n, nv)), np.zeros((3 * scene.n, nv))
-        self.allow, self.one = np.zeros((nv, nv), bool), np.zeros((len(mine), nv))
+        self.every = every_limit(scene, effects)
+        limited, room = stacked(scene, self.every)
+        m = len(room)
+        self.nv = nv = int(np.sum(sizes)) + 4 * m + dof
+        self.force, self.motion = np.zeros((scene.components, nv)), np.zeros((scene.components, nv))
+        self.allow, self.one = np.zeros((nv, nv), bool), np.zeros((len(mine) + m, nv))
         self.share = np.zeros((len(mine), nv))  # Σ a_i: the normal force
         self.bits = np.zeros((sum(s[3] for s in sizes), nv))  # Σ y_i - β_i
         self.opened: list[int] = []
         rows, at, bit = [], 0, 0
         for k, (i, (F, V, A, B), code) in enumerate(zip(mine, kinds, codes, strict=True)):
             f, v, y, beta = np.split(np.arange(at, at + sum(sizes[k])), np.cumsum(sizes[k])[:-1])
-            self.force[3 * i : 3 * i + 3, f], self.motion[3 * i : 3 * i + 3, v] = F, V
+            own = [*soft.get(i, (3 * i, 3 * i + 1)), 3 * i + 2]
+            self.force[np.ix_(own, f)], self.motion[np.ix_(own, v)] = F, V
             self.allow[np.ix_(f, y)], self.allow[np.ix_(v, y)] = A.T, B.T
             self.one[k, y], self.share[k, f] = 1.0, 1.0
             self.bits[bit : bit + len(beta), y[2:]] = code
             self.bits[bit + np.arange(len(beta)), beta] = -1.0
             self.opened.append(int(y[0]))
-            tangents = [] if limits[i] <= 0 else [3 * i] if scene.plane is not None else [3 * i, 3 * i + 1]
+            tangents = [] if limits[i] <= 0 else own[:1] if scene.plane is not None else own[:-1]
             rows += [*tangents, 3 * i + 2]
             at, bit = at + sum(sizes[k]), bit + len(beta)
+        self.t, self.s, holds, yields = np.arange(at, at + 4 * m).reshape(4, m)
+        self.allow[self.t, holds] = self.allow[self.s, yields] = True
+        each = len(mine) + np.arange(m)
+        self.one[each, holds] = self.one[each, yields] = 1.0
         self.mode, self.bounded = self.one.any(0), self.allow.any(1)
         self.integer = self.mode | (self.bits < 0).any(0)
-        twist = np.zeros((3 * scene.n, nv))
+        twist = np.zeros((scene.components, nv))
         twist[:, nv - dof :] = scene.natural.every.T
-        self.eq = np.vstack([(self.motion - E @ self.force - twist)[rows], scene.natural.every @ self.force])
-        self.rhs = np.append(self.offset[rows], -scene.natural.w - scene.natural.every @ self.given)
+        twist[:, self.s] = limited.T
+        held = limited @ self.force
+        reach = (np.maximum(-held, 0.0)[:, None] * self.share).max(axis=2).sum(axis=1)
+        self.leaves = room, reach, _opposite(limited, room)
+        held[np.arange(m), self.t] = 1.0
+        self.eq = np.vstack([(self.motion - E @ self.force - twist)[rows], scene.natural.every @ self.force, held])
+        balance = -scene.natural.w - scene.natural.every @ self.given
+        self.rhs = np.concatenate([self.offset[rows], balance, room])
         self.low = np.where(np.arange(nv) < nv - dof, 0.0, -np.inf)
         self.cost = (self.motion != 0).any(0).astype(float)
+        self.cost[self.s] = 1.0
 
     def visit(self, b: float, end: float, most: int) -> Iterator[Iterator[Candidate]]:
         """One choice of modes after the other (at most `most`), each as candidates; a choice is cut off once visited.
@@ -129,7 +154,9 @@ class Program:
         self.exhausted = False
         tight = self.share.copy()  # an open contact carries nothing
         tight[np.arange(len(tight)), self.opened] = b
-        big = np.vstack([tight, np.eye(self.nv)[self.bounded] - b * self.allow[self.bounded]])
+        size = np.full((self.nv, 1), b)
+        size[self.t, 0] = self._slack(b)
+        big = np.vstack([tight, np.eye(self.nv)[self.bounded] - (size * self.allow)[self.bounded]])
         top = np.append(np.full(len(tight), b), np.zeros(int(self.bounded.sum())))
         constraints = [
             LinearConstraint(np.vstack([self.eq, self.bits]), *[np.append(self.rhs, np.zeros(len(self.bits)))] * 2),
@@ -147,7 +174,12 @@ class Program:
                 return
             y = self.mode & (r.x > 0.5)
             yield self._members(y, r.x)
-            constraints.append(LinearConstraint(y.astype(float)[None], -np.inf, len(self.opened) - 1))
+            constraints.append(LinearConstraint(y.astype(float)[None], -np.inf, len(self.one) - 1))
+
+    def _slack(self, b: float) -> Array:
+        """(m,) T: the most slack of each limit with normal forces up to b, and within the limit the other way."""
+        room, reach, opposite = self.leaves
+        return np.asarray(np.clip(room + b * reach, 0.0, np.maximum(opposite, 0.0)))
 
     def _members(self, y: Bools, near: Array) -> Iterator[Candidate]:
         """Of the modes y: a vertex, its support solved once more to the last digits, then without that; then `near`."""
@@ -175,7 +207,15 @@ class Program:
     def _decode(self, x: Array) -> Candidate:
         s = self.scene
         forces = (self.force @ x + self.given) * s.units.force
-        return Candidate(forces.reshape(-1, 3), s.twist(x[self.nv - s.dof :]), {})
+        extra = motions_in_si(s, self.every, x[self.s])
+        n = 3 * s.n
+        return Candidate(forces[:n].reshape(-1, 3), s.twist(x[self.nv - s.dof :]), extra, forces[n:])
+
+
+def _opposite(A: Array, room: Array) -> Array:
+    """(m,) the slack of each limit A r ≤ room where the one the other way, if there is one, has none left; else inf."""
+    against = (A[:, None] + A[None] == 0.0).all(axis=2)
+    return np.asarray(room + np.where(against, room, np.inf).min(axis=1, initial=np.inf))
 
 
 def _gray(slides: int, faces: int) -> Array:

@@ -1,8 +1,9 @@
 """All the equilibria of a grasp, as far as they can be found: with Coulomb friction there may be several.
 
-Without friction there are no others (`Uniqueness`). On a pyramid, and in a plane, every choice of contact modes is
-solved where that is affordable. The exact cone has a continuum of modes: there, and beyond what is affordable, Newton's
-method starts from all equilibria of coarser pyramids and from other seeds, which proves nothing.
+Without friction there are no others (`Uniqueness`). On a pyramid, and in a plane, every choice of contact modes, and of
+limits that give way, is solved where that is affordable. The exact cone has a continuum of modes: there, and beyond
+what is affordable, Newton's method starts from all equilibria of coarser pyramids and from other seeds, which proves
+nothing.
 """
 
 from __future__ import annotations
@@ -149,7 +150,7 @@ def _contains(scene: Scene, candidates: list[Candidate | None], s: GraspSolution
 def _open(problem: GraspContact, section: Section, table: Table | None) -> str:
     """Why contact modes prove nothing, where they don't."""
     if not applicable(problem.effects):
-        return "an effect opens the contacts, so contact modes do not describe them"
+        return "an effect moves the contacts, so their modes do not describe them"
     if not section.faces:
         return "the exact cone has a continuum of slip directions"
     if table is None:

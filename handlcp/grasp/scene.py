@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -209,6 +210,14 @@ class Scene:
     def governed_mask(self) -> Bools:
         """(n,) bool, `governed` as an array."""
         return np.array(self.governed)
+
+    @lazy
+    def made(self) -> list[tuple[object, Any]]:
+        """What effects made of this scene, with the effect itself: kept so that it is made once (`Effect.present`).
+
+        Threads may both append the same; either is right. Found by identity, also after pickling.
+        """
+        return []
 
     # ---- natural units
     @lazy

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
 import numpy as np
 import pytest
 
@@ -121,3 +125,53 @@ def test_the_problem_in_si_is_the_problem_in_natural_units():
     s = hl.solve_lcp(p)
     assert p.labels[:3] == ("r_N[0]", "r_N[1]", "r_N[2]")
     np.testing.assert_allclose(s.z[:3], [0.934263, 0.934263, 3.96422], rtol=2e-6)  # N
+
+
+# ---------------------------------------------------------------- limits are made once a scene
+@dataclass(frozen=True, eq=False)
+class Counted(hl.TotalForceBound):
+    """Counts how often its limits are made."""
+
+    asked: list = field(default_factory=list)
+
+    def limits(self, scene):
+        self.asked.append(scene)
+        return super().limits(scene)
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_a_solve_makes_limits_once_and_another_scene_its_own(faces):
+    effect = Counted(12.0)
+    g = pinch(effects=[effect])
+    g.solve(faces)
+    g.problem(faces)
+    g.explain(faces)
+    assert effect.asked == [g.scene]
+    heavier = g.replace(wrench=(0, 0, -2.0, 0, 0, 0))
+    heavier.solve(faces)
+    assert effect.asked[1:] == [heavier.scene]
+
+
+def test_equal_effects_on_one_scene_keep_their_own_limits_and_many_do_not_pile_up():
+    scene = pinch().scene
+    for k in range(1, 100):
+        for effect in (hl.TotalForceBound(float(k)), hl.TotalForceBound(float(k))):
+            assert effect.present(scene)[0].room[0] == k
+            assert effect.present(scene) is effect.present(scene)
+    assert len(scene.made) <= 20
+
+
+def test_limits_travel_with_their_scene_and_cannot_be_written_to():
+    g = pinch(effects=[hl.FingerForceBound(6.0)])
+    s = g.solve()
+    again = pickle.loads(pickle.dumps(g))
+    assert again.scene.made[0][0] is again.effects[0]
+    np.testing.assert_array_equal(again.solve().forces, s.forces)
+    (limit,) = g.effects[0].present(g.scene)
+    with pytest.raises(ValueError, match="read-only"):
+        limit.room[0] = 1.0
+    with ThreadPoolExecutor(4) as pool:
+        h = g.replace(preload=1e-3)
+        answers = list(pool.map(lambda _: h.solve().forces, range(16)))
+    for forces in answers:
+        np.testing.assert_array_equal(forces, s.forces)

@@ -11,6 +11,7 @@ from scipy.optimize import linprog
 import handlcp as hl
 from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.certify import judge
+from handlcp.grasp.effects import Effect
 from handlcp.grasp.equilibria import applicable, find_equilibrium
 from handlcp.grasp.pyramid import as_section
 from handlcp.study.paper.examples import PRELOAD, example
@@ -116,12 +117,19 @@ def test_a_bound_below_the_answer_is_part_of_the_statement():
     assert (r.outcome, round(r.force_bound, 9)) == ("none", 1.0)
 
 
-def test_a_total_force_bound_is_not_for_this_search():
-    g = pinch(effects=[hl.TotalForceBound(5.0)])
-    problem = g.problem(4)
-    assert not applicable(problem.effects)
+class Pushed(Effect):
+    """Moves the contacts by something that is no limit."""
+
+    def opening(self, scene, extra):
+        return np.zeros((scene.n, 3))
+
+
+def test_an_effect_that_moves_contacts_by_more_than_its_limits_is_not_for_this_search():
+    g, section = pinch(), hl.Pyramid(4)
+    assert applicable((hl.TotalForceBound(5.0), hl.FingerForceBound(5.0), hl.TorqueSaturation()))
+    assert not applicable((Pushed(),))
     with pytest.raises(ValueError, match="search the assembled problem"):
-        find_equilibrium(g.scene, problem.effects, hl.Pyramid(4))
+        find_equilibrium(g.scene, (Pushed(),), section)
 
 
 def test_no_time_is_no_claim():

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 import handlcp as hl
 from handlcp.grasp.limit_surface import limit_surface
+from handlcp.grasp.soft_modes import soft_modes
 from handlcp.lcp.kernels.polyhedron import nearest_in_polyhedron
 
 SOFT = hl.SoftFinger(0.5, 0.005, 3.0)
@@ -197,3 +199,27 @@ def test_the_nearest_point_of_a_polyhedron_is_feasible_and_what_is_left_lies_in_
 def test_bad_numbers_are_refused_by_name(law, argument):
     with pytest.raises(hl.InputError, match=argument):
         hl.SoftFinger(*law)
+
+
+def test_on_the_ellipsoid_no_equilibrium_is_proven_with_the_squeeze_that_would_help():
+    s = pinch(wrench=(0, 0, -5, 0.12, 0, 0)).solve("cone", throw=False)
+    assert s.status is hl.Status.NO_EQUILIBRIUM
+    assert s.bounds is not None
+    assert pinch(wrench=(0, 0, -5, 0.12, 0, 0), preload=1e-3 + 1.01 * s.required_preload).solve("cone").held
+
+
+def test_every_slide_on_the_ball_lies_in_a_mode_of_the_search():
+    """Force on the ball and slip against it are nonnegative multiples of one mode's generators."""
+    rng = np.random.default_rng(0)
+    force, motion, allowed, moving = soft_modes(0.7)
+    for _ in range(200):
+        e = rng.standard_normal(3)
+        e /= np.linalg.norm(e)
+        r, v = np.append(0.7 * e, 1.0), np.append(-e, 0.0)
+
+        def misses(mode, r=r, v=v):
+            return nnls(force[:, allowed[mode]], r)[1] + nnls(motion[:, moving[mode]], v)[1]
+
+        assert min(misses(mode) for mode in range(2, len(allowed))) < 1e-9
+        inside = np.append(0.7 * rng.random() * e, 1.0)
+        assert nnls(force[:, allowed[1]], inside)[1] < 1e-9  # stuck

@@ -220,6 +220,20 @@ def test_limits_too_low_for_the_load_are_proven_so(write: Writer, faces: int | s
     assert saturating(hand, force=(0, 0, -0.9 * 2 * MU * 0.6 / L * np.cos(np.pi / 4))).solve(faces).held
 
 
+@pytest.mark.parametrize("faces", SECTIONS)
+def test_a_squeeze_too_weak_for_the_load_is_proven_so_within_limits_that_would_do(
+    write: Writer, faces: int | str
+) -> None:
+    """5 N a finger hold 5 N between them, 7.5 N at the joints' limits would hold 7.5 N."""
+    hand, weak = lever_hand(write, torque_limits=0.6), 5.0 * C
+    s = saturating(hand, preload=weak, force=(0, 0, -5.2)).solve(faces, throw=False)
+    assert s.status is Status.NO_EQUILIBRIUM
+    assert s.bounds is not None
+    assert s.bounds[0] >= 1000
+    assert "torque saturation" not in s.diagnosis
+    assert saturating(hand, preload=weak, force=(0, 0, -4.9 * np.cos(np.pi / 4))).solve(faces).held
+
+
 # ---------------------------------------------------------------- company
 def test_a_plain_grasp_says_what_to_do(write: Writer) -> None:
     g = saturating(lever_hand(write, torque_limits=0.6))
@@ -237,7 +251,8 @@ def test_it_stays_when_numbers_change_and_between_processes(write: Writer) -> No
     s = g.solve(start=g.solve())
     np.testing.assert_allclose(s.normal_force, [0.6 / L - 1.5, 0.6 / L], **EXACT)
     assert g.solve(accuracy=1e-9).accuracy.met  # type: ignore[union-attr]
-    assert not g.equilibria().complete
+    every = g.equilibria()
+    assert (len(every), every.complete) == (1, True)
 
 
 def test_the_verdict_and_the_record_name_the_joint(write: Writer) -> None:

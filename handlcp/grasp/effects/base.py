@@ -12,6 +12,10 @@ from handlcp.grasp.system import System, Unknown
 
 __all__ = ["Effect"]
 
+_MOST = (
+    16  # effects whose limits a scene keeps: a grasp has few, whoever tries many others on its scene does not pile up
+)
+
 
 class Effect:
     """One physical effect. Subclasses declare unknowns and stamp blocks, or `limits`, from which both follow; most need
@@ -51,16 +55,33 @@ class Effect:
         raise NotImplementedError
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
-        """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying."""
+        """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying.
+
+        Asked once a scene; everyone else reads `present`.
+        """
         return ()
+
+    def present(self, scene: Scene) -> tuple[Limit, ...]:
+        """The limits, without groups of none."""
+        if type(self).limits is Effect.limits:
+            return ()
+        known: tuple[Limit, ...]
+        for effect, known in scene.made:
+            if effect is self:
+                return known
+        known = tuple([limit for limit in self.limits(scene) if len(limit.room)])
+        if len(scene.made) >= _MOST:
+            scene.made.clear()
+        scene.made.append((self, known))
+        return known
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """The groups this effect brings."""
-        return tuple(limit.unknown for limit in self.limits(scene))
+        return tuple([limit.unknown for limit in self.present(scene)])
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Add this effect's blocks."""
-        for limit in self.limits(scene):
+        for limit in self.present(scene):
             limit.stamp(scene, system)
 
     def opening(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
@@ -71,7 +92,7 @@ class Effect:
         none is left out. None: nothing.
         """
         total = None
-        for limit in self._present(scene):
+        for limit in self.present(scene):
             part = limit.opening(extra)
             total = part if total is None else total + part
         return total
@@ -84,11 +105,7 @@ class Effect:
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """
         worst = 0.0
-        for limit in self._present(scene):
+        for limit in self.present(scene):
             part = limit.residual(scene, forces, extra, force_size, motion_size)
             worst = part if not part <= worst else worst  # NaN stays
         return worst
-
-    def _present(self, scene: Scene) -> tuple[Limit, ...]:
-        limits = self.limits(scene)
-        return limits and tuple([limit for limit in limits if len(limit.room)])

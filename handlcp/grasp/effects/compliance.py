@@ -11,8 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.scene import Scene
@@ -62,6 +60,6 @@ def softened(
                 more = more.copy()
                 more[1::3] = 0.0
                 more[:, 1::3] = 0.0
-            if np.any(more):
+            if more.any():
                 flexibility = read_only(flexibility + more)
     return flexibility

@@ -17,11 +17,12 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
+from handlcp.lazy import lazy
 
 __all__ = ["Limit"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Limit:
     """k limits of one kind, SI.
 
@@ -35,14 +36,20 @@ class Limit:
     room: Array
     levers: Array | None = None
 
-    @property
+    def __post_init__(self) -> None:
+        """Read-only: a scene keeps its limits."""
+        for array in (self.rows, self.room, self.levers):
+            if array is not None:
+                array.flags.writeable = False
+
+    @lazy
     def unknown(self) -> Unknown:
         """The group of the s."""
         if self.levers is None:
             return Unknown(self.name, len(self.room), False, "motion", "force")
         return Unknown(self.name, len(self.room), False, "angle", "torque", tuple(self.levers.tolist()))
 
-    @property
+    @lazy
     def natural_rows(self) -> Array:
         """(k, c) A in natural units."""
         return self.rows if self.levers is None else self.rows / self.levers[:, None]
