@@ -7,6 +7,8 @@ from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
 from handlcp.hand.state import HandState
 from handlcp.hand.stream import GraspStream
+from handlcp.hand.synergies import Synergies
+from handlcp.hand.tendons import Tendons
 from handlcp.hand.torques import TorqueCheck, TorqueRow
 from handlcp.hand.update import GraspUpdate
 
@@ -26,6 +28,8 @@ __all__ = [
     "Mesh",
     "Object",
     "Sphere",
+    "Synergies",
+    "Tendons",
     "TorqueCheck",
     "TorqueRow",
     "audit_urdf",

@@ -25,6 +25,7 @@ from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.detect import touching
+from handlcp.hand.elasticity import Effort, transmission_line
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
@@ -47,17 +48,31 @@ class HandGraspSolution(GraspSolution):
     joint_yield : (nv,) [rad] how far joints at their limit are driven back beyond that (`TorqueSaturation`): s⁺ - s⁻,
         with the sign of the torque; 0 for all others. Such a joint's torque is its limit.
     torque_check : joint by joint torque, limit, utilisation, and the binding joint.
+    effort : what the tendons or synergies of the hand do for these torques, by name; None where it has neither.
     """
 
     torques: Array
     joint_deflection: Array
     joint_yield: Array
     torque_check: TorqueCheck
+    effort: Effort | None = None
+
+    @property
+    def tendon_tension(self) -> Array | None:
+        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls for these torques (below 0: less); None without
+        `Tendons`.
+        """
+        return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
+
+    @property
+    def actuator_force(self) -> Array | None:
+        """(k,) η = Sᵀ τ [N·m where S has no unit] that each synergy's actuator holds; None without `Synergies`."""
+        return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
 
     def __str__(self) -> str:
-        """The grasp, then the joints."""
-        text = super().__str__()
-        return f"{text}\n{self.torque_check}" if self.held else text
+        """The grasp, then the joints, then what is behind them."""
+        parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
+        return "\n".join(str(part) for part in parts if part is not None)
 
 
 class HandGrasp(Grasp):
@@ -135,7 +150,9 @@ class HandGrasp(Grasp):
     def _explained(self, explanation: Explanation) -> Explanation:
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
         command = command_line(self.state.hand.joint_names, self.joint_offset)
-        lines = sorted((*explanation.effects, weight, command), key=lambda x: not x.on)  # what is on comes first
+        behind = transmission_line(self.state.hand.stiffness)
+        lines = [*explanation.effects, behind, weight, command]
+        lines.sort(key=lambda x: not x.on)  # what is on comes first
         return replace(explanation, effects=tuple(lines))
 
     def _without(self) -> list[tuple[str, Grasp]]:
@@ -180,7 +197,7 @@ class HandGrasp(Grasp):
         deflection = hand.stiffness.deflection(torque) + self.sag
         return HandGraspSolution(
             **vars(solution), torques=total, joint_deflection=read_only(deflection), joint_yield=read_only(yielded),
-            torque_check=check,
+            torque_check=check, effort=hand.stiffness.effort(total),
         )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from handlcp.grasp.pyramid import Pyramid, as_section
 from handlcp.grasp.scene import cross_rows
 from handlcp.hand.command import read_command
 from handlcp.hand.grasp import HandGrasp
-from handlcp.hand.posture import contact_jacobian, flexibility
+from handlcp.hand.posture import contact_jacobian
 from handlcp.hand.update import GraspUpdate
 from handlcp.hand.weight import tip_motion
 
@@ -170,7 +170,7 @@ class _Posture:
         self._tips = hand.tip_numbers("fingers", grasp.fingertips)
         self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
-        self._factor = hand.stiffness.factor
+        self._soften = hand.stiffness.softener()
 
     def read(self, command: Any) -> Array:
         """(nv,) joint offsets from what users pass."""
@@ -202,7 +202,7 @@ class _Posture:
             turn = np.array([frames[i].T @ data.oMf[hand.tips.frames[t]].rotation for i, t in enumerate(self._tips)])
             pads = turn @ hand.pads.blocks[list(self._tips)] @ turn.transpose(0, 2, 1)
         self.jacobian = contact_jacobian(data.J.T, self._support, self._coupling, positions, frames)
-        flexibility(self.jacobian, self._factor, pads, E)
+        self._soften(self.jacobian, pads, E)
 
     def torques(self, forces: Array) -> Array:
         """(nv,) τ = Jᵀ f, and g(q) where the fingers' weight counts [N·m]."""
