@@ -10,6 +10,7 @@ from handlcp.grasp.effects import (
     Effect,
     FingerFlexibility,
     FingerForceBound,
+    GeometricStiffness,
     ObjectBalance,
     PrescribedForce,
     SoftWrist,
@@ -43,7 +44,10 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
 
 
 _FROM_DATA = (ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility)
-_BY_NAME = (TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist)
+_BY_NAME = (
+    TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist,
+    GeometricStiffness,
+)  # fmt: skip
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Self, overload
 
 import numpy as np
@@ -24,7 +24,7 @@ from handlcp.grasp.required import Required, required_friction, required_preload
 from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.share import measured, without
 from handlcp.grasp.solution import GraspSolution
-from handlcp.grasp.solving import solve, stage_line
+from handlcp.grasp.solving import solve, stage_line, stages
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
@@ -207,11 +207,11 @@ class Grasp:
 
     def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every contact, with which the grasp holds, to a relative tolerance."""
-        return required_preload(self, self._section(faces), tolerance)
+        return required_preload(self, self._section(faces), tolerance, check=self._test(faces))
 
     def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
-        return required_friction(self, self._section(faces), tolerance)
+        return required_friction(self, self._section(faces), tolerance, check=self._test(faces))
 
     def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.
@@ -233,6 +233,16 @@ class Grasp:
             return self._complete(conclude_first(self.scene, self.reference, self.names, found, trace))
         effects = found.kind.design.effects
         return self._solution(effects, section, found.candidate, found.verdict, found.iterations, trace)
+
+    def _in_stages(
+        self, section: Section, solver: Solver | ContactSolver | Auto | None, throw: bool, start: Array
+    ) -> GraspSolution:
+        """What `solve` does with effects asked for by name."""
+        return stages(self, section, solver, throw, start)
+
+    def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
+        """Whether such a grasp holds, where one problem doesn't say it."""
+        return None
 
     def _shifted(self, offset: Array) -> Array:
         """The scene's offset from one that was asked for: what a hand adds to it is nothing here."""

@@ -5,14 +5,15 @@ off.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
 from handlcp.check import Array, array, number, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, Unsupported
 from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
@@ -21,11 +22,14 @@ from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import Coulomb, Friction, Frictionless
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.joints import Joints
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.others import Equilibria
+from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.command import COMMAND, command_line, read_command
+from handlcp.hand.curvature import contact_hessian
 from handlcp.hand.detect import touching
 from handlcp.hand.elasticity import Effort, transmission_line
+from handlcp.hand.geometric import bends, geometric_change, settle
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
@@ -139,13 +143,43 @@ class HandGrasp(Grasp):
         accuracy: float | None = None,
         start: GraspSolution | None = None,
     ) -> HandGraspSolution:
-        """As `Grasp.solve`, with torques."""
+        """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
+        if accuracy is not None and bends(self) is not None:
+            raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
 
     @property
     def tip_sag(self) -> Array:
         """(n, 3) J K⁻¹ g(q) [m], contact axes: object minus fingertip, for tips that sag under the fingers' weight."""
         return tip_motion(self.jacobian, self.sag, self.scene.plane is not None)
+
+    def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
+        """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
+        if bends(self) is not None:
+            raise Unsupported("no search covers equilibria of fingers that their own forces bend (GeometricStiffness)")
+        return super().equilibria(faces, seconds)
+
+    def geometric_change(self, solution: GraspSolution, faces: int | str | Pyramid = 8) -> Array:
+        """(n,) share of the largest force by which `GeometricStiffness` would change each finger's, from one correction
+        at this solution; infinite where fingers buckle. See `handlcp.hand.geometric`.
+        """
+        return geometric_change(self, solution, faces)
+
+    @property
+    def joints(self) -> Joints:
+        """What the effects of this grasp may know of its joints."""
+        tips = self.state.hand.tip_numbers("fingers", self.fingertips)
+        return _joints(self.state, tips, self.scene.positions, self.scene.frames, self.jacobian, self.gravity_torque)
+
+    def _in_stages(
+        self, section: Section, solver: Solver | ContactSolver | Auto | None, throw: bool, start: Array
+    ) -> GraspSolution:
+        if (effect := bends(self)) is not None:
+            return settle(self, effect, section, solver, throw, start)
+        return super()._in_stages(section, solver, throw, start)
+
+    def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
+        return None if bends(self) is None else lambda g: g.solve(faces, Auto(search_seconds=0), throw=False).held
 
     def _explained(self, explanation: Explanation) -> Explanation:
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
@@ -231,7 +265,8 @@ def grasp(
     reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
     fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
     max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
-    effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield.
+    effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield, `GeometricStiffness()`
+        lets the forces turn their own levers.
     finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
         the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
         "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
@@ -279,7 +314,7 @@ def grasp(
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
-        asked = arguments.effects(effects, n, Joints(hand.joint_names, jacobian, weigh, hand.torques.limits))
+        asked = arguments.effects(effects, n, _joints(state, tips, positions, frames, jacobian, weigh))
     made = HandGrasp.__new__(HandGrasp)
     made._place(
         contacts,
@@ -298,6 +333,14 @@ def grasp(
     made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
     made.gravity_torque, made.sag = weigh, sag
     return made
+
+
+def _joints(
+    state: HandState, tips: Sequence[int], positions: Array, frames: Array, jacobian: Array, weight: Array
+) -> Joints:
+    hand = state.hand
+    hessian = partial(contact_hessian, state, tips, positions, frames)
+    return Joints(hand.joint_names, jacobian, weight, hand.torques.limits, hand.stiffness.root, hessian)
 
 
 _WEIGHTLESS = read_only(np.zeros(3))

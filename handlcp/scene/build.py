@@ -16,6 +16,7 @@ from handlcp.grasp import (
     Coulomb,
     FingerForceBound,
     Frictionless,
+    GeometricStiffness,
     Grasp,
     PrescribedForce,
     SoftWrist,
@@ -199,6 +200,8 @@ def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
         effects.append(FingerForceBound(bounds))
     if scene.effects.torque_saturation:
         effects.append(TorqueSaturation())
+    if scene.effects.geometric_stiffness:
+        effects.append(GeometricStiffness())
     soft: Any = scene.effects.contact_compliance_m_per_N
     if isinstance(soft, dict):
         _known("effects.contact_compliance_m_per_N", soft, fingers)

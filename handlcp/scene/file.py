@@ -84,6 +84,8 @@ class SceneFile(Table):
                 raise InputError(
                     "effects.torque_saturation", "a [hand] whose joints have limits", "a scene without one"
                 )
+            if self.effects.geometric_stiffness:
+                raise InputError("effects.geometric_stiffness", "a [hand] whose joints give way", "a scene without one")
             if "posture" in self.model_fields_set:
                 raise InputError("posture", "a [hand] that it is about", "a scene without one")
         return self

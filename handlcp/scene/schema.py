@@ -243,6 +243,8 @@ class EffectsTable(Table):
     """the most that a finger's normal force may be; fingers left out of a table have no bound"""
     torque_saturation: k.Switch = False
     """joints at their torque limit yield, and the load moves to the other fingers; a scene with a [hand]"""
+    geometric_stiffness: k.Switch = False
+    """fingers are softened or stiffened by the forces they carry; a scene with a [hand]"""
     contact_compliance_m_per_N: k.Compliance | None = None
     """of the object's surface at the contacts, in contact axes (x, y, normal); a table by finger: 0 for the others"""
     soft_wrist: SoftWristTable | None = None

@@ -87,7 +87,7 @@ def test_explain_accounts_for_every_unknown():
     off = {line.title for line in e.effects if not line.on}
     assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
     others = {"Coulomb friction, planar", "Coulomb friction, cone"}
-    asked = (hl.TotalForceBound, hl.FingerForceBound, hl.TorqueSaturation, hl.PrescribedForce)
+    asked = (hl.TotalForceBound, hl.FingerForceBound, hl.TorqueSaturation, hl.PrescribedForce, hl.GeometricStiffness)
     assert off == others | {e.title for e in (*asked, hl.ContactCompliance, hl.SoftWrist)}
     assert "27" in str(e)
 
