@@ -27,7 +27,7 @@ from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.solving import solve
 from handlcp.hand.weight import tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver, Status
-from handlcp.tolerances import FIXED_POINT
+from handlcp.tolerances import FIXED_POINT, SEMIDEFINITE
 
 if TYPE_CHECKING:
     from handlcp.hand.grasp import HandGrasp, HandGraspSolution
@@ -50,7 +50,11 @@ def settle(
     throw: bool,
     start: Array,
 ) -> GraspSolution:
-    """As `solving.solve`; what else is in the trace says how the iteration went."""
+    """As `solving.solve`; the trace ends with how the iteration went. What is said of uniqueness holds for the last E.
+
+    Raises InputError where the grasp's flexibility was replaced by less than that of its joints.
+    """
+    _of_the_joints(grasp)
     n, forces, solution = grasp.scene.n, np.zeros((grasp.scene.n, 3)), None
     given = start
     if len(start):
@@ -90,8 +94,8 @@ def geometric_change(grasp: HandGrasp, solution: GraspSolution, faces: int | str
     correction, E under the solution's own forces. Infinite where a finger buckles under them or the corrected grasp
     has no answer; 0 to rounding where the grasp has the effect already.
 
-    solution : of this grasp, an answer. faces : those that it was solved with. It costs one solve, two thirds of a
-    millisecond more for the second derivatives. Raises InputError.
+    solution : of this grasp, an answer. faces : those that it was solved with. It costs one solve and the second
+    derivatives. Raises InputError.
     """
     n = grasp.scene.n
     start = arguments.start(solution, n)
@@ -107,14 +111,24 @@ def geometric_change(grasp: HandGrasp, solution: GraspSolution, faces: int | str
     return read_only(moved / (np.sqrt((solution.forces**2).sum(axis=1).max()) or 1.0))
 
 
+def _of_the_joints(grasp: HandGrasp) -> None:
+    """K_g changes the joints' share of E, so it has to be there."""
+    pads = np.linalg.eigvalsh(grasp.flexibility - grasp.state.hand.stiffness.compliance(grasp.jacobian))
+    if pads[0] < -SEMIDEFINITE * float(abs(grasp.flexibility).max(initial=0.0)):
+        expected = "that of the hand's joints, and what else gives way, beside GeometricStiffness"
+        raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")
+
+
 def _under(grasp: HandGrasp, effect: GeometricStiffness, forces: Array) -> HandGrasp | None:
     """The grasp without the effect, with the E and the offsets that it has under these forces; None: it buckles."""
-    change, C = effect.change(forces), effect.compliance(forces)
-    if change is None or C is None:
+    change = effect.change(forces)
+    if change is None:
         return None
     others = tuple(e for e in grasp.effects if not isinstance(e, GeometricStiffness))
     offset = grasp.scene.offset
     if grasp.sag.any() or grasp.joint_offset.any():
+        C = effect.compliance(forces)
+        assert C is not None  # there is a change
         moved = _given_way(grasp, effect, C, forces, np.zeros(len(C))) - grasp.sag
         offset = offset + tip_motion(grasp.jacobian, moved, grasp.scene.plane is not None)
     return changed(grasp, flexibility=read_only(grasp.flexibility + change), offset=read_only(offset), effects=others)

@@ -48,7 +48,8 @@ class HandGraspSolution(GraspSolution):
 
     torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
     joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
-        weight where that is part of the elastic balance, from where they are commanded to be.
+        weight where that is part of the elastic balance, from where they are commanded to be. With
+        `GeometricStiffness` (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), δq as commanded.
     joint_yield : (nv,) [rad] how far joints at their limit are driven back beyond that (`TorqueSaturation`): s⁺ - s⁻,
         with the sign of the torque; 0 for all others. Such a joint's torque is its limit.
     torque_check : joint by joint torque, limit, utilisation, and the binding joint.

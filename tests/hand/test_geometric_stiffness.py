@@ -248,6 +248,25 @@ def test_a_finger_that_buckles_is_no_answer(write: Writer) -> None:
     assert lever_pinch(soft, force=(0, 0, -12.0), preload=0.25).solve().held, "without the effect nobody would know"
 
 
+def test_forces_that_have_not_settled_are_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two solves leave more than the certifier lets pass."""
+    g = ball_grasp(preload=5e-3)
+    assert g.solve().held
+    monkeypatch.setattr("handlcp.hand.geometric._MOST", 2)
+    s = g.solve(throw=False)
+    assert s.status is Status.UNDECIDED
+    assert s.trace[-1] == "geometric stiffness: the forces still change after 2 solves"
+
+
+def test_flexibility_that_is_not_the_joints_is_refused() -> None:
+    g = ball_grasp(preload=5e-3)
+    stiffer, softer = (g.replace(flexibility=x * g.flexibility) for x in (0.5, 1.1))
+    with pytest.raises(InputError) as e:
+        stiffer.solve()
+    assert e.value.argument == "flexibility"
+    assert softer.solve().held
+
+
 def test_no_proof_about_one_flexibility_is_passed_on(write: Writer) -> None:
     """What the unloaded fingers cannot do is not proven of the loaded ones; what no force can do still is."""
     hand = lever_hand(write)

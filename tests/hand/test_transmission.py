@@ -162,13 +162,15 @@ def test_a_stream_follows_such_a_hand(behind: object, pads: object) -> None:
     q = hand.close_on(BALL, squeeze=3e-3)
     g = hand.at(q).grasp(BALL, preload=5e-3, finger_weight=True)
     stream = GraspStream(pickle.loads(pickle.dumps(g)))
-    stream.update(q + 2e-3)
+    update = stream.update(q + 2e-3)
     anew = hand.at(q + 2e-3).grasp(g.contacts, reference=g.reference, offset=g.tip_offset, finger_weight=True)
     np.testing.assert_allclose(stream.grasp.flexibility, anew.flexibility, rtol=0, atol=1e-15)
     np.testing.assert_allclose(stream.grasp.scene.offset, anew.scene.offset, atol=1e-15)
     s = pickle.loads(pickle.dumps(stream.grasp.solve()))
     assert isinstance(s, HandGraspSolution)
     assert s.effort is not None
+    assert update.effort is not None
+    np.testing.assert_allclose(update.effort.values, s.effort.values, atol=1e-7 * abs(s.effort.values).max())
     assert s.effort.names[0] == f"{s.effort.kind.split()[0].replace('actuator', 'synergy')} 1"
 
 

@@ -6,7 +6,8 @@ The springs hold K δ = J(q)ᵀ f where the joints stand at q = q_c - δ. To fir
 (K + K_g) δ = Jᵀ f. The sign, on one link p with a spring k: τ = f · (ω × p) and ∂τ/∂q = -f · p across the axis. A
 finger that pushes along itself, away from its joint, is a column: k - |f||p|, softer, and it buckles where nothing is
 left. One that pulls is stiffer. K_g is symmetric: it holds second derivatives of the contact points. Exact for what
-changes about a posture that carries f; from the unloaded posture on, the tips' path is still taken as straight.
+changes about a posture that carries f. From the unloaded posture on, joint deflections miss by a second order where K
+alone misses by a first; tips, whose path is still taken as straight, by about half of what K alone misses.
 
 With K⁻¹ = A Aᵀ, which may be singular, (K + K_g)⁻¹ = A (1 + Aᵀ K_g A)⁻¹ Aᵀ: nothing inverts it, and a finger is
 stable where the bracket is positive definite. E depends on the forces it produces, so a solve repeats with E(f) until f
@@ -38,6 +39,9 @@ _SHARE = 0.1  # of the largest motion: joints that move less are not what buckle
 @dataclass(frozen=True, eq=False)
 class GeometricStiffness(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[GeometricStiffness()])`.
+
+    The grasp's `flexibility`, `problem()` and `plan()` are those of unloaded fingers; the solution's `scene` has the E
+    of its forces.
 
     joints : the hand's, once it has completed the effect. hessian : (3n, nv, nv) ∂J/∂q of the contact points, which
     move with their fingers, in contact axes that don't.
