@@ -240,6 +240,10 @@ class Grasp:
         """What `solve` does with effects asked for by name."""
         return stages(self, section, solver, throw, start)
 
+    def _answering(self, solution: GraspSolution) -> Grasp:
+        """The grasp whose numbers a solution of this one answers, where they depend on it."""
+        return self
+
     def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
         """Whether such a grasp holds, where one problem doesn't say it."""
         return None

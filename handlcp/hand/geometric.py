@@ -32,7 +32,7 @@ from handlcp.tolerances import FIXED_POINT, SEMIDEFINITE
 if TYPE_CHECKING:
     from handlcp.hand.grasp import HandGrasp, HandGraspSolution
 
-__all__ = ["bends", "geometric_change", "settle"]
+__all__ = ["bends", "geometric_change", "settle", "under"]
 
 _MOST = 100  # solves
 
@@ -61,7 +61,7 @@ def settle(
         forces = start[: 3 * n].reshape(n, 3)
     words, change = f"the forces still change after {_MOST} solves", np.inf
     for count in range(1, _MOST + 1):
-        bent = _under(grasp, effect, forces)
+        bent = under(grasp, effect, forces)
         if bent is None:
             words = _buckled(effect, forces)
             break
@@ -103,7 +103,7 @@ def geometric_change(grasp: HandGrasp, solution: GraspSolution, faces: int | str
         raise InputError("solution", "an answer of this grasp", "one without forces" if solution else repr(solution))
     section = grasp._section(faces)
     effect = bends(grasp) or GeometricStiffness().for_grasp("grasp", n, grasp.joints, ())
-    bent = _under(grasp, effect, solution.forces)
+    bent = under(grasp, effect, solution.forces)
     again = None if bent is None else solve(bent, section, Auto(search_seconds=0), False, start)
     if again is None or not again.held:
         return read_only(np.full(n, np.inf))
@@ -119,7 +119,7 @@ def _of_the_joints(grasp: HandGrasp) -> None:
         raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")
 
 
-def _under(grasp: HandGrasp, effect: GeometricStiffness, forces: Array) -> HandGrasp | None:
+def under(grasp: HandGrasp, effect: GeometricStiffness, forces: Array) -> HandGrasp | None:
     """The grasp without the effect, with the E and the offsets that it has under these forces; None: it buckles."""
     change = effect.change(forces)
     if change is None:
@@ -144,7 +144,7 @@ def _certified(
     grasp: HandGrasp, effect: GeometricStiffness, bent: HandGrasp, solution: GraspSolution, words: str
 ) -> GraspSolution:
     """The solution with the effect's own law among its residuals: E and offsets are those of its forces."""
-    own, C = _under(grasp, effect, solution.forces), effect.compliance(solution.forces)
+    own, C = under(grasp, effect, solution.forces), effect.compliance(solution.forces)
     if own is None or C is None:
         return _open(grasp, replace(solution, trace=(_buckled(effect, solution.forces),)))
     miss = relative(own.flexibility - bent.flexibility, own.flexibility)

@@ -29,7 +29,7 @@ from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.curvature import contact_hessian
 from handlcp.hand.detect import touching
 from handlcp.hand.elasticity import Effort, transmission_line
-from handlcp.hand.geometric import bends, geometric_change, settle
+from handlcp.hand.geometric import bends, geometric_change, settle, under
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.torques import TorqueCheck, torque_check
@@ -178,6 +178,10 @@ class HandGrasp(Grasp):
         if (effect := bends(self)) is not None:
             return settle(self, effect, section, solver, throw, start)
         return super()._in_stages(section, solver, throw, start)
+
+    def _answering(self, solution: GraspSolution) -> Grasp:
+        effect = bends(self)
+        return self if effect is None else under(self, effect, solution.forces) or self
 
     def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
         return None if bends(self) is None else lambda g: g.solve(faces, Auto(search_seconds=0), throw=False).held

@@ -96,7 +96,7 @@ class SynergyCompliance(Elasticity):
         return read_only((U / s**2) @ U.T)
 
     def effort(self, torque: Array) -> Effort:
-        """Η = Sᵀ τ, the force [N·m where S has no unit] of each actuator."""
+        """The force η = Sᵀ τ [N·m where S has no unit] of each actuator."""
         return Effort("actuator force", "N·m", self.names, read_only(self.columns @ torque))
 
     @property

@@ -79,7 +79,7 @@ class TendonStiffness(JointStiffness):
         self.names, self.arms, self.springs = names, arms, springs
 
     def effort(self, torque: Array) -> Effort:
-        """T = k R K⁻¹ τ [N]: how much harder each tendon pulls; below 0 it pulls less."""
+        """The tension t = k R K⁻¹ τ [N]: how much harder each tendon pulls; below 0 it pulls less."""
         tension = self.springs @ (self.arms @ self.deflection(torque))
         return Effort("tendon tension", "N", self.names, read_only(tension))
 

@@ -327,6 +327,8 @@ def test_it_brings_no_unknowns_and_explains_itself() -> None:
     np.testing.assert_array_equal(a.scaled.q, b.scaled.q)
     line, off = (next(x for x in e.explain().effects if x.title == GeometricStiffness.title) for e in (g, plain))
     assert (line.on, line.cost, off.on) == (True, 0, False)
+    measured = {x.title: x.share for x in g.explain(measure=True).effects}
+    assert measured["finger flexibility"] is not None, "at the answer and with its E, as without the effect"
 
 
 def test_it_stays_when_numbers_change_between_processes_and_in_lists() -> None:
