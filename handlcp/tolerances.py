@@ -9,6 +9,7 @@ __all__ = [
     "ACTIVE",
     "CERTIFY",
     "ELIMINATE_RCOND",
+    "FIXED_POINT",
     "GROWTH",
     "LARGEST",
     "LARGEST_RAW",
@@ -37,6 +38,9 @@ ACTIVE = 1e-7
 # Free unknowns are eliminated when the estimated reciprocal condition of their block exceeds this: eliminating
 # costs about eps / rcond in accuracy, which must stay well under CERTIFY.
 ELIMINATE_RCOND = 1e-7
+
+# Forces that come out of a problem made of themselves: solved again until they change by no more than this share.
+FIXED_POINT = 1e-10
 
 # Singular values (and complete pivots) below this share of the largest count as zero.
 RANK = 1e-10

@@ -74,6 +74,8 @@ def solve(
             out.print(tables.contact_table(grasp, solution, sides))
             if (check := getattr(solution, "torque_check", None)) is not None:
                 out.print(tables.torque_table(check))
+            if (effort := getattr(solution, "effort", None)) is not None:
+                out.print(tables.effort_table(effort))
         else:
             out.print()
         out.print(Text.assemble((f"{judged.word}: ", f"bold {judged.colour}"), f"{judged.text}."))

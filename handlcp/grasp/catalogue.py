@@ -11,6 +11,7 @@ from handlcp.grasp.effects import (
     Effect,
     FingerFlexibility,
     FingerForceBound,
+    GeometricStiffness,
     ObjectBalance,
     PrescribedForce,
     SoftFingerCone,
@@ -53,7 +54,10 @@ _FROM_DATA = (
     ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, SoftFingerCone, SoftFingerPyramid,
     AnisotropicFriction, FingerFlexibility,
 )  # fmt: skip
-_BY_NAME = (TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist)
+_BY_NAME = (
+    TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist,
+    GeometricStiffness,
+)  # fmt: skip
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, Self, overload
 
@@ -28,7 +28,7 @@ from handlcp.grasp.scene import Scene, cross_rows
 from handlcp.grasp.share import measured, without
 from handlcp.grasp.soft_form import GraspBalls, assembled, chain_form
 from handlcp.grasp.solution import GraspSolution
-from handlcp.grasp.solving import solve, stage_line
+from handlcp.grasp.solving import solve, stage_line, stages
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
@@ -245,11 +245,11 @@ class Grasp:
 
     def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""
-        return required_preload(self, self._section(faces), tolerance)
+        return required_preload(self, self._section(faces), tolerance, check=self._test(faces))
 
     def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
-        return required_friction(self, self._section(faces), tolerance)
+        return required_friction(self, self._section(faces), tolerance, check=self._test(faces))
 
     def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.
@@ -274,6 +274,20 @@ class Grasp:
 
     def _spun(self) -> Array | None:
         """(k,) how far the object has turned on the soft fingertips before any load [rad]; None: not at all."""
+        return None
+
+    def _in_stages(
+        self, section: Section, solver: Solver | ContactSolver | Auto | None, throw: bool, start: Array
+    ) -> GraspSolution:
+        """What `solve` does with effects asked for by name."""
+        return stages(self, section, solver, throw, start)
+
+    def _answering(self, solution: GraspSolution) -> Grasp:
+        """The grasp whose numbers a solution of this one answers, where they depend on it."""
+        return self
+
+    def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
+        """Whether such a grasp holds, where one problem doesn't say it."""
         return None
 
     def _shifted(self, offset: Array) -> Array:

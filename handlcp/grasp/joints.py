@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from handlcp.check import Array
@@ -16,9 +17,13 @@ class Joints:
     names : (nv,). jacobian : (3n, nv) velocity of the contact points in contact axes [m/rad, m/m].
     weight : (nv,) g(q), torque for the fingers' own weight, zero unless it counts [N·m, N].
     limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
+    root : (nv, m) A of their compliance K⁻¹ = A Aᵀ [rad/(N·m)].
+    hessian : makes (3n, nv, nv) ∂J/∂q for the few that ask, contact axes.
     """
 
     names: tuple[str, ...]
     jacobian: Array
     weight: Array
     limits: Array
+    root: Array
+    hessian: Callable[[], Array]

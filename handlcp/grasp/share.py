@@ -73,6 +73,7 @@ def measured(
     """
     if not solution.held:
         return explanation
+    grasp = grasp._answering(solution)
     waiting = [(title, g) for title, g in grasp._without()]
     runs = {-1: _run(grasp, section, solution.forces, solution)}
     for k, line in enumerate(explanation.effects):

@@ -37,7 +37,7 @@ def solve(
     """
     chain = as_chain(solver)
     if chain is None or grasp.general:
-        return stages(grasp, section, solver, throw, start)
+        return grasp._in_stages(section, solver, throw, start)
     found = find(grasp.scene, section, chain.seed, start)
     if not found.passes:
         return stages(grasp, section, solver, throw, start, found.proposal)

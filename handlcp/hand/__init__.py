@@ -7,7 +7,9 @@ from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
 from handlcp.hand.state import HandState
 from handlcp.hand.stream import GraspStream
+from handlcp.hand.synergies import Synergies
 from handlcp.hand.table import Table
+from handlcp.hand.tendons import Tendons
 from handlcp.hand.torques import TorqueCheck, TorqueRow
 from handlcp.hand.update import GraspUpdate
 
@@ -27,7 +29,9 @@ __all__ = [
     "Mesh",
     "Object",
     "Sphere",
+    "Synergies",
     "Table",
+    "Tendons",
     "TorqueCheck",
     "TorqueRow",
     "audit_urdf",

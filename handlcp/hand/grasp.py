@@ -5,14 +5,15 @@ off.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
 from handlcp.check import Array, array, number, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, Unsupported
 from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
@@ -23,10 +24,14 @@ from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.joints import Joints
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.others import Equilibria
+from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.command import COMMAND, command_line, read_command
+from handlcp.hand.curvature import contact_hessian
 from handlcp.hand.detect import touching
+from handlcp.hand.elasticity import Effort, transmission_line
+from handlcp.hand.geometric import bends, geometric_change, settle, under
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.table import surrounding
@@ -47,21 +52,36 @@ class HandGraspSolution(GraspSolution):
 
     torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
     joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
-        weight where that is part of the elastic balance, from where they are commanded to be.
+        weight where that is part of the elastic balance, from where they are commanded to be. With
+        `GeometricStiffness` (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), δq as commanded.
     joint_yield : (nv,) [rad] how far joints at their limit are driven back beyond that (`TorqueSaturation`): s⁺ - s⁻,
         with the sign of the torque; 0 for all others. Such a joint's torque is its limit.
     torque_check : joint by joint torque, limit, utilisation, and the binding joint.
+    effort : what the tendons or synergies of the hand do for these torques, by name; None where it has neither.
     """
 
     torques: Array
     joint_deflection: Array
     joint_yield: Array
     torque_check: TorqueCheck
+    effort: Effort | None = None
+
+    @property
+    def tendon_tension(self) -> Array | None:
+        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls for these torques (below 0: less); None without
+        `Tendons`.
+        """
+        return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
+
+    @property
+    def actuator_force(self) -> Array | None:
+        """(k,) η = Sᵀ τ [N·m where S has no unit] that each synergy's actuator holds; None without `Synergies`."""
+        return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
 
     def __str__(self) -> str:
-        """The grasp, then the joints."""
-        text = super().__str__()
-        return f"{text}\n{self.torque_check}" if self.held else text
+        """The grasp, then the joints, then what is behind them."""
+        parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
+        return "\n".join(str(part) for part in parts if part is not None)
 
 
 class HandGrasp(Grasp):
@@ -133,7 +153,9 @@ class HandGrasp(Grasp):
         accuracy: float | None = None,
         start: GraspSolution | None = None,
     ) -> HandGraspSolution:
-        """As `Grasp.solve`, with torques."""
+        """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
+        if accuracy is not None and bends(self) is not None:
+            raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
 
     @property
@@ -141,11 +163,48 @@ class HandGrasp(Grasp):
         """(n, 3) J K⁻¹ g(q) [m], contact axes: object minus fingertip, for tips that sag under the fingers' weight."""
         return tip_motion(self.jacobian, self.sag, self.scene.plane is not None)
 
+    def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
+        """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
+        if bends(self) is not None:
+            raise Unsupported("no search covers equilibria of fingers that their own forces bend (GeometricStiffness)")
+        return super().equilibria(faces, seconds)
+
+    def geometric_change(self, solution: GraspSolution, faces: int | str | Pyramid = 8) -> Array:
+        """(n,) share of the largest force by which `GeometricStiffness` would change each finger's, from one correction
+        at this solution; infinite where fingers buckle. See `handlcp.hand.geometric`.
+        """
+        return geometric_change(self, solution, faces)
+
+    @property
+    def joints(self) -> Joints:
+        """What the effects of this grasp may know of its joints."""
+        tips = self.state.hand.tip_numbers("fingers", self.fingertips)
+        return _joints(
+            self.state, tips, self.scene.positions, self.frames,
+            np.vstack([self.jacobian, self.turning]) if len(self.turning) else self.jacobian, self.gravity_torque,
+        )  # fmt: skip
+
+    def _in_stages(
+        self, section: Section, solver: Solver | ContactSolver | Auto | None, throw: bool, start: Array
+    ) -> GraspSolution:
+        if (effect := bends(self)) is not None:
+            return settle(self, effect, section, solver, throw, start)
+        return super()._in_stages(section, solver, throw, start)
+
+    def _answering(self, solution: GraspSolution) -> Grasp:
+        effect = bends(self)
+        return self if effect is None else under(self, effect, solution.forces) or self
+
+    def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
+        return None if bends(self) is None else lambda g: g.solve(faces, Auto(search_seconds=0), throw=False).held
+
     def _explained(self, explanation: Explanation) -> Explanation:
         explanation = super()._explained(explanation)
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
         command = command_line(self.state.hand.joint_names, self.joint_offset)
-        lines = sorted((*explanation.effects, weight, command), key=lambda x: not x.on)  # what is on comes first
+        behind = transmission_line(self.state.hand.stiffness)
+        lines = [*explanation.effects, behind, weight, command]
+        lines.sort(key=lambda x: not x.on)  # what is on comes first
         return replace(explanation, effects=tuple(lines))
 
     def _without(self) -> list[tuple[str, Grasp]]:
@@ -201,7 +260,7 @@ class HandGrasp(Grasp):
         deflection = hand.stiffness.deflection(torque) + self.sag
         return HandGraspSolution(
             **vars(solution), torques=total, joint_deflection=read_only(deflection), joint_yield=read_only(yielded),
-            torque_check=check,
+            torque_check=check, effort=hand.stiffness.effort(total),
         )  # fmt: skip
 
 
@@ -236,7 +295,8 @@ def grasp(
     reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
     fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
     max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
-    effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield.
+    effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield, `GeometricStiffness()`
+        lets the forces turn their own levers.
     finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
         the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
         "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
@@ -304,9 +364,7 @@ def grasp(
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
         every = np.vstack([jacobian, turning]) if len(turning) else jacobian
-        asked = arguments.effects(
-            effects, len(contacts), Joints(hand.joint_names, every, weigh, hand.torques.limits), own
-        )
+        asked = arguments.effects(effects, len(contacts), _joints(state, tips, positions, frames, every, weigh), own)
     made = HandGrasp.__new__(HandGrasp)
     made.jacobian, made.turning, made.sag, made.joint_offset = jacobian, turning, sag, command
     made._place(
@@ -326,6 +384,15 @@ def grasp(
     made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
     made.gravity_torque = weigh
     return made
+
+
+def _joints(
+    state: HandState, tips: Sequence[int], positions: Array, frames: Array, jacobian: Array, weight: Array
+) -> Joints:
+    hand = state.hand
+    k = len(tips)
+    hessian = partial(contact_hessian, state, tips, positions[:k], frames[:k])
+    return Joints(hand.joint_names, jacobian, weight, hand.torques.limits, hand.stiffness.root, hessian)
 
 
 _WEIGHTLESS = read_only(np.zeros(3))

@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.audit import Audit, Doubt, doubts_of
+from handlcp.hand.elasticity import Elasticity
 from handlcp.hand.joints import joint_facts, model_facts
 from handlcp.hand.kinematics import Kinematics, TipFrames, find_tips
 from handlcp.hand.limits import TorqueLimits, read_torque_limits
 from handlcp.hand.pads import Pads, read_pads
 from handlcp.hand.state import HandState
-from handlcp.hand.stiffness import JointStiffness, read_stiffness
+from handlcp.hand.stiffness import read_stiffness
 from handlcp.hand.tips import TipGeometry, TipShape, read_radii
 from handlcp.hand.urdf import build_model, package_folders, read_urdf
 
@@ -37,7 +39,7 @@ class Hand:
 
     kinematics: Kinematics
     tips: TipFrames
-    stiffness: JointStiffness
+    stiffness: Elasticity
     pads: Pads
     torques: TorqueLimits
     source: str
@@ -47,7 +49,7 @@ class Hand:
         self,
         kinematics: Kinematics,
         tips: TipFrames,
-        stiffness: JointStiffness,
+        stiffness: Elasticity,
         pads: Pads,
         torques: TorqueLimits,
         geometry: TipGeometry,
@@ -83,8 +85,8 @@ class Hand:
 
         source : path of a URDF file, or a pinocchio.Model (which knows no mimic joints and no collision geometry).
         fingertips : frame names; None: the leaf frames whose names end in "tip".
-        joint_stiffness : [N·m/rad] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv) for tendons;
-            None or inf: rigid.
+        joint_stiffness : [N·m/rad] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv); None or inf:
+            rigid. Or a transmission: `Tendons`, `Synergies`.
         pad_flexibility : [m/N] a number, (3,) along the tip frame's axes, (3, 3) PSD in tip axes, (n, 3, 3), or a
             mapping by tip name.
         torque_limits : [N·m] None: the URDF's efforts (zero, infinite or absent: unknown); a number, (nv,), or a
@@ -164,8 +166,15 @@ class Hand:
 
     @property
     def joint_stiffness(self) -> Array:
-        """(nv, nv) stiffness of the independent joints [N·m/rad]; inf on the diagonal: rigid."""
+        """(nv, nv) stiffness of the independent joints [N·m/rad]; inf on the diagonal: rigid. Raises Unsupported where
+        `Synergies` leave a compliance that has no inverse.
+        """
         return self.stiffness.matrix
+
+    @property
+    def joint_compliance(self) -> Array:
+        """(nv, nv) compliance C = K⁻¹ of the independent joints [rad/(N·m)], positive semidefinite."""
+        return read_only(self.stiffness.compliance(np.eye(self.nv)))
 
     @property
     def pad_flexibility(self) -> Array:

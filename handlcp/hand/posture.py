@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["contact_jacobian", "flexibility"]
+__all__ = ["contact_jacobian", "flexibility", "flexibility_through"]
 
 
 @kernel
@@ -47,10 +47,23 @@ def flexibility(J: Array, L: Array, pads: Array, E: Array) -> None:
                 if L[j, k] != 0.0:
                     total -= B[i, k] * L[j, k]
             B[i, j] = total / L[j, j]
+    _add(B, pads, E)
+
+
+@kernel
+def flexibility_through(J: Array, A: Array, pads: Array, E: Array) -> None:
+    """E ← J C Jᵀ + pads where C = A Aᵀ may be singular, A (nv, m): with B = J A, again B Bᵀ."""
+    _add(np.dot(J, A), pads, E)
+
+
+@kernel
+def _add(B: Array, pads: Array, E: Array) -> None:
+    """E ← B Bᵀ + pads."""
+    rows, inner = B.shape
     for i in range(rows):
         for j in range(i + 1):
             total = 0.0
-            for k in range(nv):
+            for k in range(inner):
                 total += B[i, k] * B[j, k]
             E[i, j] = E[j, i] = total
     for f in range(len(pads)):

@@ -10,21 +10,23 @@ from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from handlcp.check import Array, array, dimensions, number, read_only, spd
 from handlcp.errors import InputError, UnknownName
+from handlcp.hand.elasticity import Elasticity, Softener, Transmission
+from handlcp.hand.posture import flexibility
 
 __all__ = ["JointStiffness", "per_name", "read_stiffness"]
 
 
-class JointStiffness:
+class JointStiffness(Elasticity):
     """K over the independent joints, kept as a factor of its inverse; a rigid joint deflects by nothing.
 
     `matrix`: (nv, nv) [N·m/rad]; the diagonal holds inf for rigid joints. `uniform`: one number was given for all
     joints.
     """
 
-    __slots__ = ("_factor", "_root", "matrix", "uniform")
+    __slots__ = ("_factor", "_matrix", "_root", "uniform")
 
     def __init__(self, matrix: Array, uniform: bool = False) -> None:
-        self.matrix, self.uniform = read_only(matrix), uniform
+        self._matrix, self.uniform = read_only(matrix), uniform
         diagonal = np.diagonal(matrix)
         off = matrix - np.diag(np.where(np.isfinite(diagonal), diagonal, 0.0))
         self._root: Array | None = None  # 1/√k, when K is diagonal
@@ -35,11 +37,22 @@ class JointStiffness:
             self._root = 1.0 / np.sqrt(diagonal)
 
     @property
-    def factor(self) -> Array:
-        """(nv, nv) lower L with K = L Lᵀ; inf on the diagonal of a rigid joint."""
-        if self._factor is not None:
-            return np.ascontiguousarray(self._factor)
-        return np.diag(np.sqrt(np.diagonal(self.matrix)))
+    def matrix(self) -> Array:
+        """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint."""
+        return self._matrix
+
+    @property
+    def root(self) -> Array:
+        """(nv, nv) L⁻ᵀ with K = L Lᵀ."""
+        if self._root is not None:
+            return np.diag(self._root)
+        return np.asarray(dtrtrs(self._factor, np.eye(len(self._matrix)), lower=1)[0].T)
+
+    def softener(self) -> Softener:
+        """By substitution with L (inf on the diagonal of a rigid joint)."""
+        diagonal = self._factor is None
+        factor = np.diag(np.sqrt(np.diagonal(self._matrix))) if diagonal else np.ascontiguousarray(self._factor)
+        return lambda J, pads, E: flexibility(J, factor, pads, E)
 
     def compliance(self, J: Array) -> Array:
         """J K⁻¹ Jᵀ = B Bᵀ, symmetric to the last bit; J (m, nv), result (m, m)."""
@@ -54,13 +67,15 @@ class JointStiffness:
         return np.asarray(dtrtrs(self._factor, y, lower=1, trans=1)[0])
 
 
-def read_stiffness(value: Any, joints: Sequence[str]) -> JointStiffness:
+def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_stiffness") -> Elasticity:
     """A number, a mapping by joint name (all of them), (nv,) or a full SPD matrix (nv, nv) [N·m/rad]; None or inf is
-    rigid.
+    rigid. A transmission says itself what it makes of the joints.
 
     Raises InputError (a stiffness that is not positive, a matrix that is not SPD, a joint left out), UnknownName.
     """
-    argument, n = "joint_stiffness", len(joints)
+    n = len(joints)
+    if isinstance(value, Transmission):
+        return value.for_joints(joints)
     if isinstance(value, Mapping):
         values = per_name(argument, value, joints, "a joint")
         missing = [name for name in joints if name not in values]

@@ -20,7 +20,7 @@ from handlcp.grasp.scene import cross_rows
 from handlcp.grasp.solution import GraspSolution
 from handlcp.hand.command import read_command
 from handlcp.hand.grasp import HandGrasp
-from handlcp.hand.posture import contact_jacobian, flexibility
+from handlcp.hand.posture import contact_jacobian
 from handlcp.hand.update import GraspUpdate
 from handlcp.hand.weight import tip_motion
 
@@ -192,7 +192,7 @@ class _Posture:
         self._tips = hand.tip_numbers("fingers", grasp.fingertips)
         self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
-        self._factor = hand.stiffness.factor
+        self._soften = hand.stiffness.softener()
         self._still = np.zeros((3 * grasp.scene.environment, hand.nv))  # the environment's rows
 
     def read(self, command: Any) -> Array:
@@ -225,7 +225,7 @@ class _Posture:
             turn = np.array([frames[i].T @ data.oMf[hand.tips.frames[t]].rotation for i, t in enumerate(self._tips)])
             pads = turn @ hand.pads.blocks[list(self._tips)] @ turn.transpose(0, 2, 1)
         self.jacobian = contact_jacobian(data.J.T, self._support, self._coupling, positions, frames)
-        flexibility(self.jacobian, self._factor, pads, E)
+        self._soften(self.jacobian, pads, E)
         if len(self._still):
             self.jacobian = np.concatenate([self.jacobian, self._still])
 

@@ -9,6 +9,7 @@ from handlcp.grasp.certify import Residuals
 from handlcp.grasp.first import Found
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.scene import shifted
+from handlcp.hand.elasticity import Effort
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.torques import TorqueCheck, torque_check
 from handlcp.lcp import Status
@@ -94,6 +95,13 @@ class GraspUpdate:
         assert isinstance(self._grasp, HandGrasp)
         hand = self._grasp.state.hand
         return torque_check(hand.joint_names, torques, hand.torques.limits, hand.torques.known)
+
+    @property
+    def effort(self) -> Effort | None:
+        """What tendons or synergies do, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
+        torques = self.torques
+        assert isinstance(self._grasp, HandGrasp)
+        return self._grasp.state.hand.stiffness.effort(torques)
 
     def _or_nan(self, values: Array) -> Array:
         return values if self.held else read_only(np.full(values.shape, np.nan))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, array
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp import (
     AnisotropicCoulomb,
@@ -18,6 +18,7 @@ from handlcp.grasp import (
     Environment,
     FingerForceBound,
     Frictionless,
+    GeometricStiffness,
     Grasp,
     PrescribedForce,
     SoftFinger,
@@ -26,7 +27,15 @@ from handlcp.grasp import (
     TotalForceBound,
 )
 from handlcp.scene.kinds import LAW_KEYS
-from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SoftWristTable, SphereTable
+from handlcp.scene.schema import (
+    BoxTable,
+    CylinderTable,
+    EllipsoidTable,
+    HandTable,
+    MeshTable,
+    SoftWristTable,
+    SphereTable,
+)
 
 if TYPE_CHECKING:
     from handlcp.grasp import Effect, Friction
@@ -40,6 +49,10 @@ HAND = {
     "source": "hand.urdf", "path": "hand.urdf", "name": "hand.name", "base": "hand.base",
     "fingertips": "hand.fingertips",
     "joint_stiffness": "hand.joint_stiffness_Nm_per_rad", "pad_flexibility": "hand.pad_flexibility_m_per_N",
+    "Tendons.moment_arms": "hand.tendons.moment_arms_m", "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
+    "Tendons.passive": "hand.tendons.passive_Nm_per_rad",
+    "Synergies.S": "hand.synergies.columns", "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
+    "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
     "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
 }  # fmt: skip
 OBJECT = {
@@ -81,13 +94,28 @@ def hand(scene: SceneFile) -> Hand:
     h = scene.hand
     assert h is not None
     words: dict[str, Any] = {
-        "base": h.base, "fingertips": h.fingertips, "joint_stiffness": h.joint_stiffness_Nm_per_rad,
+        "base": h.base, "fingertips": h.fingertips, "joint_stiffness": _springs(h),
         "pad_flexibility": h.pad_flexibility_m_per_N, "torque_limits": h.torque_limits_Nm, "tip_radius": h.tip_radius_m,
         "package_dirs": None if h.package_dirs is None else [str(scene.folder / d) for d in h.package_dirs],
     }  # fmt: skip
     given = {name: value for name, value in words.items() if value is not None}
     with keyed(HAND):
         return example_hand(h.name, **given) if h.name else Hand.from_urdf(scene.folder / (h.urdf or ""), **given)
+
+
+def _springs(table: HandTable) -> Any:
+    """What [hand] says of stiffness."""
+    from handlcp.hand import Synergies, Tendons
+
+    with keyed(HAND):
+        if (t := table.tendons) is not None:
+            return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad)
+        if (s := table.synergies) is not None:
+            columns: Any = s.columns
+            if not isinstance(columns, dict):  # written one by one
+                columns = array("Synergies.S", columns, (-1, -1)).T
+            return Synergies(columns, s.stiffness_Nm_per_rad, s.joint_stiffness_Nm_per_rad)
+    return table.joint_stiffness_Nm_per_rad
 
 
 def shape(scene: SceneFile) -> Object | None:
@@ -222,6 +250,8 @@ def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
         effects.append(FingerForceBound(bounds))
     if scene.effects.torque_saturation:
         effects.append(TorqueSaturation())
+    if scene.effects.geometric_stiffness:
+        effects.append(GeometricStiffness())
     soft: Any = scene.effects.contact_compliance_m_per_N
     if isinstance(soft, dict):
         _known("effects.contact_compliance_m_per_N", soft, fingers)

@@ -69,7 +69,12 @@ class SceneFile(Table):
                 raise InputError("contact", "a [hand] with an [object], or contacts, not both", came)
             if (hand.name is None) == (hand.urdf is None):
                 raise InputError("hand", "either name or urdf", "neither" if hand.name is None else "both")
-            if hand.urdf is not None and hand.joint_stiffness_Nm_per_rad is None:
+            springs = [hand.joint_stiffness_Nm_per_rad, hand.tendons, hand.synergies]
+            if len(springs) - springs.count(None) > 1:
+                key = "hand.tendons" if hand.tendons is not None else "hand.synergies"
+                words = "one of joint_stiffness_Nm_per_rad, [hand.tendons] and [hand.synergies]"
+                raise InputError(key, words, "more than one")
+            if hand.urdf is not None and springs.count(None) == len(springs):
                 words = "the stiffness of the joints (a URDF has no place for it)"
                 raise InputError("hand.joint_stiffness_Nm_per_rad", words, "nothing: the key is missing")
             if self.object is None:
@@ -85,6 +90,8 @@ class SceneFile(Table):
                 raise InputError(
                     "effects.torque_saturation", "a [hand] whose joints have limits", "a scene without one"
                 )
+            if self.effects.geometric_stiffness:
+                raise InputError("effects.geometric_stiffness", "a [hand] whose joints give way", "a scene without one")
             if "posture" in self.model_fields_set:
                 raise InputError("posture", "a [hand] that it is about", "a scene without one")
         return self

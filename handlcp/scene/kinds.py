@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 __all__ = [
     "LAW_KEYS",
     "SHAPES",
+    "Arms",
     "Compliance",
     "Expected",
     "Faces",
@@ -32,6 +33,7 @@ __all__ = [
     "Seed",
     "Size",
     "Softness",
+    "Springs",
     "Stiffness",
     "Switch",
     "Text",
@@ -64,6 +66,7 @@ _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Above0 = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 _From0 = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 _Above0OrInf = Annotated[float, Field(gt=0)]  # inf: rigid, or without limit
+_From0OrInf = Annotated[float, Field(ge=0)]
 _Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
 _ThreeAbove0 = Annotated[list[_Above0], Field(min_length=3, max_length=3)]
 _ThreeFrom0 = Annotated[list[_From0], Field(min_length=3, max_length=3)]
@@ -86,6 +89,14 @@ Size = Annotated[_Above0 | _ThreeAbove0, Expected("a number > 0 or three of them
 Stiffness = Annotated[
     _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
     Expected("a number > 0 (inf: rigid), one for each joint, or a table by joint name"),
+]
+Springs = Annotated[
+    _From0OrInf | list[_From0OrInf] | dict[str, _From0OrInf],
+    Expected("a number ≥ 0 (inf: rigid), one for each, or a table by name"),
+]
+Arms = Annotated[
+    Annotated[list[list[_Finite]], Field(min_length=1)] | Annotated[dict[str, dict[str, _Finite]], Field(min_length=1)],
+    Expected("a table by name of tables by joint name, or a list with one number for each joint for each"),
 ]
 TorqueLimits = Annotated[
     _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],

@@ -26,7 +26,9 @@ __all__ = [
     "SoftWristTable",
     "SolveTable",
     "SphereTable",
+    "SynergiesTable",
     "Table",
+    "TendonsTable",
 ]
 
 
@@ -34,6 +36,28 @@ class Table(BaseModel):
     """A table of a scene file: no keys but its own, no conversions but integers to numbers."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, use_attribute_docstrings=True)
+
+
+class TendonsTable(Table):
+    """Tendons over the joints."""
+
+    moment_arms_m: k.Arms
+    """how much of each tendon is drawn in per radian of each joint; joints left out of a table: 0"""
+    stiffness_N_per_m: k.Stiffness
+    """of the tendons"""
+    passive_Nm_per_rad: k.Springs = 0.0
+    """springs at the joints themselves; joints left out of a table: none"""
+
+
+class SynergiesTable(Table):
+    """Actuators that move several joints at once, through springs."""
+
+    columns: k.Arms
+    """how far each actuator moves each joint; joints left out of a table: 0"""
+    stiffness_Nm_per_rad: k.Stiffness
+    """of the actuators"""
+    joint_stiffness_Nm_per_rad: k.Stiffness | None = None
+    """of the joints' own springs behind the actuators; left out: rigid"""
 
 
 class HandTable(Table):
@@ -48,7 +72,11 @@ class HandTable(Table):
     fingertips: k.Names | None = None
     """frame names of the fingertips; left out: the leaf frames whose names end in "tip\""""
     joint_stiffness_Nm_per_rad: k.Stiffness | None = None
-    """a URDF has no place for it: needed with urdf"""
+    """a URDF has no place for it: needed with urdf, unless there are tendons or synergies"""
+    tendons: TendonsTable | None = None
+    """instead of joint_stiffness_Nm_per_rad"""
+    synergies: SynergiesTable | None = None
+    """instead of joint_stiffness_Nm_per_rad"""
     pad_flexibility_m_per_N: k.PadFlexibility | None = None
     """of the fingertips' pads, the same in all directions or along the axes of the tip frame"""
     torque_limits_Nm: k.TorqueLimits | None = None
@@ -251,6 +279,8 @@ class EffectsTable(Table):
     """the most that a finger's normal force may be; fingers left out of a table have no bound"""
     torque_saturation: k.Switch = False
     """joints at their torque limit yield, and the load moves to the other fingers; a scene with a [hand]"""
+    geometric_stiffness: k.Switch = False
+    """fingers are softened or stiffened by the forces they carry; a scene with a [hand]"""
     contact_compliance_m_per_N: k.Compliance | None = None
     """of the object's surface at the contacts, in contact axes (x, y, normal); a table by finger: 0 for the others"""
     soft_wrist: SoftWristTable | None = None

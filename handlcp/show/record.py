@@ -53,6 +53,7 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                 "contacts": _contacts(grasp, solution),
                 "object_displacement": {"linear_m": u[:3], "angular_rad": u[3:]},
                 "torques": _torques(solution),
+                "actuators": _actuators(solution),
                 "residuals": asdict(solution.residuals) | {"worst": solution.residuals.worst},
                 "uniqueness": None if solution.uniqueness is None else asdict(solution.uniqueness),
                 "certificate": certificate,
@@ -131,6 +132,14 @@ def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
         }
         for r, y in zip(check, vars(solution)["joint_yield"], strict=True)
     ]
+
+
+def _actuators(solution: GraspSolution) -> dict[str, Any] | None:
+    """What tendons or synergies do."""
+    effort: Any = getattr(solution, "effort", None)
+    if effort is None:
+        return None
+    return {"kind": effort.kind, "unit": effort.unit, "each": dict(zip(effort.names, effort.values, strict=True))}
 
 
 def _accuracy(solution: GraspSolution) -> dict[str, Any] | None:

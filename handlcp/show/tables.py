@@ -14,7 +14,16 @@ from handlcp.grasp import Explanation, Grasp, GraspSolution
 from handlcp.grasp.explain import EffectLine
 from handlcp.show import units
 
-__all__ = ["contact_table", "effect_table", "friction_used", "hand_table", "key_table", "plain", "torque_table"]
+__all__ = [
+    "contact_table",
+    "effect_table",
+    "effort_table",
+    "friction_used",
+    "hand_table",
+    "key_table",
+    "plain",
+    "torque_table",
+]
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar
@@ -100,6 +109,16 @@ def torque_table(check: Any) -> Table:
         mark = " over limit" if over else " binding" if binding and finite else ""
         bar = Text(_bar(r.utilisation) if finite else "", style="red" if over else "cyan") + Text(mark)
         table.add_row(Text(r.joint), _number(r.torque, 4), limit, share, bar, style=style)
+    return table
+
+
+def effort_table(effort: Any) -> Table:
+    """Tendon by tendon, or actuator by actuator; `effort` is an `Effort`."""
+    table = plain("Tendons" if effort.unit == "N" else "Actuators")
+    table.add_column(effort.kind.split()[0], overflow="fold")
+    table.add_column(f"{effort.kind.split()[1]}\n{effort.unit}", justify="right", no_wrap=True)
+    for name, value in zip(effort.names, effort.values.tolist(), strict=True):
+        table.add_row(Text(name), _number(value, 4))
     return table
 
 

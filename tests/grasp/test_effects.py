@@ -93,7 +93,7 @@ def test_explain_accounts_for_every_unknown():
     assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
     others = {"Coulomb friction, planar", "Coulomb friction, cone", "anisotropic friction"}
     others |= {"soft finger, cone", "soft finger, polyhedron"}
-    asked = (hl.TotalForceBound, hl.FingerForceBound, hl.TorqueSaturation, hl.PrescribedForce)
+    asked = (hl.TotalForceBound, hl.FingerForceBound, hl.TorqueSaturation, hl.PrescribedForce, hl.GeometricStiffness)
     assert off == others | {e.title for e in (*asked, hl.ContactCompliance, hl.SoftWrist)} | {ENVIRONMENT}
     assert "27" in str(e)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact, assemble_section
+from handlcp.grasp.assemble import assemble_contact
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.equilibria import find_equilibrium
@@ -16,6 +16,7 @@ from handlcp.grasp.joints import Joints
 from handlcp.grasp.mode_table import mode_table
 from handlcp.grasp.overload import overload
 from handlcp.grasp.pyramid import as_section
+from handlcp.grasp.soft_form import assembled
 from handlcp.lcp.search import search
 from tests.grasp.scenes import pinch, ring
 from tests.grasp.test_uniqueness import hook
@@ -137,7 +138,7 @@ def bounded_ring(seed):
 @pytest.mark.parametrize("faces", [3, 4])
 def test_it_agrees_with_the_search_over_active_sets_and_with_all_modes_one_by_one(seed, faces):
     g, section = bounded_ring(seed), as_section(faces)
-    p = assemble_section(g.scene, section, g.effects)
+    p = assembled(g.scene, section, g.effects)
     oracle = search(
         p, seconds=60.0, accept=lambda z: judge(g.scene, p.effects, section, p.candidate(z)).residuals.passes
     )

@@ -177,7 +177,8 @@ def test_lengths_forces_and_torques_carry_their_unit_in_the_key():
     with_unit = ("_m", "_N", "_Nm", "_kg", "_kg_per_m3", "_rad", "_m_per_N", "_Nm_per_rad", "_rad_per_Nm", "_m_per_s2")
     without = {"title", "description", "name", "urdf", "base", "fingertips", "package_dirs", "close", "shape", "file",
                "scale", "normal", "friction", "tangent", "fingers", "finger_weight", "plane", "contact", "faces",
-               "seed", "flexibility", "torque_saturation"}  # fmt: skip
+               "seed", "flexibility", "torque_saturation", "columns",
+               "geometric_stiffness"}  # fmt: skip
     for k in keys():
         assert k.key.endswith(with_unit) != (k.key in without), k.path
 

@@ -13,6 +13,7 @@ from handlcp.grasp.effects.coulomb_planar import CoulombPlanar
 from handlcp.grasp.effects.coulomb_pyramid import CoulombPyramid
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
 from handlcp.grasp.effects.finger_force_bound import FingerForceBound
+from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.limit import Limit
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
@@ -33,6 +34,7 @@ __all__ = [
     "Effect",
     "FingerFlexibility",
     "FingerForceBound",
+    "GeometricStiffness",
     "Limit",
     "ObjectBalance",
     "PrescribedForce",

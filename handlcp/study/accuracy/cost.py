@@ -11,7 +11,7 @@ from typing import Any
 
 from handlcp.check import integer, number
 from handlcp.errors import InputError, UnknownName, Unsupported
-from handlcp.grasp import Grasp, GraspSolution
+from handlcp.grasp import GeometricStiffness, Grasp, GraspSolution
 from handlcp.grasp.pyramid import MOST_FACES
 from handlcp.study.accuracy.left_out import compare, variants
 from handlcp.study.accuracy.measure import Bench, Errors, Setting
@@ -63,6 +63,8 @@ def accuracy_cost(
         raise InputError("progress", "a function of (done, total, text), or None", repr(progress))
     if grasp.scene.soft:
         raise Unsupported("accuracy_cost compares methods that know no soft fingers")
+    if any(isinstance(e, GeometricStiffness) for e in grasp.effects):
+        raise InputError("grasp", "one with one flexibility for all forces", "GeometricStiffness among its effects")
     begun = datetime.now().astimezone()
     exact = grasp.solve("cone")
     bench = Bench(grasp, exact, repeats, seed)

@@ -10,7 +10,6 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp import Effect, Grasp, GraspSolution, arguments
 from handlcp.grasp.changed import changed
-from handlcp.grasp.joints import Joints
 from handlcp.grasp.required import with_friction
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
@@ -89,10 +88,7 @@ def _with(grasp: Grasp, flexibility: Array) -> Grasp:
 
 def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
     """Effects that count weight or given forces are told what is left of them."""
-    joints = None
-    if isinstance(grasp, HandGrasp):
-        hand = grasp.state.hand
-        joints = Joints(hand.joint_names, grasp.jacobian, grasp.gravity_torque, hand.torques.limits)
+    joints = grasp.joints if isinstance(grasp, HandGrasp) else None
     return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints, grasp.scene.fingers))
 
 

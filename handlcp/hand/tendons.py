@@ -1,0 +1,124 @@
+"""Tendons: elastic cables over several joints, fewer of them than joints as a rule.
+
+    l = R q,    K = K_p + Rᵀ k R,    τ = Rᵀ t + K_p δq,    t = k R δq
+
+l is how much of each tendon is drawn in as the joints turn by q; R are the moment arms, k the stiffness of the tendons
+and K_p that of the springs at the joints. Where the load drives the joints back by δq = K⁻¹ τ, it draws R δq out of
+the tendons, and t is by how much they pull harder for it. A tendon over several joints couples them; one over two
+fingers is a differential. As k → ∞ the joints can only move as R δq = 0 lets them.
+Source: Murray, Li & Sastry, A Mathematical Introduction to Robotic Manipulation (1994), section 6.4; model,
+"Flexibility from the hand" (K any SPD matrix).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, dimensions, number, psd, read_only
+from handlcp.errors import InputError
+from handlcp.hand.actuators import Given, given_rows, read_rows, read_springs
+from handlcp.hand.elasticity import Effort, Transmission
+from handlcp.hand.stiffness import JointStiffness, per_name
+from handlcp.tolerances import SEMIDEFINITE
+
+__all__ = ["TendonStiffness", "Tendons"]
+
+_SHARE = 0.1  # of the largest motion: joints that move less are not what a loose motion is about
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Tendons(Transmission):
+    """Pass it as a hand's `joint_stiffness`.
+
+    moment_arms : (t, nv) R [m/rad, m/m] over the hand's joints, or a mapping of tendon names to mappings of joint names
+        to arms (joints left out: 0). A positive arm: pulling the tendon turns the joint to larger angles.
+    stiffness : k [N/m] a number, (t,), a mapping by tendon name, or an SPD matrix (t, t).
+    passive : springs at the joints themselves [N·m/rad]: a number ≥ 0, a mapping by joint name (joints left out: 0),
+        (nv,), or a positive semidefinite matrix (nv, nv); numpy.inf: that joint is rigid.
+
+    Tendons are taken as taut: one that would go slack still counts. Raises InputError, UnknownName; together with a
+    hand also where K is singular, with the joints that nothing springs back.
+    """
+
+    moment_arms: Given
+    stiffness: Any
+    passive: Any
+
+    def __init__(self, moment_arms: Any, stiffness: Any, passive: Any = 0.0) -> None:
+        object.__setattr__(self, "moment_arms", given_rows("Tendons.moment_arms", moment_arms))
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "passive", passive)
+        count = len(self.moment_arms)
+        if not isinstance(stiffness, Mapping):
+            read_springs("Tendons.stiffness", stiffness, "tendon", [str(i) for i in range(count)], rigid=False)
+
+    def for_joints(self, joints: Sequence[str]) -> TendonStiffness:
+        """K over these joints."""
+        names, R = read_rows("Tendons.moment_arms", self.moment_arms, "tendon", joints)
+        k = read_springs("Tendons.stiffness", self.stiffness, "tendon", names, rigid=False)
+        K = np.array(_passive("Tendons.passive", self.passive, joints))
+        rigid = np.isinf(np.diagonal(K))
+        through = R.T @ k @ R
+        through[rigid] = through[:, rigid] = 0.0  # a rigid joint draws on no tendon
+        K += (through + through.T) / 2
+        _sprung(K, rigid, joints)
+        return TendonStiffness(K, names, R, k)
+
+
+class TendonStiffness(JointStiffness):
+    """K = K_p + Rᵀ k R, and the tendons behind it: names (t,), arms (t, nv), springs (t, t)."""
+
+    __slots__ = ("arms", "names", "springs")
+
+    def __init__(self, matrix: Array, names: tuple[str, ...], arms: Array, springs: Array) -> None:
+        super().__init__(matrix)
+        self.names, self.arms, self.springs = names, arms, springs
+
+    def effort(self, torque: Array) -> Effort:
+        """The tension t = k R K⁻¹ τ [N]: how much harder each tendon pulls; below 0 it pulls less."""
+        tension = self.springs @ (self.arms @ self.deflection(torque))
+        return Effort("tendon tension", "N", self.names, read_only(tension))
+
+    @property
+    def law(self) -> tuple[str, str]:
+        """For `explain()`."""
+        t, nv = self.arms.shape
+        return "K = K_p + Rᵀ k R,  t = k R δq", f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
+
+
+def _passive(argument: str, value: Any, joints: Sequence[str]) -> Array:
+    """(nv, nv) K_p, with inf on the diagonal of a rigid joint."""
+    n = len(joints)
+    if isinstance(value, Mapping):
+        values = per_name(argument, value, joints, "a joint")
+        return np.diag([_spring(f"{argument}[{j!r}]", values.get(j, 0.0)) for j in joints])
+    if dimensions(value) == 0:
+        return np.diag(np.full(n, _spring(argument, value)))
+    if dimensions(value) == 1:
+        if len(value) != n:
+            raise InputError(argument, f"{n} values, one for each of {', '.join(joints)}", f"{len(value)} of them")
+        return np.diag([_spring(f"{argument}[{i}]", k) for i, k in enumerate(value)])
+    return psd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
+
+
+def _spring(argument: str, value: Any) -> float:
+    return number(argument, value, minimum=0.0, finite=False)
+
+
+def _sprung(K: Array, rigid: Any, joints: Sequence[str]) -> None:
+    """Raises InputError with the joints of every motion that K does not resist."""
+    free = np.flatnonzero(~rigid)
+    size = np.sqrt(np.diagonal(K)[free])
+    size[size == 0.0] = 1.0  # hinges and slides side by side: no eigenvalue mixes their units
+    stiff, motions = np.linalg.eigh(K[np.ix_(free, free)] / np.outer(size, size))
+    loose = motions[:, stiff <= SEMIDEFINITE * max(1.0, float(stiff[-1]))] if len(free) else motions
+    if loose.shape[1]:
+        moves = abs(loose).max(axis=1)
+        named = [joints[i] for i, m in zip(free.tolist(), moves, strict=True) if m > _SHARE * moves.max()]
+        expected = "tendons and passive springs that leave no joint without one"
+        together = " against each other" if len(named) > loose.shape[1] else ""
+        raise InputError("Tendons.passive", expected, f"nothing that springs back {', '.join(named)}{together}")
