@@ -14,7 +14,7 @@ An effect's limit (`effects.limit`) holds or gives way: two modes more, with a s
 
     v += Aᵀ s,  A r + t = room,  0 ≤ t_j ≤ T_j y_j,  0 ≤ s_j ≤ b y'_j,  y_j + y'_j = 1
 
-where T_j is the most that forces up to b can leave: s alone is cut off at b.
+where T_j is the most that forces up to b can leave: s alone is cut off at b. (t in units of the room where it is > 1.)
 """
 
 from __future__ import annotations
@@ -135,11 +135,13 @@ class Program:
         twist[:, self.s] = limited.T
         held = limited @ self.force
         reach = (np.maximum(-held, 0.0)[:, None] * self.share).max(axis=2).sum(axis=1)
-        self.leaves = room, reach, _opposite(limited, room)
+        size = np.maximum(abs(room), 1.0)  # of t, so that HiGHS meets no numbers beyond its tolerances
+        self.leaves = room / size, reach / size, _opposite(limited, room) / size
+        held /= size[:, None]
         held[np.arange(m), self.t] = 1.0
         self.eq = np.vstack([(self.motion - E @ self.force - twist)[rows], scene.natural.every @ self.force, held])
         balance = -scene.natural.w - scene.natural.every @ self.given
-        self.rhs = np.concatenate([self.offset[rows], balance, room])
+        self.rhs = np.concatenate([self.offset[rows], balance, room / size])
         self.low = np.where(np.arange(nv) < nv - dof, 0.0, -np.inf)
         self.cost = (self.motion != 0).any(0).astype(float)
         self.cost[self.s] = 1.0
@@ -177,7 +179,7 @@ class Program:
             constraints.append(LinearConstraint(y.astype(float)[None], -np.inf, len(self.one) - 1))
 
     def _slack(self, b: float) -> Array:
-        """(m,) T: the most slack of each limit with normal forces up to b, and within the limit the other way."""
+        """(m,) T: the most slack of each limit with normal forces up to b and the limit the other way kept."""
         room, reach, opposite = self.leaves
         return np.asarray(np.clip(room + b * reach, 0.0, np.maximum(opposite, 0.0)))
 
