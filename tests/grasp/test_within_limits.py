@@ -168,7 +168,9 @@ def yielding(rng, kind, forces):
     torque, state = forces.ravel() @ J, rng.integers(0, 3, 4)
     limits = abs(torque) + np.where(state < 2, 0.0, rng.uniform(0.01, 0.3, 4))
     s = np.where(state == 0, rng.uniform(0, 0.03, 4), 0.0)
-    effect = hl.TorqueSaturation().for_grasp("", n, Joints(("",) * 4, J, np.zeros(4), limits), ())
+    effect = hl.TorqueSaturation().for_grasp(
+        "", n, Joints(("",) * 4, J, np.zeros(4), limits, np.eye(4), lambda: np.zeros((len(J), 4, 4))), ()
+    )
     return effect, [("s⁺", J.T, np.where(torque > 0, s, 0.0)), ("s⁻", -J.T, np.where(torque < 0, s, 0.0))]
 
 
