@@ -12,6 +12,7 @@ from handlcp.grasp.effects import (
     FingerFlexibility,
     FingerForceBound,
     GeometricStiffness,
+    KnownForce,
     ObjectBalance,
     PrescribedForce,
     SoftFingerCone,
@@ -55,7 +56,7 @@ _FROM_DATA = (
     AnisotropicFriction, FingerFlexibility,
 )  # fmt: skip
 _BY_NAME = (
-    TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist,
+    TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, KnownForce, ContactCompliance, SoftWrist,
     GeometricStiffness,
 )  # fmt: skip
 

@@ -20,6 +20,7 @@ from handlcp.grasp import (
     Frictionless,
     GeometricStiffness,
     Grasp,
+    KnownForce,
     PrescribedForce,
     SoftFinger,
     SoftWrist,
@@ -261,14 +262,24 @@ def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
     if (wrist := scene.effects.soft_wrist) is not None:
         effects.append(_wrist(wrist))
     for i, known in enumerate(scene.effects.prescribed_force):
-        which, key = known.contact, f"effects.prescribed_force[{i}].contact"
-        if isinstance(which, str):
-            _known(key, [which], fingers)
-            which = fingers.index(which)
-        elif which >= len(fingers):
-            raise InputError(key, f"a contact's number from 0 to {len(fingers) - 1}", which)
+        which = _number(known.contact, f"effects.prescribed_force[{i}].contact", fingers)
         effects.append(PrescribedForce(which, known.force_N))
+    for i, some in enumerate(scene.effects.known_force):
+        key, parts = f"effects.known_force[{i}]", (some.x_N, some.y_N, some.normal_N)
+        which = _number(some.contact, f"{key}.contact", fingers)
+        with keyed({"KnownForce.force": key}):
+            effects.append(KnownForce(which, parts))
     return effects
+
+
+def _number(contact: Any, key: str, fingers: Sequence[str]) -> int:
+    """Of a contact given by name or number."""
+    if isinstance(contact, str):
+        _known(key, [contact], fingers)
+        return fingers.index(contact)
+    if contact >= len(fingers):
+        raise InputError(key, f"a contact's number from 0 to {len(fingers) - 1}", contact)
+    return int(contact)
 
 
 def _wrist(table: SoftWristTable) -> SoftWrist:

@@ -18,6 +18,7 @@ __all__ = [
     "EnvironmentTable",
     "GraspTable",
     "HandTable",
+    "KnownForceTable",
     "LoadTable",
     "MeshTable",
     "ObjectTable",
@@ -257,6 +258,19 @@ class PrescribedForceTable(Table):
     """contact axes: tangents x and y, then the normal"""
 
 
+class KnownForceTable(Table):
+    """A contact of whose force some components are known; those left out are not."""
+
+    contact: k.Finger
+    """which one"""
+    x_N: k.Number | None = None
+    """along its tangent x"""
+    y_N: k.Number | None = None
+    """along its tangent y"""
+    normal_N: k.NotNegative | None = None
+    """along its normal"""
+
+
 class SoftWristTable(Table):
     """A palm that gives way, with all fingers on it. By translation and rotation, or by the whole matrix."""
 
@@ -287,6 +301,8 @@ class EffectsTable(Table):
     """a palm that gives way under all fingers"""
     prescribed_force: list[PrescribedForceTable] = Field(default_factory=list)
     """contacts whose force is known, one [[effects.prescribed_force]] each"""
+    known_force: list[KnownForceTable] = Field(default_factory=list)
+    """contacts of whose force some components are known, one [[effects.known_force]] each"""
 
 
 class SolveTable(Table):

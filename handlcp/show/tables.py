@@ -144,7 +144,7 @@ def key_table(keys: Sequence[Any]) -> Table:
     for k in keys:
         if k.table != last:
             table.add_section()
-            many = k.table in ("contact", "environment", "effects.prescribed_force")
+            many = k.table in ("contact", "environment", "effects.prescribed_force", "effects.known_force")
             table.add_row(Text(f"[[{k.table}]]" if many else f"[{k.table}]", style="bold cyan"))
         last = k.table
         only = f" (shape {k.shape})" if k.shape else ""

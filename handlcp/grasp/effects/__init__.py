@@ -14,6 +14,7 @@ from handlcp.grasp.effects.coulomb_pyramid import CoulombPyramid
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
 from handlcp.grasp.effects.finger_force_bound import FingerForceBound
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
+from handlcp.grasp.effects.known_force import KnownForce
 from handlcp.grasp.effects.limit import Limit
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
@@ -35,6 +36,7 @@ __all__ = [
     "FingerFlexibility",
     "FingerForceBound",
     "GeometricStiffness",
+    "KnownForce",
     "Limit",
     "ObjectBalance",
     "PrescribedForce",

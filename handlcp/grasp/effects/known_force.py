@@ -1,0 +1,88 @@
+"""A contact of whose force some components are known: a fingertip's reading, or a finger under force control.
+
+    r_k = r̄_k  for the known k,    ε_k += κ_k, free: the finger moves until it reads that much
+
+Written as two limits that meet, r_k ≤ r̄_k and -r_k ≤ -r̄_k, with κ = κ⁺ - κ⁻. The unknown components keep their laws:
+the contact may slide, stick or let go, and what it is known to pull sideways has to be within its friction. Where all
+three are known and friction is no matter, `PrescribedForce` brings no unknowns at all.
+Source: model, table of effects ("known tangential, unknown normal, …"); paper, Example 2, has whole forces known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from handlcp.check import integer, number
+from handlcp.errors import InputError
+from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.limit import Limit
+from handlcp.grasp.effects.prescribed_force import PrescribedForce
+from handlcp.grasp.joints import Joints
+from handlcp.grasp.scene import Scene
+
+__all__ = ["KnownForce"]
+
+_AXES = ("x", "y", "normal")
+
+
+@dataclass(frozen=True, init=False)
+class KnownForce(Effect):
+    """Contact number `contact` (from 0) pushes with these components of its force [N], contact axes; None: not known.
+
+    force : three numbers or None (x, y, normal), at least one known; a known normal force is ≥ 0. A contact without
+    friction has no tangential force to be known. Raises InputError.
+    """
+
+    contact: int
+    force: tuple[float | None, float | None, float | None]
+
+    title = "known force components"
+    equation = "r_k = r̄_k,  ε_k += κ_k free"
+
+    def __init__(self, contact: int, force: Any) -> None:
+        object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
+        given = list(force) if isinstance(force, (tuple, list, np.ndarray)) else []
+        if len(given) != 3 or all(f is None for f in given):
+            raise InputError(
+                "KnownForce.force", "three numbers or None (x, y, normal), one known at least", repr(force)
+            )
+        checked = [None if f is None else number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]
+        if checked[2] is not None and checked[2] < 0.0:
+            raise InputError("KnownForce.force[2]", "a normal force ≥ 0: fingers push", checked[2])
+        object.__setattr__(self, "force", tuple(checked))
+
+    @property
+    def key(self) -> object:
+        """One a contact."""
+        return type(self), self.contact
+
+    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
+        """At a contact that there is, and whose force is not prescribed as a whole."""
+        if self.contact >= n:
+            raise InputError(f"{argument}.contact", f"a contact's number from 0 to {n - 1}", self.contact)
+        if any(isinstance(e, PrescribedForce) and e.contact == self.contact for e in others):
+            raise InputError(f"{argument}.contact", "a contact whose force is not prescribed", self.contact)
+        return self
+
+    def why(self, scene: Scene) -> str:
+        """Asked for, which components."""
+        known = [f"{a} {f:g} N" for a, f in zip(_AXES, self.force, strict=True) if f is not None]
+        return f"asked for: contact {self.contact} pushes with {', '.join(known)}"
+
+    def limits(self, scene: Scene) -> tuple[Limit, ...]:
+        """κ⁺ and κ⁻: how far the finger moves along each known component, away from the object and towards it."""
+        unknown = set(np.concatenate([scene.normal_index, scene.tangent_index]).tolist())
+        known = [(3 * self.contact + k, f) for k, f in enumerate(self.force) if f is not None]
+        bears = [(at, f) for at, f in known if at in unknown]
+        if any(f for at, f in known if at not in unknown):
+            raise InputError(
+                "KnownForce.force", "no force along tangents without friction or out of the plane", self.force
+            )
+        rows, room = np.zeros((len(bears), scene.components)), np.array([f for _, f in bears])
+        for row, (at, _) in zip(rows, bears, strict=True):
+            row[at] = 1.0 if scene.scale is None else scene.scale[at]
+        name = f"κ{self.contact}"
+        return (Limit(f"{name}⁺", rows, room), Limit(f"{name}⁻", -rows, -room))
