@@ -178,7 +178,8 @@ def _camera(grasp: Grasp, solids: list[Body], glass: Body | None, marks: Array) 
     if scene.plane is not None:
         normal = scene.plane * (1.0 if scene.plane[int(np.argmax(abs(scene.plane)))] > 0 else -1.0)
         up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
-        return facing(normal, _upwards(-scene.force / pull) if pull > 0 else up)
+        above = _upwards(-scene.force / pull) if pull > 0 else up
+        return facing(normal, up if abs(above @ normal) > 0.9 else above)  # an askew load's z may be where we look from
     up = _upwards(-scene.force / pull) if pull > 0 else np.array([0.0, 0.0, 1.0])
     return choose(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
 

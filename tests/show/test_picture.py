@@ -17,7 +17,7 @@ from handlcp.scene import load
 from handlcp.show import shapes
 from handlcp.show.camera import facing
 from handlcp.show.overlay import nice, rim
-from handlcp.show.picture import draw, save
+from handlcp.show.picture import _camera, draw, save
 from handlcp.show.raster import fill
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
@@ -76,6 +76,15 @@ def test_no_text_leaves_the_page_or_covers_another():
 def test_a_grasp_without_a_hand_or_an_object_is_drawn_too(tmp_path):
     grasp = contacts_only()
     assert imread(save(grasp, grasp.solve(), tmp_path / "a.png"))[..., :3].std() > 0.05
+
+
+def test_a_plane_with_an_askew_load_is_seen_along_its_normal_too():
+    contacts = [Contact((-0.03, 0), (1, 0), Coulomb(0.5)), Contact((0.03, 0), (-1, 0), Coulomb(0.5))]
+    grasp = Grasp(contacts, (0.2, -0.3, 0), flexibility=1e-4, preload=1e-3)
+    solution = grasp.solve()
+    camera = _camera(grasp, [], None, grasp.scene.positions)
+    np.testing.assert_array_equal(camera.project(np.eye(3)), [(1, 0), (0, 1), (0, 0)])
+    assert len(draw(grasp, solution).axes) > 0
 
 
 def test_a_grasp_that_does_not_hold_shows_the_way_out(tmp_path):
