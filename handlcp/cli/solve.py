@@ -27,6 +27,9 @@ def solve(
     explain: Annotated[
         bool, typer.Option("--explain", help="Measure each effect's share of the solve, beside its unknowns.")
     ] = False,
+    suggest: Annotated[
+        bool, typer.Option("--suggest", help="Which effects that are left out would change the answer by 5 % or more.")
+    ] = False,
     accuracy: Annotated[
         float | None,
         typer.Option("--accuracy", help="Force error that will do, of the largest force; not with --faces."),
@@ -61,8 +64,9 @@ def solve(
         from handlcp.show.picture import save
 
         save(grasp, solution, plot, obj=file.shape(), title=file.title)
+    left_out = grasp.suggest(solution, sides) if suggest and solution.held else None
     if json:
-        print_json(record(grasp, solution, explanation, file.title))
+        print_json(record(grasp, solution, explanation, file.title, left_out))
     else:
         out = Console()
         if file.title:
@@ -86,6 +90,8 @@ def solve(
             )
         for note in judged.notes:
             out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
+        if left_out is not None:
+            out.print(Text("Left out:", style="yellow"), Text(str(left_out).replace("\n", "\n  ")), sep="\n  ")
         if plot is not None:
             out.print(Text(f"Picture: {plot}", style="dim"))
     short = solution.accuracy is not None and solution.held and not solution.accuracy.met

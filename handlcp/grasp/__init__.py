@@ -25,6 +25,7 @@ from handlcp.grasp.others import Equilibria
 from handlcp.grasp.pyramid import Pyramid
 from handlcp.grasp.required import Required
 from handlcp.grasp.solution import GraspSolution
+from handlcp.grasp.suggest import Suggestion, Suggestions
 from handlcp.grasp.uniqueness import Uniqueness
 
 __all__ = [
@@ -52,6 +53,8 @@ __all__ = [
     "SoftFinger",
     "SoftWrist",
     "Solutions",
+    "Suggestion",
+    "Suggestions",
     "TorqueSaturation",
     "TotalForceBound",
     "Uniqueness",

@@ -25,7 +25,7 @@ from handlcp.grasp.effects import (
 from handlcp.grasp.pyramid import Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 
-__all__ = ["absent", "asked_for", "called_for"]
+__all__ = ["absent", "asked_for", "called_for", "without_numbers"]
 
 
 def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multipliers: bool) -> tuple[Effect, ...]:
@@ -59,6 +59,14 @@ _BY_NAME = (
     TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, KnownForce, ContactCompliance, SoftWrist,
     GeometricStiffness,
 )  # fmt: skip
+
+
+_NUMBERS = (TotalForceBound, FingerForceBound, PrescribedForce, KnownForce, ContactCompliance, SoftWrist)
+
+
+def without_numbers() -> tuple[type[Effect], ...]:
+    """Effects that no one can judge before numbers are given for them."""
+    return _NUMBERS
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

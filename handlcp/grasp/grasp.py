@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, Self, overload
 
@@ -29,6 +29,7 @@ from handlcp.grasp.share import measured, without
 from handlcp.grasp.soft_form import GraspBalls, assembled, chain_form
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.solving import solve, stage_line, stages
+from handlcp.grasp.suggest import Suggestion, Suggestions, left_out, suggest
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
@@ -239,6 +240,16 @@ class Grasp:
             )
         return changed(self, **changes)
 
+    def suggest(
+        self, solution: GraspSolution | None = None, faces: int | str | Pyramid = 8, least: float = 0.05
+    ) -> Suggestions:
+        """Which effects that are left out would change the answer by more than `least` of its largest force: the exact
+        cone, and of a hand its torque limits, its fingers' weight and geometric stiffness, each evaluated once.
+
+        solution : of this grasp, solved with `faces`; None: solved now. Raises InputError, NoSolutionFound.
+        """
+        return suggest(self, solution, faces, least)
+
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
         return (chain or Auto()).plan(chain_form(self.scene, self._section(faces), self.effects))
@@ -271,6 +282,10 @@ class Grasp:
             return self._complete(conclude_first(self.scene, self.reference, self.names, found, trace))
         effects = found.kind.design.effects
         return self._solution(effects, section, found.candidate, found.verdict, found.iterations, trace)
+
+    def _left_out(self, solution: GraspSolution, faces: int | str | Pyramid) -> Iterator[Suggestion]:
+        """What could be suggested."""
+        return left_out(self, solution, faces)
 
     def _spun(self) -> Array | None:
         """(k,) how far the object has turned on the soft fingertips before any load [rad]; None: not at all."""

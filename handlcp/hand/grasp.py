@@ -5,7 +5,7 @@ off.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -27,6 +27,7 @@ from handlcp.grasp.joints import Joints
 from handlcp.grasp.others import Equilibria
 from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.solution import GraspSolution
+from handlcp.grasp.suggest import Suggestion
 from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.curvature import contact_hessian
 from handlcp.hand.detect import touching
@@ -34,6 +35,7 @@ from handlcp.hand.elasticity import Effort, transmission_line
 from handlcp.hand.geometric import bends, geometric_change, settle, under
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
+from handlcp.hand.suggest import hand_left_out
 from handlcp.hand.table import surrounding
 from handlcp.hand.torques import TorqueCheck, torque_check
 from handlcp.hand.torsion import NO_TURNING, turning_jacobian, with_turning
@@ -95,7 +97,7 @@ class HandGrasp(Grasp):
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
     sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
         balance. The scene's offset has what that does to the tips, `tip_sag`, added.
-    gravity : (3,) [m/s²] that weighs the fingers; zero unless that was asked for.
+    gravity : (3,) [m/s²] that weighs the fingers; zero unless that was asked for. given_gravity : what was given.
     joint_offset : (nv,) δq [rad, m], how far beyond the posture the joints are commanded.
     """
 
@@ -108,6 +110,7 @@ class HandGrasp(Grasp):
     gravity_torque: Array
     sag: Array
     gravity: Array
+    given_gravity: Array
     joint_offset: Array
 
     def __init__(self, *_: Any, **__: Any) -> None:
@@ -197,6 +200,10 @@ class HandGrasp(Grasp):
 
     def _test(self, faces: int | str | Pyramid) -> Callable[[Grasp], bool] | None:
         return None if bends(self) is None else lambda g: g.solve(faces, Auto(search_seconds=0), throw=False).held
+
+    def _left_out(self, solution: GraspSolution, faces: int | str | Pyramid) -> Iterator[Suggestion]:
+        yield from super()._left_out(solution, faces)
+        yield from hand_left_out(self, cast(HandGraspSolution, solution), faces)
 
     def _explained(self, explanation: Explanation) -> Explanation:
         explanation = super()._explained(explanation)
@@ -381,7 +388,7 @@ def grasp(
     )
     made.state, made.target = state, obj
     made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
-    made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
+    made.finger_weight, made.gravity, made.given_gravity = heavy, g if heavy else _WEIGHTLESS, g
     made.gravity_torque = weigh
     return made
 

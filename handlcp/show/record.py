@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import Explanation, Grasp, GraspSolution
+from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions
 from handlcp.show.tables import friction_used
 from handlcp.show.verdict import verdict
 from handlcp.version import VERSION
@@ -18,7 +18,13 @@ from handlcp.version import VERSION
 __all__ = ["clean", "record"]
 
 
-def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, title: str = "") -> dict[str, Any]:
+def record(
+    grasp: Grasp,
+    solution: GraspSolution,
+    explanation: Explanation,
+    title: str = "",
+    left_out: Suggestions | None = None,
+) -> dict[str, Any]:
     """Everything `handlcp solve` prints, and the residuals behind it."""
     v, u, scene = verdict(grasp, solution), solution.object_displacement, grasp.scene
     certificate = None
@@ -61,6 +67,7 @@ def record(grasp: Grasp, solution: GraspSolution, explanation: Explanation, titl
                 "proven_within": bounds,
                 "extra": solution.extra,
                 "accuracy": _accuracy(solution),
+                "left_out": None if left_out is None else asdict(left_out),
                 "iterations": solution.iterations,
                 "trace": solution.trace,
                 "versions": {

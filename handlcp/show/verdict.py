@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import Grasp, GraspSolution
+from handlcp.grasp import FingerForceBound, Grasp, GraspSolution, TotalForceBound
 from handlcp.lcp import Status
 from handlcp.show import units
 
@@ -92,6 +92,7 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
             parts.append(f"{_listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
         if check.unknown:
             notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
+    parts += _at_bounds(grasp, s)
     parts += [_sliding(s, "contacts" if grasp.scene.environment else "fingers"), _motion(grasp, s)]
     if s.uniqueness is not None:
         if not s.uniqueness.forces_determined:
@@ -105,6 +106,17 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
         how_far = f"the object moves {units.length(move)} and turns {units.angle(turn)}"
         notes.append(f"{how_far}: more than a model of small motions covers")
     return Verdict(word, "; ".join(p for p in parts if p), tuple(notes))
+
+
+def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
+    """Which bounds on forces are reached, and how far what they hold back gives way."""
+    out = []
+    for e in grasp.effects:
+        if isinstance(e, (TotalForceBound, FingerForceBound)):
+            ways = [float(s.extra[u.name].max()) for u in e.unknowns(grasp.scene)]
+            if (way := max(ways, default=0.0)) > units.NOTHING:
+                out.append(f"the {e.title} is reached and gives way by {units.length(way)}")
+    return out
 
 
 _TWIST = 1e-4  # rad on the object below which a soft finger is not said to twist

@@ -111,7 +111,7 @@ def misspelt(rng, text):
 MUTATIONS = (value, value, value, one_number, one_number, one_number, no_line, moved, twice, truncated, noise, misspelt)
 
 
-@pytest.mark.parametrize("example", [*sorted(p.stem for p in EXAMPLES.glob("*.toml")), "contacts"])
+@pytest.mark.parametrize("example", [*sorted(p.stem for p in EXAMPLES.rglob("*.toml")), "contacts"])
 def test_every_mutant_is_refused_or_answered(example):
     original = CONTACTS if example == "contacts" else (EXAMPLES / f"{example}.toml").read_text()
     count = (60 if example == "contacts" else 12) * (20 if HARD else 1)

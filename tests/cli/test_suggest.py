@@ -1,0 +1,31 @@
+"""`handlcp solve --suggest` says what is left out, in print and as JSON."""
+
+from __future__ import annotations
+
+import json
+
+from typer.testing import CliRunner
+
+from handlcp.cli.app import app
+
+SCENE = "examples/allegro_pinch.toml"
+
+
+def run(*words):
+    import handlcp.cli  # noqa: F401  registers the commands
+
+    return CliRunner().invoke(app, ["solve", SCENE, *words])
+
+
+def test_it_prints_what_matters_and_what_does_not():
+    said = run("--suggest").stdout
+    assert "finger weight" in said.split("Left out:")[1]
+    assert "small: " in said
+    assert "Left out" not in run().stdout
+
+
+def test_json_has_the_same():
+    left_out = json.loads(run("--suggest", "--json").stdout)["left_out"]
+    assert [s["effect"] for s in left_out["found"]] == ["finger weight"]
+    assert left_out["least"] == 0.05
+    assert json.loads(run("--json").stdout)["left_out"] is None

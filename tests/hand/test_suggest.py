@@ -1,0 +1,84 @@
+"""Suggestions: effects left out, each evaluated once, against solving with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+
+
+def held(stiffness=6.0, limits=None, preload=0.005, **more):
+    hand = hl.example_hand("three_finger", joint_stiffness=stiffness, torque_limits=limits)
+    return hand.at(hand.close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), preload=preload, **more)
+
+
+def change(before, after):
+    size = np.linalg.norm(before.forces, axis=1).max()
+    return (np.linalg.norm(after.forces - before.forces, axis=1) / size).max()
+
+
+def judged(suggestions):
+    return dict(suggestions.small) | {s.effect: s.change for s in suggestions}
+
+
+def test_every_change_is_that_of_the_grasp_with_the_effect():
+    g = held(stiffness=2.0, preload=0.02)
+    s = g.solve()
+    found = judged(g.suggest(s, least=0.0))
+    cone = change(s, g.solve("cone", start=s))
+    assert found["exact friction cone"] == pytest.approx(cone, rel=1e-6, abs=1e-12)
+    heavy = held(stiffness=2.0, preload=0.02, finger_weight=True)
+    by_force = change(s, heavy.solve(start=s))
+    by_torque = abs(heavy.gravity_torque).max() / abs(s.torques).max()
+    assert found["finger weight"] == pytest.approx(max(by_force, by_torque), rel=1e-6)
+    assert found["geometric stiffness"] == pytest.approx(g.geometric_change(s).max(), rel=1e-12)
+
+
+def test_a_joint_beyond_its_limit_is_named_with_what_yielding_changes():
+    g = held(limits=0.27)
+    s = g.solve()
+    (first, *_) = g.suggest(s)
+    worst = max(s.torque_check, key=lambda r: r.utilisation)
+    yielding = held(limits=0.27, effects=[hl.TorqueSaturation()]).solve(start=s)
+    assert first.effect == "torque saturation"
+    assert first.change == pytest.approx(max(change(s, yielding), worst.utilisation - 1.0), rel=1e-6)
+    assert worst.joint in first.words or first.words.startswith("finger_")
+    assert "TorqueSaturation" in first.ask
+
+
+def test_what_is_on_is_not_suggested():
+    g = held(finger_weight=True, effects=[hl.TorqueSaturation()])
+    assert set(judged(g.suggest(faces="cone", least=0.0))) <= {"geometric stiffness"}
+    bent = held(effects=[hl.GeometricStiffness()])
+    assert "geometric stiffness" not in judged(bent.suggest(least=0.0))
+
+
+def test_least_divides_what_is_found_from_what_is_small():
+    g = held()
+    every = judged(g.suggest(least=0.0))
+    some = g.suggest(least=0.01)
+    assert {s.effect for s in some} == {title for title, c in every.items() if c >= 0.01}
+    assert [s.change for s in some] == sorted((s.change for s in some), reverse=True)
+    assert "soft wrist" in some.unjudged
+
+
+def test_fingers_that_buckle_are_an_endless_change():
+    g = held(stiffness=0.3, preload=0.1)
+    assert judged(g.suggest())["geometric stiffness"] == np.inf
+    assert "buckle" in str(g.suggest())
+
+
+def test_a_grasp_without_a_hand_is_told_of_the_cone_alone():
+    contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), hl.Coulomb(0.5)) for s in (-1.0, 1.0)]
+    g = hl.Grasp(contacts, (0, 0.3, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
+    assert set(judged(g.suggest(least=0.0))) == {"exact friction cone"}
+    assert "nothing that is judged" in str(g.suggest())
+
+
+@pytest.mark.parametrize("bad", [1.0, "answer"])
+def test_anything_but_an_answer_is_refused(bad):
+    with pytest.raises(hl.InputError, match="solution"):
+        held().suggest(bad)
