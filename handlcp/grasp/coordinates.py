@@ -15,6 +15,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.friction import AnisotropicCoulomb, SoftFinger
+from handlcp.grasp.scene import Scene
 from handlcp.grasp.solution import GraspSolution
 
 __all__ = ["Law", "in_axes", "law_of", "padded", "soft_contacts"]
@@ -28,33 +29,27 @@ class Law:
     soft: tuple[int, ...]
     scale: Array | None
 
-    def of_frames(self, frames: Array) -> Array:
-        """(n, 3, 3) R S."""
-        return frames if self.scale is None else read_only(frames * self._rows(len(frames))[:, None, :])
-
-    def of_motion(self, motion: Array) -> Array:
-        """(n, 3) S d."""
-        return motion if self.scale is None else read_only(motion * self._rows(len(motion)))
-
-    def of_spin(self, spin: Array | None) -> Array | None:
-        """(k,) levers times angles [m]."""
-        assert self.scale is not None  # there are soft contacts
-        return None if spin is None else read_only(spin * self.scale[len(self.scale) - len(self.soft) :])
-
-    def of_flexibility(self, E: Array) -> Array:
-        """(c, c) S E S."""
-        return E if self.scale is None else read_only(E * self.scale[:, None] * self.scale)
-
-    def _rows(self, n: int) -> Array:
-        assert self.scale is not None
-        return self.scale[: 3 * n].reshape(-1, 3)
+    def applied(self, scene: Scene, spin: Array | None) -> Scene:
+        """The scene in the law's coordinates, from contact axes; spin (k,) [rad] as in `Grasp`, None: zero."""
+        if self.scale is None:
+            return replace(scene, mu=self.mu)
+        n, scale = scene.n, self.scale
+        rows = scale[: 3 * n].reshape(-1, 3)
+        return replace(
+            scene,
+            mu=self.mu,
+            frames=read_only(scene.frames * rows[:, None, :]),
+            flexibility=read_only(scene.flexibility * scale[:, None] * scale),
+            offset=read_only(scene.offset * rows),
+            soft=self.soft,
+            scale=scale,
+            spin=None if spin is None else read_only(spin * scale[3 * n :]),
+        )
 
 
 def law_of(contacts: tuple[Contact, ...], frames: Array, governed: tuple[bool, ...], planar: bool) -> Law:
     """The law of these contacts; frames (n, 3, 3) in contact axes. A plane's law is an interval: nothing to scale."""
     mu = np.array([c.mu for c in contacts])
-    if all([c.plain for c in contacts]):
-        return Law(read_only(mu), (), None)
     if planar:
         for i, c in enumerate(contacts):
             if isinstance(c.friction, AnisotropicCoulomb):

@@ -34,6 +34,8 @@ from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
 
+_NOBODY: frozenset[int] = frozenset()
+
 
 class Grasp:
     """Fingers on an object under a load. Immutable.
@@ -134,27 +136,23 @@ class Grasp:
         self.contacts, self.effects, self.reference = contacts, effects, reference
         self.flexibility, self.stamped = flexibility, stamped(effects) if effects else ()
         self.frames, self.offset = read_only(frames), offset
-        prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
+        prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)} if effects else _NOBODY
         governed = tuple([i not in prescribed for i in range(len(contacts))])
-        law = law_of(contacts, frames, governed, plane is not None)
-        E = softened(padded(flexibility, contacts, law.soft), effects, positions, frames, plane is not None, law.soft)
         moment = read_only(wrench[3:] + cross_rows(reference, wrench[:3]))
-        self.general = bool(self.stamped or law.soft)
+        plain = all([c.plain for c in contacts])
+        law = None if plain else law_of(contacts, frames, governed, plane is not None)
+        soft, E = () if law is None else law.soft, flexibility
+        if soft:
+            E = padded(E, contacts, soft)
+        if effects:
+            E = softened(E, effects, positions, frames, plane is not None, soft)
+        mu = read_only(np.array([c.mu for c in contacts]))
+        self.general = bool(self.stamped or soft)
         self.scene = Scene(
-            read_only(positions),
-            law.of_frames(self.frames),
-            law.mu,
-            law.of_flexibility(E),
-            law.of_motion(offset),
-            wrench[:3],
-            moment,
-            plane,
-            governed,
-            law.soft,
-            law.scale,
-            fingers,
-            law.of_spin(self._spun()) if law.soft else None,
+            read_only(positions), self.frames, mu, E, offset, wrench[:3], moment, plane, governed, fingers
         )
+        if law is not None:
+            self.scene = law.applied(self.scene, self._spun() if soft else None)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -39,9 +39,9 @@ class Scene:
     moment: Array
     plane: Array | None
     governed: tuple[bool, ...]
+    fingers: int | None = None
     soft: tuple[int, ...] = ()
     scale: Array | None = None
-    fingers: int | None = None
     spin: Array | None = None
 
     @property
