@@ -1,10 +1,11 @@
 """The robot: a hand from a URDF, its postures, objects to grasp, contact detection and joint torques. Imports grasp."""
 
 from handlcp.hand.audit import Audit, Doubt, audit_urdf
-from handlcp.hand.grasp import HandGrasp, HandGraspSolution
+from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.hand import Hand
 from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.state import HandState
 from handlcp.hand.stream import GraspStream
 from handlcp.hand.synergies import Synergies

@@ -30,7 +30,8 @@ from handlcp.lcp import Auto, ContactSolver, Solver, Status
 from handlcp.tolerances import FIXED_POINT, SEMIDEFINITE
 
 if TYPE_CHECKING:
-    from handlcp.hand.grasp import HandGrasp, HandGraspSolution
+    from handlcp.hand.grasp import HandGrasp
+    from handlcp.hand.solution import HandGraspSolution
 
 __all__ = ["bends", "geometric_change", "settle", "under"]
 

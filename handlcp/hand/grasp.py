@@ -5,23 +5,17 @@ off.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, read_only
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
-from handlcp.grasp.contact import Contact
-from handlcp.grasp.coordinates import soft_contacts
-from handlcp.grasp.effects import Effect, PrescribedForce, TorqueSaturation
-from handlcp.grasp.environment import beside
+from handlcp.grasp.effects import TorqueSaturation
 from handlcp.grasp.explain import Explanation
-from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.others import Equilibria
@@ -29,61 +23,22 @@ from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.suggest import Suggestion
 from handlcp.hand.command import COMMAND, command_line, read_command
-from handlcp.hand.curvature import contact_hessian
-from handlcp.hand.detect import touching
-from handlcp.hand.elasticity import Effort, transmission_line
+from handlcp.hand.elasticity import transmission_line
 from handlcp.hand.geometric import bends, geometric_change, settle, under
 from handlcp.hand.objects import Object
-from handlcp.hand.stiffness import per_name
+from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.suggest import hand_left_out
-from handlcp.hand.table import surrounding
-from handlcp.hand.torques import TorqueCheck, torque_check
-from handlcp.hand.torsion import NO_TURNING, turning_jacobian, with_turning
-from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_motion
+from handlcp.hand.told import joints_of
+from handlcp.hand.torques import torque_check
+from handlcp.hand.weight import WEIGHT, FingerWeight, line, tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 if TYPE_CHECKING:
     from handlcp.hand.state import HandState
 
-__all__ = ["HandGrasp", "HandGraspSolution", "grasp"]
+__all__ = ["HandGrasp"]
 
-
-@dataclass(frozen=True, kw_only=True)
-class HandGraspSolution(GraspSolution):
-    """A `GraspSolution` with what the joints have to do; NaN where there is no answer.
-
-    torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
-    joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
-        weight where that is part of the elastic balance, from where they are commanded to be. With
-        `GeometricStiffness` (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), δq as commanded.
-    joint_yield : (nv,) [rad] how far joints at their limit are driven back beyond that (`TorqueSaturation`): s⁺ - s⁻,
-        with the sign of the torque; 0 for all others. Such a joint's torque is its limit.
-    torque_check : joint by joint torque, limit, utilisation, and the binding joint.
-    effort : what the tendons or synergies of the hand do for these torques, by name; None where it has neither.
-    """
-
-    torques: Array
-    joint_deflection: Array
-    joint_yield: Array
-    torque_check: TorqueCheck
-    effort: Effort | None = None
-
-    @property
-    def tendon_tension(self) -> Array | None:
-        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls for these torques (below 0: less); None without
-        `Tendons`.
-        """
-        return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
-
-    @property
-    def actuator_force(self) -> Array | None:
-        """(k,) η = Sᵀ τ [N·m where S has no unit] that each synergy's actuator holds; None without `Synergies`."""
-        return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
-
-    def __str__(self) -> str:
-        """The grasp, then the joints, then what is behind them."""
-        parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
-        return "\n".join(str(part) for part in parts if part is not None)
+_NOBODY: tuple[str, ...] = ()
 
 
 class HandGrasp(Grasp):
@@ -182,7 +137,7 @@ class HandGrasp(Grasp):
     def joints(self) -> Joints:
         """What the effects of this grasp may know of its joints."""
         tips = self.state.hand.tip_numbers("fingers", self.fingertips)
-        return _joints(
+        return joints_of(
             self.state, tips, self.scene.positions, self.frames,
             np.vstack([self.jacobian, self.turning]) if len(self.turning) else self.jacobian, self.gravity_torque,
         )  # fmt: skip
@@ -269,189 +224,3 @@ class HandGrasp(Grasp):
             **vars(solution), torques=total, joint_deflection=read_only(deflection), joint_yield=read_only(yielded),
             torque_check=check, effort=hand.stiffness.effort(total),
         )  # fmt: skip
-
-
-def grasp(
-    state: HandState,
-    target: Any,
-    friction: Any = None,
-    wrench: Any = None,
-    gravity: Any = (0.0, 0.0, -9.81),
-    preload: Any = 0.0,
-    *,
-    offset: Any = None,
-    reference: Any = None,
-    fingers: Sequence[str] | None = None,
-    max_gap: Any = 1e-3,
-    effects: Iterable[Any] = (),
-    finger_weight: FingerWeight = False,
-    plane: Any = None,
-    joint_offset: Any = None,
-    environment: Any = None,
-) -> HandGrasp:
-    """The grasp of an object by a hand in a posture; as a method, `state.grasp(target, …)`.
-
-    target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected, and a
-        fingertip that overlaps the object is preloaded by the overlap. Or contacts, a sequence with one for each
-        finger, or a mapping by fingertip name: each moves rigidly with its fingertip, and is taken as touching.
-    friction : of all contacts with an object, or a mapping by fingertip name; None: Coulomb(0.6). Contacts bring
-        their own.
-    wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
-    gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
-    preload : [m] a number or (n,), more squeeze of the normals. offset : (n, 3) [m], contact axes, as in `Grasp`.
-    reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
-    fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
-    max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
-    effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield, `GeometricStiffness()`
-        lets the forces turn their own levers.
-    finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
-        the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
-        "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
-    joint_offset : squeeze in joint space, (nv,) or a mapping by joint name [rad, m]: the joints are commanded this far
-        beyond the posture, which adds -J δq to the offsets.
-    environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those contacts
-        come last; friction, preload and offset above are the fingers', n of them.
-
-    Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
-    """
-    hand = state.hand
-    heavy = read_weight(finger_weight)
-    obj = target if isinstance(target, Object) else None
-    if obj is not None:
-        tips = hand.tip_numbers("fingers", fingers)
-        laws = _frictions(friction, [hand.fingertips[i] for i in tips])
-        contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
-    else:
-        tips, contacts = _given(state, target, fingers, friction)
-        gaps = None
-    n, around, own = len(contacts), None, None
-    if environment is not None:
-        around, own = surrounding(environment, obj), n
-        contacts = arguments.contacts((*contacts, *around.contacts))
-    positions = np.array([c.position for c in contacts])
-    frames = np.array([c.rotation for c in contacts])
-    normal = arguments.plane(plane, contacts, positions, frames)
-    if normal is not None:
-        frames = arguments.in_plane(frames, normal)
-    turned, points = frames.transpose(0, 2, 1), positions
-    if around is not None:
-        turned, points = turned[:n], positions[:n]
-    jacobian = (turned @ state.jacobian_at(points, tips)).reshape(3 * n, hand.nv)
-    flexibility = hand.stiffness.compliance(jacobian)
-    rotations = state.tip_rotations if tips is hand.tips.every else state.tip_rotations[list(tips)]
-    hand.pads.add_to(flexibility, turned @ rotations, tips)
-    shift = arguments.offset(offset, preload, n)
-    if gaps is not None:
-        shift = shift + np.concatenate([np.zeros((n, 2)), gaps[:, None]], axis=1)
-    if around is not None:
-        m = len(around.contacts)
-        jacobian = np.concatenate([jacobian, np.zeros((3 * m, hand.nv))])
-        flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
-    turning = NO_TURNING
-    if not all([c.plain for c in contacts]):
-        effects = (effects,) if isinstance(effects, Effect) or not isinstance(effects, Iterable) else tuple(effects)
-        prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
-        governed = tuple([i not in prescribed for i in range(len(contacts))])
-        if soft := soft_contacts(contacts, governed, normal is not None):
-            turning = read_only(turning_jacobian(state, tips, frames, soft))
-            flexibility = with_turning(state, jacobian, turning, flexibility)
-    g = array("gravity", gravity, (3,))
-    if reference is None:
-        point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
-    else:
-        point = arguments.reference(reference, normal, positions)
-    load = arguments.wrench(wrench, normal, arguments.lift(positions, point, normal))
-    load = _with_weight(load, obj, g, point, positions, normal)
-    weigh = read_only(hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv))
-    sag = read_only(hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv))
-    command = read_command(joint_offset, hand.joint_names)
-    if heavy is True or joint_offset is not None:
-        shift = shift + tip_motion(jacobian, sag - command, normal is not None)
-    jacobian = read_only(jacobian)
-    asked: tuple[Effect, ...] = ()
-    if not isinstance(effects, tuple) or effects:
-        every = np.vstack([jacobian, turning]) if len(turning) else jacobian
-        asked = arguments.effects(effects, len(contacts), _joints(state, tips, positions, frames, every, weigh), own)
-    made = HandGrasp.__new__(HandGrasp)
-    made.jacobian, made.turning, made.sag, made.joint_offset = jacobian, turning, sag, command
-    made._place(
-        contacts,
-        positions,
-        frames,
-        load,
-        point,
-        read_only(flexibility),
-        read_only(shift),
-        asked,
-        normal,
-        own,
-    )
-    made.state, made.target = state, obj
-    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
-    made.finger_weight, made.gravity, made.given_gravity = heavy, g if heavy else _WEIGHTLESS, g
-    made.gravity_torque = weigh
-    return made
-
-
-def _joints(
-    state: HandState, tips: Sequence[int], positions: Array, frames: Array, jacobian: Array, weight: Array
-) -> Joints:
-    hand = state.hand
-    k = len(tips)
-    hessian = partial(contact_hessian, state, tips, positions[:k], frames[:k])
-    return Joints(hand.joint_names, jacobian, weight, hand.torques.limits, hand.stiffness.root, hessian)
-
-
-_WEIGHTLESS = read_only(np.zeros(3))
-_NOBODY: tuple[str, ...] = ()
-
-
-def _frictions(friction: Any, names: list[str]) -> list[Friction]:
-    laws: list[Any] = [Coulomb(0.6) if friction is None else friction] * len(names)
-    if isinstance(friction, Mapping):
-        laws = [per_name("friction", friction, names, "a fingertip").get(name, Coulomb(0.6)) for name in names]
-    for name, law in zip(names, laws, strict=True):
-        if not isinstance(law, LAWS):
-            where = f"friction[{name!r}]" if isinstance(friction, Mapping) else "friction"
-            raise InputError(where, f"{LAW}, or a mapping of fingertips to them", repr(law))
-    return laws
-
-
-def _given(state: HandState, target: Any, fingers: Any, friction: Any) -> tuple[tuple[int, ...], tuple[Contact, ...]]:
-    hand = state.hand
-    if friction is not None:
-        raise InputError("friction", "None when contacts are given (each Contact has its own)", repr(friction))
-    if isinstance(target, Mapping):
-        if fingers is None:
-            fingers = [name for name in hand.fingertips if name in target]
-        per_name("contacts", target, hand.fingertips, "a fingertip")
-        tips = hand.tip_numbers("fingers", fingers)
-        if missing := [name for name in fingers if name not in target]:
-            raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
-        return tips, arguments.contacts(target[name] for name in fingers)
-    if not isinstance(target, Iterable) or isinstance(target, (str, bytes)):
-        raise InputError(
-            "target", "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts", repr(target)
-        )
-    tips, contacts = hand.tip_numbers("fingers", fingers), arguments.contacts(target)
-    if len(contacts) != len(tips):
-        names = ", ".join(hand.fingertips[i] for i in tips)
-        raise InputError("contacts", f"{len(tips)}, one for each of {names}", f"{len(contacts)}")
-    return tips, contacts
-
-
-def _with_weight(
-    wrench: Array, obj: Object | None, gravity: Array, point: Array, positions: Array, normal: Array | None
-) -> Array:
-    """(6,) the load and the object's weight at its centre of mass, both about `point`."""
-    if obj is None or obj.mass == 0.0:
-        return wrench
-    weight = obj.mass * gravity
-    if normal is not None and abs(float(weight @ normal)) > 1e-9 * float(abs(weight).max()):
-        raise InputError("gravity", "gravity in the plane of a planar scene", gravity.tolist())
-    if weight.any() and (off := arguments.lift(positions, obj.center_of_mass, normal)):
-        expected = "an object whose centre of mass lies in the plane of a planar scene"
-        raise InputError("target", expected, f"one {abs(off):.3g} m off it")
-    x, y, z = obj.center_of_mass - point
-    fx, fy, fz = weight
-    return read_only(wrench + np.array([fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx]))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.hand.grasp import grasp as _grasp
+from handlcp.hand.place import grasp as _grasp
 
 if TYPE_CHECKING:
     from handlcp.hand.hand import Hand

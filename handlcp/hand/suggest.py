@@ -19,7 +19,8 @@ from handlcp.grasp.suggest import Suggestion, change_of
 from handlcp.hand.weight import WEIGHT, tip_motion
 
 if TYPE_CHECKING:
-    from handlcp.hand.grasp import HandGrasp, HandGraspSolution
+    from handlcp.hand.grasp import HandGrasp
+    from handlcp.hand.solution import HandGraspSolution
 
 __all__ = ["hand_left_out"]
 

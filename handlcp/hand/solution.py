@@ -1,0 +1,50 @@
+"""What a hand's grasp answers: a `GraspSolution`, and what its joints have to do for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from handlcp.check import Array
+from handlcp.grasp.solution import GraspSolution
+from handlcp.hand.elasticity import Effort
+from handlcp.hand.torques import TorqueCheck
+
+__all__ = ["HandGraspSolution"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandGraspSolution(GraspSolution):
+    """A `GraspSolution` with what the joints have to do; NaN where there is no answer.
+
+    torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for.
+    joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
+        weight where that is part of the elastic balance, from where they are commanded to be. With
+        `GeometricStiffness` (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), δq as commanded.
+    joint_yield : (nv,) [rad] how far joints at their limit are driven back beyond that (`TorqueSaturation`): s⁺ - s⁻,
+        with the sign of the torque; 0 for all others. Such a joint's torque is its limit.
+    torque_check : joint by joint torque, limit, utilisation, and the binding joint.
+    effort : what the tendons or synergies of the hand do for these torques, by name; None where it has neither.
+    """
+
+    torques: Array
+    joint_deflection: Array
+    joint_yield: Array
+    torque_check: TorqueCheck
+    effort: Effort | None = None
+
+    @property
+    def tendon_tension(self) -> Array | None:
+        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls for these torques (below 0: less); None without
+        `Tendons`.
+        """
+        return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
+
+    @property
+    def actuator_force(self) -> Array | None:
+        """(k,) η = Sᵀ τ [N·m where S has no unit] that each synergy's actuator holds; None without `Synergies`."""
+        return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
+
+    def __str__(self) -> str:
+        """The grasp, then the joints, then what is behind them."""
+        parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
+        return "\n".join(str(part) for part in parts if part is not None)
