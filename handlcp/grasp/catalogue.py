@@ -24,7 +24,7 @@ from handlcp.grasp.effects import (
 from handlcp.grasp.pyramid import Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 
-__all__ = ["absent", "asked_for", "called_for"]
+__all__ = ["BY_NAME", "FROM_DATA", "absent", "asked_for", "called_for"]
 
 
 def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multipliers: bool) -> tuple[Effect, ...]:
@@ -50,11 +50,11 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
     return (*effects, *asked)
 
 
-_FROM_DATA = (
+FROM_DATA: tuple[type[Effect], ...] = (
     ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, SoftFingerCone, SoftFingerPyramid,
     AnisotropicFriction, FingerFlexibility,
 )  # fmt: skip
-_BY_NAME = (
+BY_NAME: tuple[type[Effect], ...] = (
     TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, ContactCompliance, SoftWrist,
     GeometricStiffness,
 )  # fmt: skip
@@ -62,7 +62,7 @@ _BY_NAME = (
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
     """Those of a scene's effects that were asked for by name; its data call for the others, whatever the section."""
-    return tuple(e for e in effects if not isinstance(e, _FROM_DATA))
+    return tuple(e for e in effects if not isinstance(e, FROM_DATA))
 
 
 def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect], str], ...]:
@@ -86,5 +86,5 @@ def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect
         SoftFingerCone: soft,
         AnisotropicFriction: "every contact holds alike in all directions",
         FingerFlexibility: "E is zero: rigid fingers",
-    } | dict.fromkeys(_BY_NAME, "not asked for")
+    } | dict.fromkeys(BY_NAME, "not asked for")
     return tuple((kind, why) for kind, why in reasons.items() if kind not in on)
