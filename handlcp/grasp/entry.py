@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from handlcp.grasp.effects.base import Effect
@@ -26,6 +27,18 @@ class Entry:
     brings: str
     source: str
     module: str
+
+    @property
+    def in_short(self) -> str:
+        """In Python, without what a mapping holds."""
+        return re.sub(r"{.*}", "{…}", self.in_python)
+
+    @property
+    def file_keys(self) -> tuple[str, ...]:
+        """What a scene file has for it: dotted keys, or a table with brackets about its name."""
+        if self.in_file.startswith("["):
+            return (self.in_file.partition("\n")[0],)
+        return tuple(line.partition(" = ")[0] for line in self.in_file.splitlines())
 
 
 def entry_of(kind: type[Effect]) -> Entry:

@@ -27,7 +27,7 @@ from handlcp.tolerances import SEMIDEFINITE
 __all__ = ["SYNERGIES", "Synergies", "SynergyCompliance"]
 
 SYNERGIES = Entry(
-    title=f"{TRANSMISSION}: soft synergies",
+    title=f"{TRANSMISSION}: synergies",
     equation="C = K_q⁻¹ + S K_z⁻¹ Sᵀ,  η = Sᵀ τ",
     when="A few actuators move many joints at once; joints that mimic another.",
     in_python='joint_stiffness=Synergies({"fist": {"finger_1_distal": 1, "finger_2_distal": 1}}, 4.0, 8.0)',
