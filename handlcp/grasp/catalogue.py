@@ -51,7 +51,7 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
 
 
 FROM_DATA: tuple[type[Effect], ...] = (
-    ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, SoftFingerCone, SoftFingerPyramid,
+    ObjectBalance, UnilateralContact, CoulombPyramid, CoulombCone, CoulombPlanar, SoftFingerPyramid, SoftFingerCone,
     AnisotropicFriction, FingerFlexibility,
 )  # fmt: skip
 BY_NAME: tuple[type[Effect], ...] = (

@@ -135,6 +135,16 @@ def test_the_cost_is_the_difference_in_unknowns_and_the_ratio_of_times():
     assert cost(ALL["Coulomb friction, pyramid"]).unknowns == 5 * (2 + 8)
 
 
+def test_what_the_page_says_of_the_reference_scene_is_so():
+    """Bounds are reached, torque limits are not, the table bears something."""
+    solved = {title: made(trials(e)[0]).solve() for title, e in ALL.items() if "bound" in title or "sat" in title}
+    assert len(solved) == 3
+    assert solved["total normal-force bound"].forces[:, 2].sum() == pytest.approx(6.0, rel=1e-9)
+    assert solved["per-finger force bound"].forces[:, 2] == pytest.approx(np.full(5, 1.2), rel=1e-9)
+    assert not solved["torque saturation"].joint_yield.any()
+    assert made(trials(ALL["environment contacts"])[0]).solve().forces[-1, 2] > 0.1
+
+
 def test_a_reference_scene_that_is_not_held_is_no_measurement():
     crushed = Entry("x", "", "", "wrench=(0, 0, -1e6, 0, 0, 0)", "", "", "", "handlcp.x")
     with pytest.raises(hl.NoSolutionFound):

@@ -28,8 +28,8 @@ class TotalForceBound(Effect):
     title = "total normal-force bound"
     equation = "0 ≤ z̄ ⟂ r̄ - Σ r_N ≥ 0,  ε_N += z̄"
     when = "An actuator or a fragile object that bears only so much squeeze in all."
-    in_python = "effects=[TotalForceBound(20.0)]"
-    in_file = "effects.total_force_bound_N = 20.0"
+    in_python = "effects=[TotalForceBound(6.0)]"
+    in_file = "effects.total_force_bound_N = 6.0"
     brings = "1"
     source = "Ai & Li (2025), equations (14) to (16)"
 

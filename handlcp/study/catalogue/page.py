@@ -43,10 +43,10 @@ _COST = """\
 a ball in five fingers with friction pyramids of 8 faces, {unknowns} unknowns in all; time is that of
 `state.grasp(ball, …).solve()`, the best of many with the effect and without it in turns. Friction and finger
 flexibility are in the scene from the start: theirs is the share that `explain(measure=True)` finds. Planar friction is
-tried on two fingers in a plane, whatever has `faces="cone"` on the cone, soft fingers against points of contact.
-–: every scene has it.
+tried on two fingers in a plane, whatever has `faces="cone"` on the cone, soft fingers against points of contact. The
+force bounds are reached there, the torque limits are not. –: every scene has it.
 
-Measured on {measured}. A tenth more or less is noise, and only the ratios carry over to other machines.
+Measured on {measured}. Runs differ by a few percent; only the ratios carry over to other machines.
 
 A contact with μ = 0, or `Frictionless()`, is no effect but the lack of one: it has no tangential unknowns at all.
 
@@ -57,7 +57,7 @@ G the grasp matrix. ε = v = Gᵀu + E r + d is how far the object moves from a 
 what they are at the start. E is the flexibility of all contacts, J the Jacobian of the contact points, K the stiffness
 of the joints, C its inverse, τ their torques. N holds the normals of a pyramid's faces, λ how far a contact slips
 against each; z̄ and s are how far fingers and joints give way at their limits. 0 ≤ a ⟂ b ≥ 0: both are at least zero,
-and one of them is zero. += is what an effect adds.
+and one of them is zero. += is what an effect adds. Letters that only one effect has are explained in its file.
 
 Ai & Li (2025) is [Sensors 25(7), 2309](https://doi.org/10.3390/s25072309), the paper this package started from.
 """
