@@ -1,4 +1,4 @@
-"""What there is to know: doubts about a URDF, the hands at hand, the keys of scene files, the paper."""
+"""What there is to know: doubts about a URDF, the hands at hand, all effects, the keys of scene files, the paper."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rich.text import Text
 from handlcp.cli.app import Json, app, print_json
 from handlcp.errors import HandLCPError
 
-__all__ = ["audit", "hands", "keys", "paper"]
+__all__ = ["audit", "effects", "hands", "keys", "paper"]
 
 
 @app.command()
@@ -64,6 +64,28 @@ def hands(json: Json = False) -> None:
     out.print(tables.hand_table([(n, h.joint_names, h.fingertips, t) for (n, h), t in zip(rows, limits, strict=True)]))
     for name, why in missing:
         out.print(Text(f"{name}: {why}", style="yellow"))
+
+
+@app.command()
+def effects(
+    json: Json = False,
+    measure: Annotated[
+        bool, typer.Option("--measure", help="Measure what each costs on a reference scene: some seconds.")
+    ] = False,
+) -> None:
+    """List every effect there is: when to use it, how to ask for it, which unknowns it brings."""
+    from dataclasses import asdict
+
+    from handlcp.show import tables
+    from handlcp.study import catalogue
+
+    found = catalogue.entries()
+    costs = catalogue.costs() if measure else None
+    if json:
+        cost = {} if costs is None else {title: asdict(c) for title, c in costs.items()}
+        print_json({"effects": [asdict(e) | {"cost": cost.get(e.title)} for e in found]})
+    else:
+        Console().print(tables.catalogue_table(found, costs))
 
 
 @app.command()

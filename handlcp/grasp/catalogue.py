@@ -25,7 +25,7 @@ from handlcp.grasp.effects import (
 from handlcp.grasp.pyramid import Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 
-__all__ = ["absent", "asked_for", "called_for", "without_numbers"]
+__all__ = ["BY_NAME", "FROM_DATA", "absent", "asked_for", "called_for", "without_numbers"]
 
 
 def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multipliers: bool) -> tuple[Effect, ...]:
@@ -51,27 +51,24 @@ def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multip
     return (*effects, *asked)
 
 
-_FROM_DATA = (
-    ObjectBalance, UnilateralContact, CoulombCone, CoulombPlanar, CoulombPyramid, SoftFingerCone, SoftFingerPyramid,
+FROM_DATA: tuple[type[Effect], ...] = (
+    ObjectBalance, UnilateralContact, CoulombPyramid, CoulombCone, CoulombPlanar, SoftFingerPyramid, SoftFingerCone,
     AnisotropicFriction, FingerFlexibility,
 )  # fmt: skip
-_BY_NAME = (
+BY_NAME: tuple[type[Effect], ...] = (
     TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, KnownForce, ContactCompliance, SoftWrist,
     GeometricStiffness,
 )  # fmt: skip
 
 
-_NUMBERS = (TotalForceBound, FingerForceBound, PrescribedForce, KnownForce, ContactCompliance, SoftWrist)
-
-
 def without_numbers() -> tuple[type[Effect], ...]:
-    """Effects that no one can judge before numbers are given for them."""
-    return _NUMBERS
+    """Effects that no one can judge before numbers are given for them: all but those that a hand's own numbers make."""
+    return tuple(kind for kind in BY_NAME if kind not in (TorqueSaturation, GeometricStiffness))
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
     """Those of a scene's effects that were asked for by name; its data call for the others, whatever the section."""
-    return tuple(e for e in effects if not isinstance(e, _FROM_DATA))
+    return tuple(e for e in effects if not isinstance(e, FROM_DATA))
 
 
 def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect], str], ...]:
@@ -95,5 +92,5 @@ def absent(scene: Scene, present: tuple[Effect, ...]) -> tuple[tuple[type[Effect
         SoftFingerCone: soft,
         AnisotropicFriction: "every contact holds alike in all directions",
         FingerFlexibility: "E is zero: rigid fingers",
-    } | dict.fromkeys(_BY_NAME, "not asked for")
+    } | dict.fromkeys(BY_NAME, "not asked for")
     return tuple((kind, why) for kind, why in reasons.items() if kind not in on)

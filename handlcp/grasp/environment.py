@@ -5,7 +5,7 @@
 An environment contact is a contact like any other (unilateral, with friction and a gap) whose finger is the world. No
 joint moves it, so that its rows of the Jacobian are zero, no preload squeezes it and no soft wrist carries it; what
 gives way is the environment itself: 0, a rigid one. In all arrays the fingers come first, the environment's contacts
-last. Source: model, "Displacements" (a gap is data, d_N) and "Flexibility from the hand".
+last.
 """
 
 from __future__ import annotations
@@ -20,13 +20,22 @@ from handlcp.check import Array, array, dimensions, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.contact import Contact
+from handlcp.grasp.entry import Entry
 from handlcp.grasp.explain import EffectLine
 from handlcp.grasp.scene import Scene
 
 __all__ = ["ENVIRONMENT", "Environment", "beside", "environment_line", "joined", "offset_beside"]
 
-ENVIRONMENT = "environment contacts"  # what `explain()` calls them
-_EQUATION = "E = blkdiag(E_fingers, E_environment),  J_environment = 0"
+ENVIRONMENT = Entry(
+    title="environment contacts",
+    equation="E = blkdiag(E_fingers, E_environment),  J_environment = 0",
+    when="The object rests on a table, leans on a wall or sits in a fixture.",
+    in_python="environment=Table((0, 0, 0.104), normal=(0, 0, -1))",
+    in_file="environment = [{ point_m = [0, 0, 0.104], normal = [0, 0, -1] }]",
+    brings="a contact's for each",
+    source="contacts as any other: Ai & Li (2025), equations (3) and (4)",
+    module=__name__,
+)
 
 
 class Environment:
@@ -132,4 +141,4 @@ def environment_line(scene: Scene, names: tuple[str, ...]) -> EffectLine:
         block = scene.flexibility[mine, mine]
         soft = f"{block.trace() / (3 * m):.3g} m/N in the mean" if block.any() else "rigid"
         why = f"{m} of the {scene.n} contacts: {listed}; {soft}"
-    return EffectLine(ENVIRONMENT, _EQUATION, bool(m), why, ())
+    return EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, bool(m), why, ())

@@ -54,7 +54,7 @@ def without(grasp: Grasp) -> Iterator[tuple[str, Grasp]]:
         rigid = changed(grasp, flexibility=read_only(np.zeros_like(grasp.flexibility)))
         yield FingerFlexibility.title, rigid
     if grasp.scene.environment and not grasp.effects:  # what is asked for by name may count the contacts
-        yield ENVIRONMENT, grasp._fingers_alone()
+        yield ENVIRONMENT.title, grasp._fingers_alone()
     for e in grasp.effects:
         yield e.title, changed(grasp, effects=tuple(x for x in grasp.effects if x is not e))
 

@@ -172,7 +172,7 @@ class HandGrasp(Grasp):
     def _without(self) -> list[tuple[str, Grasp]]:
         light, still = copy.copy(self), copy.copy(self)
         light.finger_weight, still.joint_offset = False, np.zeros_like(self.joint_offset)
-        return [*super()._without(), (WEIGHT, light), (COMMAND, still)]
+        return [*super()._without(), (WEIGHT.title, light), (COMMAND.title, still)]
 
     def _fingers_alone(self) -> Self:
         made = super()._fingers_alone()

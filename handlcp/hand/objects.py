@@ -11,9 +11,21 @@ import pinocchio as pin
 
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.entry import Entry
 from handlcp.hand.meshes import load_mesh
 
-__all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Object", "Sphere"]
+__all__ = ["WEIGHS", "Box", "Cylinder", "Ellipsoid", "Mesh", "Object", "Sphere"]
+
+WEIGHS = Entry(
+    title="object weight",
+    equation="w += (m g, (p_m - c) × m g)",
+    when="The object's mass, or its density, and where its centre of mass is.",
+    in_python="mass=0.3",
+    in_file="object.mass_kg = 0.3",
+    brings="none: part of the load",
+    source="statics: the resultant of gravity acts at the centre of mass",
+    module=__name__,
+)
 
 
 class Object:

@@ -60,7 +60,7 @@ def _weight(grasp: HandGrasp, solution: HandGraspSolution, faces: int | str | Py
     heavy.sag = read_only(hand.stiffness.deflection(weigh))
     moved = tip_motion(grasp.jacobian, heavy.sag, grasp.scene.plane is not None)
     heavy = _completed(changed(heavy, offset=read_only(grasp.offset + moved)), grasp.effects)
-    s = change_of(grasp, heavy, solution, faces, WEIGHT, "finger_weight=True")
+    s = change_of(grasp, heavy, solution, faces, WEIGHT.title, "finger_weight=True")
     held = float(abs(solution.torques).max()) or 1.0
     k = int(abs(weigh).argmax())
     share = float(abs(weigh[k])) / held

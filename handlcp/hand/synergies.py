@@ -5,8 +5,7 @@
 Each column of S is a posture that one actuator pulls the hand towards. Actuator and joint are in series: both feel the
 torque τ, the actuators as η, so their compliances add. With rigid joints (K_q = ∞) the hand gives way in as many
 directions as there are actuators; C is then singular, and nothing inverts it. One column for a joint and those that
-mimic it is a mimic joint. Source: Gabiccini, Bicchi, Prattichizzo & Malvezzi, Autonomous Robots 31 (2011); Brown &
-Asada, IROS 2007.
+mimic it is a mimic joint.
 """
 
 from __future__ import annotations
@@ -19,12 +18,27 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.entry import Entry
 from handlcp.hand.actuators import Given, given_rows, read_rows, read_springs
-from handlcp.hand.elasticity import Effort, Elasticity, Transmission
+from handlcp.hand.elasticity import TRANSMISSION, Effort, Elasticity, Transmission
 from handlcp.hand.stiffness import JointStiffness, read_stiffness
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["Synergies", "SynergyCompliance"]
+__all__ = ["SYNERGIES", "Synergies", "SynergyCompliance"]
+
+SYNERGIES = Entry(
+    title=f"{TRANSMISSION}: synergies",
+    equation="C = K_q⁻¹ + S K_z⁻¹ Sᵀ,  η = Sᵀ τ",
+    when="A few actuators move many joints at once; joints that mimic another.",
+    in_python='joint_stiffness=Synergies({"fist": {"finger_1_distal": 1, "finger_2_distal": 1}}, 4.0, 8.0)',
+    in_file="[hand.synergies]\n"
+    "columns = { fist = { finger_1_distal = 1, finger_2_distal = 1 } }\n"
+    "stiffness_Nm_per_rad = 4.0\n"
+    "joint_stiffness_Nm_per_rad = 8.0",
+    brings="none: part of K",
+    source="Gabiccini, Bicchi, Prattichizzo & Malvezzi, Autonomous Robots 31 (2011); Brown & Asada, IROS 2007",
+    module=__name__,
+)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -103,4 +117,4 @@ class SynergyCompliance(Elasticity):
     def law(self) -> tuple[str, str]:
         """For `explain()`."""
         k, nv = self.columns.shape
-        return "C = K_q⁻¹ + S K_z⁻¹ Sᵀ,  η = Sᵀ τ", f"{k} synerg{'ies' if k > 1 else 'y'} over {nv} joints"
+        return SYNERGIES.equation, f"{k} synerg{'ies' if k > 1 else 'y'} over {nv} joints"

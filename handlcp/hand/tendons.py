@@ -6,8 +6,6 @@ l is how much of each tendon is drawn in as the joints turn by q; R are the mome
 and K_p that of the springs at the joints. Where the load drives the joints back by δq = K⁻¹ τ, it draws R δq out of
 the tendons, and t is by how much they pull harder for it. A tendon over several joints couples them; one over two
 fingers is a differential. As k → ∞ the joints can only move as R δq = 0 lets them.
-Source: Murray, Li & Sastry, A Mathematical Introduction to Robotic Manipulation (1994), section 6.4; model,
-"Flexibility from the hand" (K any SPD matrix).
 """
 
 from __future__ import annotations
@@ -20,12 +18,27 @@ import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.entry import Entry
 from handlcp.hand.actuators import Given, given_rows, read_rows, read_springs
-from handlcp.hand.elasticity import Effort, Transmission
+from handlcp.hand.elasticity import TRANSMISSION, Effort, Transmission
 from handlcp.hand.stiffness import JointStiffness, per_name
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["TendonStiffness", "Tendons"]
+__all__ = ["TENDONS", "TendonStiffness", "Tendons"]
+
+TENDONS = Entry(
+    title=f"{TRANSMISSION}: tendons",
+    equation="K = K_p + Rᵀ k R,  t = k R δq",
+    when="Fewer cables than joints, a cable over several joints, a differential between fingers.",
+    in_python='joint_stiffness=Tendons({"pull": {"finger_1_distal": 0.01, "finger_2_distal": 0.01}}, 2e4, 4.0)',
+    in_file="[hand.tendons]\n"
+    "moment_arms_m = { pull = { finger_1_distal = 0.01, finger_2_distal = 0.01 } }\n"
+    "stiffness_N_per_m = 2e4\n"
+    "passive_Nm_per_rad = 4.0",
+    brings="none: part of K",
+    source="Murray, Li & Sastry, A Mathematical Introduction to Robotic Manipulation (1994), section 6.4",
+    module=__name__,
+)
 
 _SHARE = 0.1  # of the largest motion: joints that move less are not what a loose motion is about
 
@@ -87,7 +100,7 @@ class TendonStiffness(JointStiffness):
     def law(self) -> tuple[str, str]:
         """For `explain()`."""
         t, nv = self.arms.shape
-        return "K = K_p + Rᵀ k R,  t = k R δq", f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
+        return TENDONS.equation, f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
 
 
 def _passive(argument: str, value: Any, joints: Sequence[str]) -> Array:

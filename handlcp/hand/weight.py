@@ -4,8 +4,7 @@
 
 g(q) is the torque that holds the links in the posture q. A joint of stiffness K that is told to be at q holds it by
 giving way: it ends at q - K⁻¹ g, its fingertip J K⁻¹ g lower, so that the object lies that far off, seen from the tip.
-The same K⁻¹ (Jᵀ f + g) is the deflection of the joints. Source: model, "Torques" and "Flexibility from the hand";
-Siciliano et al., Robotics (2009), chapter 7, for g.
+The same K⁻¹ (Jᵀ f + g) is the deflection of the joints.
 """
 
 from __future__ import annotations
@@ -16,13 +15,23 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError
+from handlcp.grasp.entry import Entry
 from handlcp.grasp.explain import EffectLine
 
 __all__ = ["WEIGHT", "FingerWeight", "line", "read_weight", "tip_motion"]
 
 FingerWeight: TypeAlias = bool | Literal["torques"]
 
-WEIGHT = "finger weight"  # what `explain()` calls it
+WEIGHT = Entry(
+    title="finger weight",
+    equation="τ += g(q),  d += J K⁻¹ g(q)",
+    when="Fingers heavy beside what they hold, or joints soft enough to sag.",
+    in_python="finger_weight=True",
+    in_file="grasp.finger_weight = true",
+    brings="none: data",
+    source="Siciliano et al., Robotics (2009), chapter 7",
+    module=__name__,
+)
 
 
 def read_weight(value: Any) -> FingerWeight:
@@ -51,4 +60,4 @@ def line(weight: FingerWeight, torque: Array, offset: Array) -> EffectLine:
         why = f"asked for: up to {abs(torque).max(initial=0.0):.3g} N·m in a joint"
         moved = float(np.sqrt((offset * offset).sum(axis=1)).max(initial=0.0))
         why += f", a fingertip sags by up to {moved:.3g} m" if weight is True else "; the posture has sagged already"
-    return EffectLine(WEIGHT, "τ += g(q),  d += J K⁻¹ g(q)", bool(weight), why, ())
+    return EffectLine(WEIGHT.title, WEIGHT.equation, bool(weight), why, ())

@@ -1,8 +1,8 @@
-"""Tables for the terminal: effects, contacts, joint torques, hands. Readable from 80 columns on."""
+"""Tables for the terminal: effects, contacts, joint torques, hands, scene keys. Readable from 80 columns on."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp.grasp import Explanation, Grasp, GraspSolution
+from handlcp.grasp.entry import Entry
 from handlcp.grasp.explain import EffectLine
 from handlcp.show import units
 
 __all__ = [
+    "catalogue_table",
     "contact_table",
     "effect_table",
     "effort_table",
@@ -151,6 +153,24 @@ def key_table(keys: Sequence[Any]) -> Table:
         left_out = "; needed" if k.required else f"; left out: {k.default}" if k.default not in ("", '""') else ""
         name = Text(k.key, style="bold" if k.required else "")
         table.add_row(name, Text(k.expected), Text(f"{k.meaning}{only}{left_out}"))
+    return table
+
+
+def catalogue_table(entries: Sequence[Entry], costs: Mapping[str, Any] | None = None) -> Table:
+    """All effects there are; `costs` are `handlcp.study.catalogue.Cost`s by title, None: not measured."""
+    note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
+    table = plain("All effects", caption=None if costs is None else note)
+    table.add_column("effect\nunknowns")
+    table.add_column("when to use it\nin Python; in a scene file", overflow="fold")
+    for heading in ("here", "time") if costs is not None else ():
+        table.add_column(heading, justify="right", no_wrap=True)
+    for e in entries:
+        ask = [(f"\n{e.in_short}", "cyan"), (f"\n{', '.join(e.file_keys)}", "dim")] if e.in_python else []
+        cells = [Text.assemble((e.title, "bold"), f"\n{e.brings}"), Text.assemble(e.when, *ask)]
+        if costs is not None:
+            cells += [Text(costs[e.title].more), Text(str(costs[e.title]))]
+        table.add_row(*cells)
+        table.add_section()
     return table
 
 

@@ -180,7 +180,7 @@ def test_a_picture_is_written_on_request(tmp_path):
 
 
 def test_everything_fits_80_columns():
-    for arguments in (("solve", CUBE), ("keys",), ("hands",), ("audit", urdf("two_finger"))):
+    for arguments in (("solve", CUBE), ("keys",), ("effects",), ("hands",), ("audit", urdf("two_finger"))):
         lines = run(*arguments, width="80").stdout.splitlines()
         assert max(map(len, lines)) <= 80, arguments
 
@@ -208,6 +208,26 @@ def test_keys_lists_what_a_scene_file_may_hold():
     found = strict(run("keys", "--json").stdout)["keys"]
     assert {"radius_m", "preload_m", "faces"} <= {k["key"] for k in found}
     assert "joint_stiffness_Nm_per_rad" in run("keys").stdout
+
+
+def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
+    import handlcp.study.catalogue as catalogue
+
+    found = strict(run("effects", "--json").stdout)["effects"]
+    assert [e["title"] for e in found] == [e.title for e in catalogue.entries()]
+    assert {e["cost"] for e in found} == {None}
+    text = run("effects", width="80").stdout
+    for e in catalogue.entries():
+        assert e.title in text
+        for key in e.file_keys:
+            assert key in text
+    monkeypatch.setattr(catalogue, "costs", lambda: {e.title: catalogue.Cost(-3, 1.25) for e in catalogue.entries()})
+    assert {str(e["cost"]) for e in strict(run("effects", "--measure", "--json").stdout)["effects"]} == {
+        "{'unknowns': -3, 'ratio': 1.25}"
+    }
+    lines = run("effects", "--measure", width="80").stdout.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert sum("-3   × 1.2" in line for line in lines) == len(found)
 
 
 def test_paper_passes_on_the_studys_verdict(monkeypatch):

@@ -11,7 +11,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.grasp import effects
-from handlcp.grasp.effects import CoulombPlanar, CoulombPyramid, Effect
+from handlcp.grasp.catalogue import BY_NAME, FROM_DATA
 from handlcp.grasp.environment import ENVIRONMENT
 from tests.grasp.scenes import cube_example, pinch, ring
 
@@ -94,18 +94,17 @@ def test_explain_accounts_for_every_unknown():
     assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
     kinds = [getattr(effects, name) for name in effects.__all__]
     kinds = [k for k in kinds if isinstance(k, type) and issubclass(k, hl.grasp.Effect) and "why" in vars(k)]
-    assert on | off == {k.title for k in kinds if k is not hl.grasp.Effect} | {ENVIRONMENT}
+    assert on | off == {k.title for k in kinds if k is not hl.grasp.Effect} | {ENVIRONMENT.title}
     assert "27" in str(e)
 
 
-@pytest.mark.parametrize("effect", [CoulombPyramid, CoulombPlanar, *(Effect.__subclasses__())])
-def test_every_effect_states_its_equation_on_top_of_its_file(effect):
+@pytest.mark.parametrize("effect", FROM_DATA + BY_NAME)
+def test_every_effect_states_its_equation_on_top_of_its_file_and_all_that_the_catalogue_wants(effect):
     import sys
 
-    doc = sys.modules[effect.__module__].__doc__
-    assert "Source:" in doc
-    assert effect.equation
-    assert effect.title
+    formulas = [line for line in sys.modules[effect.__module__].__doc__.splitlines() if line.startswith("    ")]
+    assert any(set(line) & set("=≤⟂") for line in formulas)
+    assert all((effect.title, effect.equation, effect.when, effect.brings, effect.source))
 
 
 def test_elimination_is_decided_by_condition_not_by_trying():

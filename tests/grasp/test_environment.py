@@ -246,13 +246,13 @@ def test_what_is_not_held_is_said_of_contacts_and_preload_of_fingers():
 
 def test_explain_counts_the_environment_where_there_is_one():
     on = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor()).explain(measure=True)
-    line = next(e for e in on.effects if e.title == ENVIRONMENT)
+    line = next(e for e in on.effects if e.title == ENVIRONMENT.title)
     assert line.on
     assert line.why.startswith("4 of the 6 contacts: environment 1, ")
     assert line.cost == 0
     assert line.share is not None
     assert dict((n, c) for e in on.effects for n, c, _ in e.unknowns)["r_N"] == 6
-    off = next(e for e in pinch().explain().effects if e.title == ENVIRONMENT)
+    off = next(e for e in pinch().explain().effects if e.title == ENVIRONMENT.title)
     assert not off.on
 
 

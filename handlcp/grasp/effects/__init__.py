@@ -1,7 +1,8 @@
 """Physical effects, one a file, each with its equation on top.
 
 An effect declares its unknowns and stamps its blocks; a scene without it has none of them. Adding an effect is adding
-a file here.
+a file here and a row in `handlcp.grasp.catalogue`; README.md beside this file, the list of them all, is written from
+what their classes say.
 """
 
 from handlcp.grasp.effects.anisotropic_friction import AnisotropicFriction

@@ -3,7 +3,7 @@
     (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,    v_T = -α (r_x/μ_x², r_y/μ_y²), α ≥ 0 on the limit
 
 No unknowns and no rows of its own: the scene is posed in coordinates in which the ellipse is a disc (`coordinates`),
-and the friction of the section, disc or polygon, does the rest. Source: Goyal, Ruina & Papadopoulos, Wear 143 (1991).
+and the friction of the section, disc or polygon, does the rest.
 """
 
 from __future__ import annotations
@@ -20,6 +20,11 @@ class AnisotropicFriction(Effect):
 
     title = "anisotropic friction"
     equation = "(r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,  v_T along minus its normal on the limit"
+    when = "Ribbed or woven pads that hold better one way than the other."
+    in_python = "friction=AnisotropicCoulomb(0.6, 0.4)"
+    in_file = "grasp.friction = { mu_x = 0.6, mu_y = 0.4 }"
+    brings = "none: other coordinates"
+    source = "Goyal, Ruina & Papadopoulos, Wear 143 (1991)"
 
     def why(self, scene: Scene) -> str:
         """How many."""

@@ -21,11 +21,17 @@ class Effect:
     """One physical effect. Subclasses declare unknowns and stamp blocks, or `limits`, from which both follow; most need
     nothing else.
 
-    title : what `explain()` calls it. equation : its law in one line.
+    title : what `explain()` calls it. equation : its law in one line. The others are its entry in the catalogue
+    (`handlcp.grasp.entry`): when, who wants it; in_python, in_file, how to ask for it; brings, its unknowns; source.
     """
 
     title: ClassVar[str]
     equation: ClassVar[str]
+    when: ClassVar[str]
+    in_python: ClassVar[str]
+    in_file: ClassVar[str]
+    brings: ClassVar[str]
+    source: ClassVar[str]
 
     @property
     def key(self) -> object:

@@ -3,8 +3,7 @@
     E_ii += C_i,    ε_i += C_i r_i
 
 In series with the finger: a force that travels through both moves the contact by the sum. Each contact feels its own
-force alone. Source: model, "Flexibility from the hand" (a pad on the object's side); Cutkosky & Kao, IEEE Trans.
-Robotics and Automation 5 (1989).
+force alone.
 """
 
 from __future__ import annotations
@@ -39,6 +38,11 @@ class ContactCompliance(Compliance):
 
     title = "contact compliance"
     equation = "E_ii += C_i"
+    when = "An object that is itself soft: foam, fruit, a rubber skin."
+    in_python = "effects=[ContactCompliance(1e-4)]"
+    in_file = "effects.contact_compliance_m_per_N = 1e-4"
+    brings = "none: part of E"
+    source = "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989)"
 
     def __init__(self, flexibility: Any) -> None:
         argument = "ContactCompliance.flexibility"

@@ -3,7 +3,7 @@
     ε_T = 0 inside,    ε_T = -α r_T, α ≥ 0 on the limit |r_T| = μ r_N
 
 It brings the two tangential forces of each contact (one in a plane) and nothing else, whatever the section: disc,
-polygon or interval. Source: model, table of effects; De Saxcé & Feng, Math. Comput. Model. 28 (1998).
+polygon or interval.
 """
 
 from __future__ import annotations
@@ -27,6 +27,11 @@ class CoulombCone(Effect):
 
     title: ClassVar[str] = "Coulomb friction, cone"
     equation: ClassVar[str] = "|r_T| ≤ μ r_N,  ε_T = -α r_T with α ≥ 0 on the limit"
+    when: ClassVar[str] = "Friction as it is, alike in all directions, with the best accuracy for the time."
+    in_python: ClassVar[str] = 'friction=Coulomb(0.6), faces="cone"'
+    in_file: ClassVar[str] = 'grasp.friction = 0.6\nsolve.faces = "cone"'
+    brings: ClassVar[str] = "2 a contact"
+    source: ClassVar[str] = "De Saxcé & Feng, Mathematical and Computer Modelling 28 (1998)"
 
     def why(self, scene: Scene) -> str:
         """Which contacts, what section."""

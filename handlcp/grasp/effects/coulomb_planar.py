@@ -2,7 +2,7 @@
 
     ε_T = λ⁻ - λ⁺,    0 ≤ λ^± ⟂ μ r_N ∓ r_T ≥ 0
 
-No cone is linearised: a friction interval has two ends. Source: model, table of effects.
+No cone is linearised: a friction interval has two ends.
 """
 
 from __future__ import annotations
@@ -22,6 +22,11 @@ class CoulombPlanar(Effect):
 
     title = "Coulomb friction, planar"
     equation = "ε_T = λ⁻ - λ⁺,  0 ≤ λ^± ⟂ μ r_N ∓ r_T ≥ 0"
+    when = "A scene in a plane, whose friction is exact without faces."
+    in_python = "friction=Coulomb(0.6), plane=(0, 1, 0)"
+    in_file = "grasp.friction = 0.6\ngrasp.plane = [0, 1, 0]"
+    brings = "1 + 2 a contact"
+    source = "Ai & Li (2025), equations (7) to (12) with two directions"
 
     def why(self, scene: Scene) -> str:
         """Which contacts."""

@@ -3,7 +3,7 @@
     ε_T = -N λ,    0 ≤ λ ⟂ μ_m r_N - Nᵀ r_T ≥ 0,    N = (cos α_j; sin α_j), α_j = 2πj/m
 
 with the outward face normals in the columns of N; μ_m = μ cos(π/m) for the inscribed pyramid, μ for the circumscribed.
-Source: paper, equations (7) to (12), with the signs of the model (its D is our -N).
+Signs are the model's: the paper's D is our -N.
 """
 
 from __future__ import annotations
@@ -28,6 +28,11 @@ class CoulombPyramid(Effect):
 
     title = "Coulomb friction, pyramid"
     equation = "ε_T = -N λ,  0 ≤ λ ⟂ μ_m r_N - Nᵀ r_T ≥ 0"
+    when = "Friction for solvers of linear problems, and the default: m faces inside the cone."
+    in_python = "friction=Coulomb(0.6), faces=8"
+    in_file = "grasp.friction = 0.6\nsolve.faces = 8"
+    brings = "2 + m a contact"
+    source = "Ai & Li (2025), equations (7) to (12)"
 
     def why(self, scene: Scene) -> str:
         """Which contacts, what pyramid."""

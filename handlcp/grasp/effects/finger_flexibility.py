@@ -3,8 +3,7 @@
     ε += E r,    E = J K⁻¹ Jᵀ + pads (+ compliances asked for) ⪰ 0 over all contacts
 
 E couples normal and tangential directions and, where fingers share joints, different fingers; it may be singular
-(two-joint fingers without pads always are). Nothing here inverts it. Source: model, "Flexibility from the hand";
-the paper's blkdiag(E_N, E_T), equation (13), is the special case without coupling.
+(two-joint fingers without pads always are). Nothing here inverts it.
 """
 
 from __future__ import annotations
@@ -21,6 +20,13 @@ class FingerFlexibility(Effect):
 
     title = "finger flexibility"
     equation = "ε += E r,  E ⪰ 0, coupled"
+    when = "Joints and pads give way: what decides how fingers share the load."
+    in_python = "joint_stiffness=6.0"
+    in_file = "hand.joint_stiffness_Nm_per_rad = 6.0"
+    brings = "none: part of E"
+    source = (
+        "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989); Ai & Li (2025), equation (13), without coupling"
+    )
 
     def why(self, scene: Scene) -> str:
         """Where E is not zero."""

@@ -2,7 +2,7 @@
 
     0 ≤ z̄_i ⟂ r̄_i - r_N,i ≥ 0,    ε_N,i += z̄_i
 
-Source: model, table of effects; finger by finger what the paper's equations (14) to (16) say of the sum.
+The other fingers take up what it leaves.
 """
 
 from __future__ import annotations
@@ -34,6 +34,11 @@ class FingerForceBound(Effect):
 
     title = "per-finger force bound"
     equation = "0 ≤ z̄_i ⟂ r̄_i - r_N,i ≥ 0,  ε_N,i += z̄_i"
+    when = "Fingers that slip a clutch, or spots of the object that bear only so much each."
+    in_python = "effects=[FingerForceBound(1.2)]"
+    in_file = "effects.finger_force_bound_N = 1.2"
+    brings = "1 a bounded contact"
+    source = "finger by finger what Ai & Li (2025), equations (14) to (16), say of the sum"
 
     def __init__(self, limits: Any) -> None:
         name = "FingerForceBound.limits"

@@ -12,8 +12,6 @@ alone misses by a first; tips, whose path is still taken as straight, by about h
 With K⁻¹ = A Aᵀ, which may be singular, (K + K_g)⁻¹ = A (1 + Aᵀ K_g A)⁻¹ Aᵀ: nothing inverts it, and a finger is
 stable where the bracket is positive definite. E depends on the forces it produces, so a solve repeats with E(f) until f
 stays (`handlcp.hand.geometric`); an answer passes only with the E of its own forces.
-Source: Chen & Kao, Int. J. Robotics Research 19 (2000), conservative congruence transformation; Cutkosky & Kao, IEEE
-Trans. Robotics and Automation 5 (1989).
 """
 
 from __future__ import annotations
@@ -52,6 +50,13 @@ class GeometricStiffness(Effect):
 
     title = "geometric stiffness"
     equation = "E = J (K + K_g)⁻¹ Jᵀ + …,  K_g = ∂(Jᵀ f)/∂q"
+    when = "Soft joints under large forces, where fingers may buckle."
+    in_python = "effects=[GeometricStiffness()]"
+    in_file = "effects.geometric_stiffness = true"
+    brings = "none: E(f), solved again"
+    source = (
+        "Chen & Kao, Int. J. Robotics Research 19 (2000); Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989)"
+    )
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """Completed by the joints and by how their Jacobian changes."""

@@ -5,7 +5,6 @@
 Written as two limits that meet, r_k ≤ r̄_k and -r_k ≤ -r̄_k, with κ = κ⁺ - κ⁻. The unknown components keep their laws:
 the contact may slide, stick or let go, and what it is known to pull sideways has to be within its friction. Where all
 three are known and friction is no matter, `PrescribedForce` brings no unknowns at all.
-Source: model, table of effects ("known tangential, unknown normal, …"); paper, Example 2, has whole forces known.
 """
 
 from __future__ import annotations
@@ -41,6 +40,11 @@ class KnownForce(Effect):
 
     title = "known force components"
     equation = "r_k = r̄_k,  ε_k += κ_k free"
+    when = "A fingertip's sensor reads part of its force, such as the normal force alone."
+    in_python = "effects=[KnownForce(0, (None, None, 2.0))]"
+    in_file = "effects.known_force = [{ contact = 0, normal_N = 2.0 }]"
+    brings = "2 a known component"
+    source = "component by component what Ai & Li (2025), Example 2, know of whole forces"
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))

@@ -3,7 +3,6 @@
     G_N r_N + G_T r_T + w = 0          u ∈ R⁶ (R³ in a plane) free
 
 and, by virtue of the same matrix (virtual work), the object's motion u moves the contacts by Gᵀ u.
-Source: paper, equations (1) and (2); model, "Equilibrium".
 """
 
 from __future__ import annotations
@@ -20,6 +19,11 @@ class ObjectBalance(Effect):
 
     title = "object balance"
     equation = "G_N r_N + G_T r_T + w = 0,  u free"
+    when = "The object is rigid and at rest under all that pushes it."
+    in_python = ""
+    in_file = ""
+    brings = "6 (3 in a plane)"
+    source = "Ai & Li (2025), equations (1) and (2)"
 
     def why(self, scene: Scene) -> str:
         """Every scene has an object."""

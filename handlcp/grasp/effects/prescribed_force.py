@@ -3,7 +3,7 @@
     w += G_i r_i,    ε += E_(·i) r_i
 
 No unknowns, no unilateral law and no friction law at that contact; the other fingers still feel it through shared
-joints. Source: paper, Example 2 (after Panagiotopoulos); model, table of effects.
+joints.
 """
 
 from __future__ import annotations
@@ -30,6 +30,11 @@ class PrescribedForce(Effect):
 
     title = "prescribed contact force"
     equation = "w += G_i r_i,  ε += E_(·i) r_i"
+    when = "A finger under force control, or one whose force is measured."
+    in_python = "effects=[PrescribedForce(0, (0, 0, 1.5))]"
+    in_file = "effects.prescribed_force = [{ contact = 0, force_N = [0, 0, 1.5] }]"
+    brings = "takes the contact's away"
+    source = "Ai & Li (2025), Example 2"
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("PrescribedForce.contact", contact, 0))

@@ -3,7 +3,7 @@
     |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N²,    (v_T, ω_n) along minus its normal on the limit
 
 Three tangential unknowns a contact, the third its moment about the normal over the lever μ_τ/μ; the solver projects on
-the ball that the ellipsoid is then. Source: Howe & Cutkosky, Int. J. Robotics Research 15 (1996).
+the ball that the ellipsoid is then.
 """
 
 from __future__ import annotations
@@ -20,6 +20,11 @@ class SoftFingerCone(Effect):
 
     title = "soft finger, cone"
     equation = "|r_T|²/μ² + r_τ²/μ_τ² ≤ r_N²"
+    when = "Soft fingertips that hold against spinning, exactly."
+    in_python = 'friction=SoftFinger(0.6, 0.005), faces="cone"'
+    in_file = 'grasp.friction = { mu = 0.6, mu_torsion_m = 0.005 }\nsolve.faces = "cone"'
+    brings = "3 a contact"
+    source = "Howe & Cutkosky, Int. J. Robotics Research 15 (1996)"
 
     @property
     def opens(self) -> bool:

@@ -4,8 +4,7 @@
 
 The fingers push the object with r, so the palm feels the wrench -W r about the point a and moves by the twist -C W r;
 the tips move along by Wᵀ of that (virtual work), which is motion of the object relative to them by +Wᵀ C W r. It
-couples every finger with every other: the blocks off the diagonal of E. Source: Cutkosky & Kao, IEEE Trans.
-Robotics and Automation 5 (1989), compliances in series; model, "Flexibility from the hand".
+couples every finger with every other: the blocks off the diagonal of E.
 """
 
 from __future__ import annotations
@@ -46,6 +45,11 @@ class SoftWrist(Compliance):
 
     title = "soft wrist"
     equation = "E += Wᵀ C W"
+    when = "A wrist or palm that gives way, and takes all fingers along."
+    in_python = "effects=[SoftWrist([1e-4] * 3 + [0.01] * 3)]"
+    in_file = "effects.soft_wrist = { translation_m_per_N = 1e-4, rotation_rad_per_Nm = 0.01 }"
+    brings = "none: part of E"
+    source = "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989), compliances in series"
 
     def __init__(self, flexibility: Any, at: Any = (0.0, 0.0, 0.0)) -> None:
         argument = "SoftWrist.flexibility"

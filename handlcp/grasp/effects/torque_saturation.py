@@ -4,7 +4,6 @@
 
 Every joint with a limit has two: s⁺ is how far it is driven back at +τ_max, s⁻ at -τ_max, beyond what its spring gives
 way. The gravity torque g counts when the fingers' weight does, and so does the torque of prescribed contact forces.
-Source: model, table of effects.
 """
 
 from __future__ import annotations
@@ -41,6 +40,11 @@ class TorqueSaturation(Effect):
 
     title = "torque saturation"
     equation = "0 ≤ s^± ⟂ τ_max ∓ τ ≥ 0,  τ = Jᵀ r + g,  ε += J (s⁺ - s⁻)"
+    when = "To see what still holds once a joint is at its torque limit and yields."
+    in_python = "effects=[TorqueSaturation()]"
+    in_file = "effects.torque_saturation = true"
+    brings = "2 a limited joint"
+    source = "joint by joint what Ai & Li (2025), equations (14) to (16), say of the sum of forces"
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """Completed by Jacobian, limits and the torques that do not depend on the unknown forces."""

@@ -3,8 +3,6 @@
     0 ≤ z̄ ⟂ r̄ - Σ r_N ≥ 0,    ε_N += z̄ for every finger
 
 It is the hand's squeeze that is bounded: contacts of the environment are not in the sum, and z̄ does not open them.
-
-Source: paper, equations (14) to (16).
 """
 
 from __future__ import annotations
@@ -29,6 +27,11 @@ class TotalForceBound(Effect):
 
     title = "total normal-force bound"
     equation = "0 ≤ z̄ ⟂ r̄ - Σ r_N ≥ 0,  ε_N += z̄"
+    when = "An actuator or a fragile object that bears only so much squeeze in all."
+    in_python = "effects=[TotalForceBound(6.0)]"
+    in_file = "effects.total_force_bound_N = 6.0"
+    brings = "1"
+    source = "Ai & Li (2025), equations (14) to (16)"
 
     def __post_init__(self) -> None:
         """Check the limit."""

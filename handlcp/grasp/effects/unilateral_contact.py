@@ -2,7 +2,7 @@
 
     0 ≤ r_N ⟂ ε_N ≥ 0,    ε_N = (Gᵀu + E r + d)_N
 
-d_N > 0 is an initial gap, d_N < 0 a preload. Source: paper, equations (3) and (4).
+d_N > 0 is an initial gap, d_N < 0 a preload.
 """
 
 from __future__ import annotations
@@ -19,6 +19,11 @@ class UnilateralContact(Effect):
 
     title = "unilateral contact"
     equation = "0 ≤ r_N ⟂ ε_N ≥ 0,  ε_N = (Gᵀu + E r + d)_N"
+    when = "Fingers push and never pull; gaps and preloads are data."
+    in_python = ""
+    in_file = ""
+    brings = "1 a contact"
+    source = "Ai & Li (2025), equations (3) and (4)"
 
     def why(self, scene: Scene) -> str:
         """How many contacts, with what gap or preload."""

@@ -1,0 +1,77 @@
+"""What each effect costs on the reference scene: unknowns, and the time of making and solving the grasp.
+
+    ratio = T(with the effect) / T(without it),    T of state.grasp(ball, …).solve(): contacts found, posed, certified
+
+in turns, the best of many. Friction and the flexibility of the fingers are part of the reference scene, and little is
+left of it without them; their ratio is 1/(1 - share), with the share that `explain(measure=True)` measures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from handlcp.errors import NoSolutionFound
+from handlcp.grasp.entry import Entry
+from handlcp.grasp.share import best_times
+from handlcp.study.catalogue.effects import entries
+from handlcp.study.catalogue.reference import Trial, trials
+
+__all__ = ["Cost", "cost", "costs"]
+
+Clock = Callable[[dict[int, Callable[[], bool]]], dict[int, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """unknowns : how many more the scene has; below 0: fewer. ratio : of times; None: no scene is without it."""
+
+    unknowns: int
+    ratio: float | None
+
+    @property
+    def more(self) -> str:
+        """Unknowns, as they are printed."""
+        return f"{self.unknowns:+d}" if self.unknowns else "0"
+
+    def __str__(self) -> str:
+        """Of time, as it is printed."""
+        return "–" if self.ratio is None else f"× {self.ratio:.1f}"
+
+
+def costs(clock: Clock = best_times) -> dict[str, Cost]:
+    """By title. Some seconds; clock : times runs [s]. Raises NoSolutionFound where the reference scene isn't held."""
+    return {entry.title: cost(entry, clock) for entry in entries()}
+
+
+def cost(entry: Entry, clock: Clock = best_times) -> Cost:
+    """That of one effect."""
+    on, off = trials(entry)
+    if on == off:
+        return _of_the_scene_itself(entry, on, clock)
+    more = _unknowns(on) - _unknowns(off)
+    times = clock({0: _run(off), 1: _run(on)})
+    return Cost(more, times[1] / times[0])
+
+
+def _of_the_scene_itself(entry: Entry, trial: Trial, clock: Clock) -> Cost:
+    grasp = trial.grasp(trial.state(), trial.ball())
+    line = next(x for x in grasp.explain(trial.faces, measure=True).effects if x.on and x.title == entry.title)
+    return Cost(line.cost, None if line.share is None else 1.0 / (1.0 - line.share))
+
+
+def _unknowns(trial: Trial) -> int:
+    return trial.grasp(trial.state(), trial.ball()).explain(trial.faces).unknowns
+
+
+def _run(trial: Trial) -> Callable[[], bool]:
+    """The work that is timed, done once: compiled, and shown to hold."""
+    state, ball = trial.state(), trial.ball()
+
+    def run() -> bool:
+        return trial.grasp(state, ball).solve(trial.faces, throw=False).held
+
+    solution = trial.grasp(state, ball).solve(trial.faces, throw=False)
+    if not solution.held:
+        raise NoSolutionFound(solution.diagnosis, None, solution)
+    return run

@@ -1,0 +1,68 @@
+"""The scene that every effect is tried on: a ball in five fingers, and for what is planar in two.
+
+An entry says in Python how its effect is asked for, and that text itself is run here: what the page shows works.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import handlcp.grasp as mechanics
+import handlcp.hand as robots
+from handlcp.grasp.entry import Entry
+from handlcp.hand import Hand, HandGrasp, HandState, Sphere, example_hand
+
+__all__ = ["Trial", "arguments", "trials"]
+
+_PLAIN: dict[str, Any] = {
+    "joint_stiffness": 6.0, "mass": 0.0, "friction": mechanics.Coulomb(0.6), "faces": 8, "preload": 0.003,
+    "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0), "gravity": (0.0, 0.0, 9.81),
+}  # fmt: skip
+_SECTION = ("faces", "plane")  # how the scene is posed, with the effect and without
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A grasp yet to be made. given : arguments of the hand, its object, `state.grasp` and `solve`, by name."""
+
+    given: dict[str, Any]
+
+    @property
+    def faces(self) -> Any:
+        """Of the friction."""
+        return self.given["faces"]
+
+    def state(self) -> HandState:
+        """The hand, closed on the ball."""
+        name = "two_finger" if "plane" in self.given else "five_finger"
+        return example_hand(name, joint_stiffness=self.given["joint_stiffness"]).at(_closed(name))
+
+    def ball(self) -> Sphere:
+        """What it holds."""
+        return Sphere(0.035, placement=(0.0, 0.0, 0.07), mass=self.given["mass"])
+
+    def grasp(self, state: HandState, ball: Sphere) -> HandGrasp:
+        """`state.grasp`, with what is left of the arguments."""
+        rest = {name: x for name, x in self.given.items() if name not in ("joint_stiffness", "mass", "faces")}
+        return state.grasp(ball, **rest)
+
+
+def arguments(entry: Entry) -> dict[str, Any]:
+    """What `in_python` says. The texts are the package's own."""
+    return dict(eval(f"dict({entry.in_python})", vars(mechanics) | vars(robots)))
+
+
+def trials(entry: Entry) -> tuple[Trial, Trial]:
+    """The scene with the effect and without it: equal where the reference scene itself has it."""
+    asked = arguments(entry)
+    posed = _PLAIN | {name: x for name, x in asked.items() if name in _SECTION}
+    return Trial(posed | asked), Trial(posed)
+
+
+@cache
+def _closed(name: str) -> Any:
+    """The posture, the same for all springs."""
+    hand: Hand = example_hand(name)
+    return hand.close_on(Trial(_PLAIN).ball())
