@@ -28,12 +28,13 @@ _OUTER = 24  # meridians of the polyhedron that stands for the ball in statement
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitSurface:
-    """normals (3, f) outward, unit; vertices (3, p) of the polyhedron whose faces touch the unit ball; share : of the
-    coefficient, at which its faces lie (1: they touch the ball; less: its vertices do). exact : whether it is the ball,
-    and the polyhedron only one around it.
+    """normals (3, f), unit, and the same in rows, outward (f, 3); vertices (3, p) of the polyhedron whose faces touch
+    the unit ball; share : of the coefficient, at which its faces lie (1: they touch the ball; less: its vertices
+    do). exact : whether it is the ball, and the polyhedron only one around it.
     """
 
     normals: Array
+    outward: Array
     vertices: Array
     share: float
     exact: bool
@@ -55,11 +56,6 @@ class LimitSurface:
         else:
             nearest_in_polyhedron(y, max(size, 0.0), self.outward, p, D)
         return p
-
-    @property
-    def outward(self) -> Array:
-        """(f, 3) the normals, in rows."""
-        return read_only(np.ascontiguousarray(self.normals.T))
 
 
 @lru_cache(maxsize=64)
@@ -83,4 +79,5 @@ def limit_surface(section: Section) -> LimitSurface:
     vertices = np.hstack(corners)
     reach = float(np.sqrt((vertices**2).sum(axis=0)).max())
     share = 1.0 / reach if isinstance(section, Pyramid) and section.inscribed else 1.0
-    return LimitSurface(read_only(normals), read_only(vertices), share, exact)
+    outward = read_only(np.ascontiguousarray(normals.T))
+    return LimitSurface(read_only(normals), outward, read_only(vertices), share, exact)

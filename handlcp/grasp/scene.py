@@ -84,13 +84,13 @@ class Scene:
         """(6,) the world's wrench on the object about the contacts' centre [N, N·m]."""
         return self._resolved[2]
 
-    @property
+    @lazy
     def grasp_matrix(self) -> Array:
         """(6, c) force components to the wrench about the contacts' centre: columns [R; skew(p - c) R] (model, G)."""
         G = wrench_map(self.arms, self.frames)
         return np.hstack([G, np.vstack([0.0 * self.spin_axes, self.spin_axes])]) if self.soft else G
 
-    @property
+    @lazy
     def spin_axes(self) -> Array:
         """(3, k) moments that one of each torsional component stands for: lever times normal [m]."""
         assert self.scale is not None  # where there are soft contacts
@@ -182,7 +182,7 @@ class Scene:
         hard = _tangent_index(self.rough, self.tangents)
         return np.concatenate([hard, self.soft_index.ravel()]) if self.soft else hard
 
-    @property
+    @lazy
     def soft_index(self) -> Ints:
         """(k, 3) entries of the soft contacts' x, y and moment."""
         at, k = 3 * np.array(self.soft, dtype=np.int64), len(self.soft)

@@ -131,7 +131,7 @@ def _contacts(positions: Array, normals: Array, laws: Sequence[Friction], names:
     positions.flags.writeable = frames.flags.writeable = False
     made = []
     for position, frame, law, name in zip(positions, frames, laws, names, strict=True):
-        if isinstance(law, AnisotropicCoulomb):  # it may have a say in where x lies
+        if isinstance(law, AnisotropicCoulomb) and law.along is not None:  # it has a say in where x lies
             made.append(Contact(position, frame[:, 2], law, None, name))
             continue
         contact = Contact.__new__(Contact)

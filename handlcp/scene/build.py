@@ -2,44 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from handlcp.check import Array, array
-from handlcp.errors import InputError, UnknownName
 from handlcp.grasp import (
-    AnisotropicCoulomb,
     Contact,
-    ContactCompliance,
-    Coulomb,
     Environment,
-    FingerForceBound,
-    Frictionless,
-    GeometricStiffness,
     Grasp,
-    KnownForce,
-    PrescribedForce,
-    SoftFinger,
-    SoftWrist,
-    TorqueSaturation,
-    TotalForceBound,
 )
-from handlcp.scene.kinds import LAW_KEYS
+from handlcp.scene.naming import by_finger, keyed, known
+from handlcp.scene.physics import effects_of, is_by_finger, law_of
 from handlcp.scene.schema import (
     BoxTable,
     CylinderTable,
     EllipsoidTable,
     HandTable,
     MeshTable,
-    SoftWristTable,
     SphereTable,
 )
 
 if TYPE_CHECKING:
-    from handlcp.grasp import Effect, Friction
     from handlcp.hand import Hand, Object
     from handlcp.scene.file import SceneFile
 
@@ -73,13 +57,6 @@ GRASP = HAND | {
 ENVIRONMENT = {
     "point": "point_m", "position": "position_m", "normal": "normal", "flexibility": "flexibility_m_per_N",
     "max_gap": "max_gap_m", "gap": "gap_m", "tangent": "tangent", "name": "name",
-}  # fmt: skip
-
-LAW = {
-    "SoftFinger.mu": "friction.mu", "SoftFinger.mu_torsion": "friction.mu_torsion_m",
-    "SoftFinger.torsional_flexibility": "friction.torsional_flexibility_rad_per_Nm",
-    "AnisotropicCoulomb.mu_x": "friction.mu_x", "AnisotropicCoulomb.mu_y": "friction.mu_y",
-    "AnisotropicCoulomb.along": "friction.along",
 }  # fmt: skip
 
 
@@ -154,10 +131,10 @@ def _by_hand(scene: SceneFile) -> Grasp:
             q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
         given: Any = g.friction
-        laws = {f: _law(v) for f, v in given.items()} if _by_name(given) else _law(given)
+        laws = {f: law_of(v) for f, v in given.items()} if is_by_finger(given) else law_of(given)
         return the_hand.at(q).grasp(
-            obj, laws, _wrench(scene), g.gravity_m_per_s2, _by_finger("grasp.preload_m", g.preload_m, fingers),
-            reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=_effects(scene, fingers),
+            obj, laws, _wrench(scene), g.gravity_m_per_s2, by_finger("grasp.preload_m", g.preload_m, fingers),
+            reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=effects_of(scene, fingers),
             finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad, environment=around,
         )  # fmt: skip
 
@@ -165,12 +142,12 @@ def _by_hand(scene: SceneFile) -> Grasp:
 def _by_contacts(scene: SceneFile) -> Grasp:
     g, tables, contacts = scene.grasp, scene.contact, []
     names = tuple(c.name or f"finger {i + 1}" for i, c in enumerate(tables))
-    laws: Any = g.friction if _by_name(g.friction) else dict.fromkeys(names, g.friction)
-    _known("grasp.friction", laws, names)
+    laws: Any = g.friction if is_by_finger(g.friction) else dict.fromkeys(names, g.friction)
+    known("grasp.friction", laws, names)
     for i, c in enumerate(tables):
         law = laws.get(names[i], 0.6) if c.friction is None else c.friction
         with keyed({"position": f"contact[{i}].position_m"}, f"contact[{i}]."):
-            contacts.append(Contact(c.position_m, c.normal, _law(law), c.tangent, c.name))
+            contacts.append(Contact(c.position_m, c.normal, law_of(law), c.tangent, c.name))
     wrench, reference = _wrench(scene), np.array([0.0, 0.0, 0.0] if g.reference_m is None else g.reference_m)
     obj = shape(scene)
     around = _environment(scene, obj)
@@ -182,7 +159,7 @@ def _by_contacts(scene: SceneFile) -> Grasp:
     with keyed(GRASP):
         return Grasp(
             contacts, wrench, flexibility=g.flexibility_m_per_N or 0.0, reference=reference, plane=g.plane,
-            preload=_by_finger("grasp.preload_m", g.preload_m, names), effects=_effects(scene, names),
+            preload=by_finger("grasp.preload_m", g.preload_m, names), effects=effects_of(scene, names),
             environment=around,
         )  # fmt: skip
 
@@ -193,7 +170,7 @@ def _environment(scene: SceneFile, obj: Object | None) -> list[Environment] | No
 
     parts = []
     for i, e in enumerate(scene.environment):
-        where, law = f"environment[{i}]", _law(e.friction)
+        where, law = f"environment[{i}]", law_of(e.friction)
         with keyed({a: f"{where}.{key}" for a, key in ENVIRONMENT.items()} | {"environment": where}):
             if e.point_m is None:
                 contact = Contact(e.position_m, e.normal, law, e.tangent, e.name)
@@ -209,103 +186,9 @@ def _posture(the_hand: Hand, q: Any) -> Any:
     """A table of some joints is completed with the neutral posture."""
     if not isinstance(q, dict):
         return the_hand.neutral if q is None else q
-    _known("posture.q_rad", q, the_hand.joint_names)
+    known("posture.q_rad", q, the_hand.joint_names)
     return dict(zip(the_hand.joint_names, the_hand.neutral.tolist(), strict=True)) | q
 
 
 def _wrench(scene: SceneFile) -> Array:
     return np.array([*scene.load.force_N, *scene.load.torque_Nm])
-
-
-def _law(value: Any) -> Friction:
-    if not isinstance(value, dict):
-        return Frictionless() if value == "frictionless" else Coulomb(value)
-    with keyed(LAW):
-        if "mu_x" in value:
-            return AnisotropicCoulomb(value["mu_x"], value["mu_y"], value.get("along"))
-        return SoftFinger(value["mu"], value["mu_torsion_m"], value.get("torsional_flexibility_rad_per_Nm", 0.0))
-
-
-def _by_name(value: Any) -> bool:
-    """Whether a friction is a table by finger; that of one law has the law's keys."""
-    return isinstance(value, dict) and not any(needed <= set(value) for needed, _ in LAW_KEYS)
-
-
-def _by_finger(key: str, value: Any, fingers: Sequence[str], otherwise: float = 0.0) -> Any:
-    """A table by finger as a list in the fingers' order, `otherwise` for those left out."""
-    if not isinstance(value, dict):
-        return value
-    _known(key, value, fingers)
-    return [value.get(f, otherwise) for f in fingers]
-
-
-def _effects(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
-    effects: list[Effect] = []
-    if (bound := scene.effects.total_force_bound_N) is not None:
-        effects.append(TotalForceBound(bound))
-    if (bounds := scene.effects.finger_force_bound_N) is not None:
-        key = "effects.finger_force_bound_N"
-        bounds = _by_finger(key, bounds, fingers, np.inf)
-        if isinstance(bounds, list) and len(bounds) != len(fingers):
-            raise InputError(key, f"a number, or {len(fingers)}, one for each contact", f"{len(bounds)}")
-        effects.append(FingerForceBound(bounds))
-    if scene.effects.torque_saturation:
-        effects.append(TorqueSaturation())
-    if scene.effects.geometric_stiffness:
-        effects.append(GeometricStiffness())
-    soft: Any = scene.effects.contact_compliance_m_per_N
-    if isinstance(soft, dict):
-        _known("effects.contact_compliance_m_per_N", soft, fingers)
-        soft = [np.diag(np.ones(3) * soft.get(f, 0.0)) for f in fingers]
-    if soft is not None:
-        effects.append(ContactCompliance(soft))
-    if (wrist := scene.effects.soft_wrist) is not None:
-        effects.append(_wrist(wrist))
-    for i, known in enumerate(scene.effects.prescribed_force):
-        which = _number(known.contact, f"effects.prescribed_force[{i}].contact", fingers)
-        effects.append(PrescribedForce(which, known.force_N))
-    for i, some in enumerate(scene.effects.known_force):
-        key, parts = f"effects.known_force[{i}]", (some.x_N, some.y_N, some.normal_N)
-        which = _number(some.contact, f"{key}.contact", fingers)
-        with keyed({"KnownForce.force": key}):
-            effects.append(KnownForce(which, parts))
-    return effects
-
-
-def _number(contact: Any, key: str, fingers: Sequence[str]) -> int:
-    """Of a contact given by name or number."""
-    if isinstance(contact, str):
-        _known(key, [contact], fingers)
-        return fingers.index(contact)
-    if contact >= len(fingers):
-        raise InputError(key, f"a contact's number from 0 to {len(fingers) - 1}", contact)
-    return int(contact)
-
-
-def _wrist(table: SoftWristTable) -> SoftWrist:
-    if table.flexibility is None:
-        parts = (np.ones(3) * table.translation_m_per_N, np.ones(3) * table.rotation_rad_per_Nm)
-        return SoftWrist(np.concatenate(parts), table.at_m)
-    if given := sorted(table.model_fields_set & {"translation_m_per_N", "rotation_rad_per_Nm"}):
-        key = f"effects.soft_wrist.{given[0]}"
-        raise InputError(key, "none beside flexibility, the whole matrix", getattr(table, given[0]))
-    with keyed({"SoftWrist.flexibility": "effects.soft_wrist.flexibility"}):
-        return SoftWrist(table.flexibility, table.at_m)
-
-
-def _known(key: str, names: Any, valid: Sequence[str]) -> None:
-    if unknown := [n for n in names if n not in valid]:
-        raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
-
-
-@contextmanager
-def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
-    """Name the scene file's key in an InputError instead of the argument that it became; the error's type stays."""
-    try:
-        yield
-    except InputError as error:
-        head, dot, rest = error.argument.partition("[")
-        named = keys.get(head, prefix + head) + dot + rest
-        if named != error.argument:
-            error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
-        raise

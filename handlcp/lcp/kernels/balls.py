@@ -20,6 +20,7 @@ from handlcp.lcp.kernels.polyhedron import nearest_in_ball, nearest_in_polyhedro
 __all__ = ["ball_held", "ball_newton", "ball_scales"]
 
 _MEMORY = 8  # steps over which ‖F‖ may rise
+_GAIN = 1e-4  # share of ‖F‖² that a step below the tolerance must get under, to be worth another
 _SHORTEST = 1e-2  # step length at which the line search takes what it has
 
 
@@ -115,17 +116,19 @@ def ball_newton(
     steps: int, tolerance: float, rank_tolerance: float,
 ) -> tuple[int, float]:  # fmt: skip
     """Semismooth Newton in place, with a line search that lets ‖F‖ rise for a while (Grippo, Lampariello & Lucidi
-    1986). Returns (steps, ‖F‖ over the larger of 1 and the largest |x|).
+    1986). Below the tolerance it goes on for as long as steps still gain something. Returns (steps, ‖F‖ over the larger
+    of 1 and the largest |x|).
     """
     n = len(x)
     F, J, dx, col, recent = np.empty(n), np.empty((n, n)), np.empty(n), np.empty(n, np.int64), np.zeros(_MEMORY)
-    total, relative = _rows(M, q, role, balls, limits, flat, full, rho, x, F, J), np.inf
+    total, relative, before = _rows(M, q, role, balls, limits, flat, full, rho, x, F, J), np.inf, np.inf
     for step in range(steps + 1):
         relative = np.sqrt(total) / max(1.0, np.max(np.abs(x)))
         if not total < np.inf:
             return step, np.inf
-        if relative <= tolerance or step == steps:
+        if step == steps or (relative <= tolerance and (total == 0.0 or total > _GAIN * before)):
             return step, relative
+        before = total
         solve_ranked(J, F, dx, col, rank_tolerance)
         recent[step % _MEMORY] = total
         ceiling, t, old = np.max(recent), 1.0, x.copy()

@@ -71,7 +71,7 @@ class _Runs:
             x = start.copy()
             steps, r = ball_newton(
                 p.M, p.q, self.role, p.balls, p.limits if limits is None else limits, *p.faces, self.rho * scale, x,
-                _STEPS, SOLVE * 1e-2, RANK,
+                _STEPS, SOLVE, RANK,
             )  # fmt: skip
             taken += steps
             if r < best_r:

@@ -1,0 +1,37 @@
+"""Names in a scene file: its keys in errors, its fingers in tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from handlcp.errors import InputError, UnknownName
+
+__all__ = ["by_finger", "keyed", "known"]
+
+
+def by_finger(key: str, value: Any, fingers: Sequence[str], otherwise: float = 0.0) -> Any:
+    """A table by finger as a list in the fingers' order, `otherwise` for those left out."""
+    if not isinstance(value, dict):
+        return value
+    known(key, value, fingers)
+    return [value.get(f, otherwise) for f in fingers]
+
+
+def known(key: str, names: Any, valid: Sequence[str]) -> None:
+    if unknown := [n for n in names if n not in valid]:
+        raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
+
+
+@contextmanager
+def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
+    """Name the scene file's key in an InputError instead of the argument that it became; the error's type stays."""
+    try:
+        yield
+    except InputError as error:
+        head, dot, rest = error.argument.partition("[")
+        named = keys.get(head, prefix + head) + dot + rest
+        if named != error.argument:
+            error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
+        raise
