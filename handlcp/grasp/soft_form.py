@@ -81,7 +81,7 @@ def _balls(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspBa
     faces = None if surface.exact else (read_only(np.ascontiguousarray(flat)), surface.outward)
     p = GraspBalls(
         system.M, system.q, free, balls, limits, faces, Units(*system.sizes(scene)),
-        lambda m: _pyramid(scene, asked, system, _with_faces(section, m)),
+        lambda m: _pyramid(scene, asked, system, _with_faces(section, m)), section.faces,
     )  # fmt: skip
     p.groups, p.effects, p._system, p._scene = system.layout.groups, effects, system, scene
     return p

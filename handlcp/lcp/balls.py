@@ -24,7 +24,8 @@ class BallProblem:
     limits (k,) radius per unit of normal force [-]. faces : of polyhedra, the outward unit normals of those with two
     tangents (f, 3), their third component zero, and of those with three (g, 3); None: balls. units: natural sizes of
     every x and y.
-    pyramid : the same scene with an m-face polyhedron instead of each ball as a plain `LCP`, and its z as an x.
+    pyramid : the same scene with an m-face polyhedron instead of each ball as a plain `LCP`, and its z as an x. own :
+    the m that stands for this very problem; 0: none, balls are no polyhedra.
 
     A `ContactProblem` is the same with two tangents at most: the one nearly all scenes have.
     """
@@ -39,9 +40,10 @@ class BallProblem:
         faces: tuple[Array, Array] | None,
         units: Units,
         pyramid: Callable[[int], tuple[LCP, Callable[[Array], Array]]],
+        own: int,
     ) -> None:
         self.M, self.q, self.free = read_only(M), read_only(q), free
-        self.balls, self.limits, self.units, self.pyramid = balls, limits, units, pyramid
+        self.balls, self.limits, self.units, self.pyramid, self.own = balls, limits, units, pyramid, own
         self.faces = (_NO_FACES, _NO_FACES) if faces is None else faces
 
     @property

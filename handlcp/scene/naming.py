@@ -20,6 +20,7 @@ def by_finger(key: str, value: Any, fingers: Sequence[str], otherwise: float = 0
 
 
 def known(key: str, names: Any, valid: Sequence[str]) -> None:
+    """Raises UnknownName for names that are not among the valid ones."""
     if unknown := [n for n in names if n not in valid]:
         raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
 

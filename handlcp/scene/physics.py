@@ -41,6 +41,7 @@ LAW = {
 
 
 def law_of(value: Any) -> Friction:
+    """The friction law of a checked value."""
     if not isinstance(value, dict):
         return Frictionless() if value == "frictionless" else Coulomb(value)
     with keyed(LAW):
@@ -55,6 +56,7 @@ def is_by_finger(value: Any) -> bool:
 
 
 def effects_of(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
+    """What [effects] asks for; fingers (n,) names."""
     effects: list[Effect] = []
     if (bound := scene.effects.total_force_bound_N) is not None:
         effects.append(TotalForceBound(bound))

@@ -7,7 +7,12 @@ import pytest
 from scipy.optimize import nnls
 
 import handlcp as hl
+from handlcp.grasp.candidate import Candidate
+from handlcp.grasp.certify import judge
 from handlcp.grasp.limit_surface import limit_surface
+from handlcp.grasp.pyramid import as_section
+from handlcp.grasp.scene import shifted
+from handlcp.grasp.soft_form import chain_form
 from handlcp.grasp.soft_modes import soft_modes
 from handlcp.lcp.kernels.polyhedron import nearest_in_polyhedron
 
@@ -223,3 +228,61 @@ def test_every_slide_on_the_ball_lies_in_a_mode_of_the_search():
         assert min(misses(mode) for mode in range(2, len(allowed))) < 1e-9
         inside = np.append(0.7 * rng.random() * e, 1.0)
         assert nnls(force[:, allowed[1]], inside)[1] < 1e-9  # stuck
+
+
+def constructed(seed):
+    """Soft fingers in a known equilibrium on the ellipsoids: forces, moments and motions first, then the load and the
+    offsets that make them one. Returns the grasp, forces (n, 3), torsion (n,) and
+    the object's motion about the origin.
+    """
+    rng = np.random.default_rng(seed)
+    n, lever = int(rng.integers(2, 5)), rng.uniform(0.003, 0.01)
+    omega, forces, moments, contacts, v = rng.standard_normal(3) * 1e-2, [], [], [], []
+    for _ in range(n):
+        z = rng.standard_normal(3)
+        z /= np.linalg.norm(z)
+        turned, mu = float(z @ omega), rng.uniform(0.2, 0.8)
+        state, N = rng.choice(["apart", "sticks", "slides"]), rng.uniform(0.5, 5.0)
+        t = rng.standard_normal(3)
+        t *= 1.0 / np.linalg.norm(t)
+        t[2] = -np.sign(turned) * max(abs(t[2]), 0.2)  # the moment resists the turn
+        t *= mu * N / np.linalg.norm(t) * (rng.uniform(0.2, 0.9) if state == "sticks" else 1.0)
+        r, m, soft, slip, gap = np.append(t[:2], N), lever * t[2], 0.0, np.zeros(2), 0.0
+        if state == "apart":
+            r, m, gap, slip = np.zeros(3), 0.0, rng.uniform(1e-4, 1e-3), rng.standard_normal(2) * 1e-3
+        elif state == "sticks":
+            soft = -turned / m
+        else:
+            slip = lever**2 * turned / m * t[:2]
+        contacts.append(hl.Contact(-0.03 * z, z, hl.SoftFinger(mu, mu * lever, soft)))
+        forces.append(r), moments.append(m), v.append([*slip, gap])
+    B = rng.standard_normal((3 * n, 3 * n)) * 3e-3
+    E, r = B @ B.T, np.concatenate(forces)
+    u = np.append(rng.standard_normal(3) * 1e-3, omega)
+    moved = np.array([c.rotation.T @ (u[:3] + np.cross(omega, c.position)) for c in contacts])
+    offset = np.array(v) - moved - (E @ r).reshape(-1, 3)
+    world = [c.rotation @ f for c, f in zip(contacts, forces, strict=True)]
+    load = -np.append(
+        np.sum(world, axis=0),
+        np.sum(
+            [np.cross(c.position, f) + m * c.normal for c, f, m in zip(contacts, world, moments, strict=True)], axis=0
+        ),
+    )
+    return hl.Grasp(contacts, load, flexibility=E, offset=offset), np.array(forces), np.array(moments), u
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_where_there_is_an_equilibrium_the_certifier_knows_it_and_nobody_says_none(seed):
+    g, forces, moments, u = constructed(seed)
+    section, levers = as_section("cone"), np.array([c.friction.lever for c in g.contacts])
+    candidate = Candidate(forces, shifted(u, g.scene.units.centre), {}, moments / levers)
+    assert judge(g.scene, chain_form(g.scene, section, ()).effects, section, candidate).residuals.worst < 1e-10
+    s = g.solve("cone", hl.Auto(search_seconds=0.3), throw=False)
+    assert s.status in (hl.Status.SOLVED, hl.Status.UNDECIDED)
+
+
+def test_a_plan_lists_what_a_trace_names():
+    g = pinch(wrench=(0, 0, -5, 0.12, 0, 0))
+    for faces in (8, "cone"):
+        ran = [line.split(":")[0] for line in g.solve(faces, throw=False).trace]
+        assert set(ran) <= set(g.plan(faces))

@@ -20,7 +20,7 @@ from handlcp.lcp.balls import BallProblem
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
-from handlcp.lcp.solvers.balls import BALL_STAGES
+from handlcp.lcp.solvers.balls import ball_plan
 from handlcp.lcp.solvers.base import ContactSolver
 from handlcp.lcp.solvers.continuation import Continuation
 from handlcp.lcp.solvers.lemke import Lemke
@@ -97,7 +97,7 @@ class Auto:
         """
         search = (self.search_stage,) if self.search_seconds > 0 else ()
         if isinstance(problem, BallProblem):
-            return (*BALL_STAGES, *(("holdability", *search) if hasattr(problem, "scene") else ()))
+            return (*ball_plan(problem), *(("holdability", *search) if hasattr(problem, "scene") else ()))
         if not isinstance(problem, (LCP, ContactProblem)):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
         if isinstance(problem, ContactProblem):

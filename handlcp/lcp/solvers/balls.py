@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,38 +14,48 @@ from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.tolerances import RANK, SOLVE
 
-__all__ = ["BALL_STAGES", "ball_stages"]
+__all__ = ["ball_plan", "ball_stages"]
 
 _SCALES = (1.0, 0.1, 10.0, 0.01)  # of ρ: which contacts Newton's next step takes for sticking depends on it
 _STEPS = 40
 _FACES = (8, 12)  # of the polyhedra that Lemke's method pivots on
 _STARTS = 30
-BALL_STAGES = (
-    "Newton", *(f"Newton from Lemke, {m} faces" for m in _FACES), "Newton from other starts", "more friction first"
-)  # fmt: skip
+_MANY = 16  # faces beyond which pivoting costs more than the other methods
+_FIRST, _OTHERS, _LAST = "Newton", "Newton from other starts", "more friction first"
+
+
+def ball_plan(problem: BallProblem) -> tuple[str, ...]:
+    """The names of the stages, in order; where Lemke's method has no answer, nothing starts from it."""
+    names = [_FIRST]
+    for m in _pivoted(problem):
+        names += ["Lemke"] * (m == problem.own) + [_from(m)]
+    return (*names, _OTHERS, _LAST)
 
 
 def ball_stages(problem: BallProblem, seed: int, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
     """(name, candidate) one after the other, each computed when asked for; start (n,) natural units."""
     run = _Runs(problem)
     if start is not None:
-        yield BALL_STAGES[0], run.newton(start)
-    yield BALL_STAGES[0], run.newton(run.held())
-    for name, m in zip(BALL_STAGES[1:], _FACES, strict=False):
+        yield _FIRST, run.newton(start)
+    yield _FIRST, run.newton(run.held())
+    for m in _pivoted(problem):
         lcp, back = problem.pyramid(m)
-        z = Lemke(seed=seed).propose(lcp.scaled).z
-        if np.isfinite(z).all():
-            yield name, run.newton(back(z))
-    rng, p = np.random.default_rng(seed), None
-    for k in range(_STARTS):
-        apart = rng.random(problem.n) < rng.random()
-        slippery = rng.random(len(problem.balls)) < (k % 2) * rng.random()
-        p = run.newton(run.held(apart, slippery))
-        if p.outcome.startswith("converged"):
-            break
-    assert p is not None  # there is one start at least
-    yield BALL_STAGES[-2], p
-    yield BALL_STAGES[-1], run.continued()
+        p = Lemke(seed=seed).propose(lcp.scaled)
+        if np.isfinite(p.z).all():
+            if m == problem.own:
+                yield "Lemke", replace(p, z=back(p.z))
+            yield _from(m), run.newton(back(p.z))
+    yield _OTHERS, run.from_other_starts(seed)
+    yield _LAST, run.continued()
+
+
+def _pivoted(problem: BallProblem) -> tuple[int, ...]:
+    """Faces of the polyhedra that Lemke's method pivots on."""
+    return tuple(dict.fromkeys((problem.own, *_FACES))) if 0 < problem.own <= _MANY else _FACES
+
+
+def _from(faces: int) -> str:
+    return f"Newton from Lemke, {faces} faces"
 
 
 class _Runs:
@@ -80,6 +91,17 @@ class _Runs:
                 break
         outcome = "converged" if best_r <= SOLVE else "budget spent"
         return Proposal(best, taken, f"{outcome}, {taken} Newton steps")
+
+    def from_other_starts(self, seed: int) -> Proposal:
+        """The first that converges from where other subsets of the contacts stick or stay apart; else the last."""
+        rng, p, found = np.random.default_rng(seed), self.problem, Proposal(np.zeros(self.problem.n), 0, "not begun")
+        for k in range(_STARTS):
+            apart = rng.random(p.n) < rng.random()
+            slippery = rng.random(len(p.balls)) < (k % 2) * rng.random()
+            found = self.newton(self.held(apart, slippery))
+            if found.outcome.startswith("converged"):
+                break
+        return found
 
     def continued(self) -> Proposal:
         """From ten times the friction down to what there is, each answer the next start."""
