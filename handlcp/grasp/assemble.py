@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.grasp.assembled import Assembled, picked
 from handlcp.grasp.candidate import Candidate, decode, encode
 from handlcp.grasp.catalogue import asked_for, called_for
 from handlcp.grasp.effects import CoulombPyramid, Effect
@@ -144,40 +145,14 @@ def _problem(
     return p
 
 
-class GraspContact(ContactProblem):
-    """The assembled problem with friction as a set: a `ContactProblem` that knows what its unknowns mean.
-
-    groups : the unknowns of all effects. effects : what was stamped.
-    """
-
-    groups: tuple[Unknown, ...]
-    effects: tuple[Effect, ...]
-    _system: System
-    _scene: Scene
+class GraspContact(Assembled, ContactProblem):
+    """The assembled problem with friction as a set: a `ContactProblem` that knows what its unknowns mean."""
 
     @property
     def limited(self) -> Ints:
         """(m,) which unknowns are motions of limits that give way, those of effects asked for."""
         at, extra = self._system.at, self._system.layout.extra
         return np.concatenate([_NO_INTS, *(np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free)])
-
-    @property
-    def scene(self) -> Scene:
-        """What was assembled."""
-        return self._scene
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """A name for every unknown, such as "r_T[2]"."""
-        return tuple(f"{g.name}[{k}]" for g in self.groups for k in range(g.count))
-
-    def candidate(self, x: Array) -> Candidate:
-        """Forces and motion from x (n,) in natural units."""
-        return decode(self._scene, self._system, self.effects, x)
-
-    def natural(self, candidate: Candidate) -> Array:
-        """(n,) x with these forces, motion and unknowns of further effects, the way back from `candidate`."""
-        return encode(self._scene, self._system, candidate)
 
 
 _NO_INTS = np.zeros(0, np.int64)
@@ -242,8 +217,7 @@ def assemble_contact(scene: Scene, section: Section, asked: tuple[Effect, ...]) 
         system.M, system.q, known.free, known.blocks, section.limit(scene.mu)[known.rough], section.faces,
         lambda: Units(*system.sizes(scene)), lambda m: _pyramid(scene, asked, system, m), known.role,
     )  # fmt: skip
-    p.groups, p.effects, p._system, p._scene = known.layout.groups, known.effects, system, scene
-    return p
+    return p.of(scene, system, known.effects)
 
 
 def _pyramid(
@@ -252,14 +226,7 @@ def _pyramid(
     """The same scene as a plain LCP with `faces` faces (planar: exact), and how its z becomes an x of `contact`."""
     section = Pyramid(faces) if scene.plane is None else Interval()
     p = assemble(scene, called_for(scene, section, asked, multipliers=True))
-
-    def back(z: Array) -> Array:
-        full, x = p.every(z), np.empty(len(contact.q))
-        for name, here in contact.at.items():
-            x[here] = full[p._system.at[name]]
-        return x
-
-    return p, back
+    return p, picked(p.every, p._system, contact)
 
 
 @kernel

@@ -22,19 +22,10 @@ __all__ = ["LAW", "LAWS", "AnisotropicCoulomb", "Coulomb", "Friction", "Friction
 _ALIKE = (1.0, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Coulomb:
-    """Dry friction, |r_T| ≤ μ r_N; a sliding contact is on the limit and pulls against its slip.
+class _Alike:
+    """Friction of a point that is alike in all directions."""
 
-    `mu`: coefficient ≥ 0 [-]. With μ = 0 the contact is frictionless and gets no tangential unknowns.
-    Raises InputError for anything but a finite number ≥ 0.
-    """
-
-    mu: float
-
-    def __post_init__(self) -> None:
-        """Check μ."""
-        object.__setattr__(self, "mu", number("Coulomb.mu", self.mu, minimum=0.0))
+    __slots__ = ()
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -52,27 +43,28 @@ class Coulomb:
 
 
 @dataclass(frozen=True, slots=True)
-class Frictionless:
+class Coulomb(_Alike):
+    """Dry friction, |r_T| ≤ μ r_N; a sliding contact is on the limit and pulls against its slip.
+
+    `mu`: coefficient ≥ 0 [-]. With μ = 0 the contact is frictionless and gets no tangential unknowns.
+    Raises InputError for anything but a finite number ≥ 0.
+    """
+
+    mu: float
+
+    def __post_init__(self) -> None:
+        """Check μ."""
+        object.__setattr__(self, "mu", number("Coulomb.mu", self.mu, minimum=0.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Frictionless(_Alike):
     """No tangential force, and therefore no tangential unknowns at all."""
 
     @property
     def mu(self) -> float:
         """Zero: the coefficient of a contact without friction [-]."""
         return 0.0
-
-    @property
-    def scale(self) -> tuple[float, float]:
-        """Of the two tangents: one."""
-        return _ALIKE
-
-    @property
-    def lever(self) -> float:
-        """Of the torsional moment: there is none [m]."""
-        return 0.0
-
-    def with_mu(self, mu: float) -> Friction:
-        """Friction where there was none."""
-        return Coulomb(mu)
 
 
 @dataclass(frozen=True, init=False, eq=False)

@@ -8,13 +8,13 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.assemble import GraspContact, GraspProblem, assemble, assemble_contact
-from handlcp.grasp.candidate import Candidate, decode, encode
+from handlcp.grasp.assembled import Assembled, picked
 from handlcp.grasp.catalogue import called_for
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.limit_surface import limit_surface
 from handlcp.grasp.pyramid import Cone, Pyramid, Section
 from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown, layout
+from handlcp.grasp.system import System, layout
 from handlcp.lcp.balls import BallProblem
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
@@ -22,31 +22,8 @@ from handlcp.lcp.scaling import Units
 __all__ = ["GraspBalls", "assembled", "chain_form"]
 
 
-class GraspBalls(BallProblem):
-    """A `BallProblem` that knows what its unknowns mean: groups and effects as in `GraspContact`."""
-
-    groups: tuple[Unknown, ...]
-    effects: tuple[Effect, ...]
-    _system: System
-    _scene: Scene
-
-    @property
-    def scene(self) -> Scene:
-        """What was assembled."""
-        return self._scene
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """A name for every unknown, such as "r_S[2]"."""
-        return tuple(f"{g.name}[{k}]" for g in self.groups for k in range(g.count))
-
-    def candidate(self, x: Array) -> Candidate:
-        """Forces and motion from x (n,) in natural units."""
-        return decode(self._scene, self._system, self.effects, x)
-
-    def natural(self, candidate: Candidate) -> Array:
-        """(n,) x with these forces and this motion, the way back from `candidate`; unknowns of further effects zero."""
-        return encode(self._scene, self._system, candidate)
+class GraspBalls(Assembled, BallProblem):
+    """A `BallProblem` that knows what its unknowns mean."""
 
 
 def chain_form(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspContact | GraspBalls:
@@ -79,12 +56,10 @@ def _balls(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspBa
     limits = np.append(section.limit(scene.mu)[list(scene.rough)], surface.limit(scene.mu)[list(scene.soft)])
     flat = np.vstack([section.normals, np.zeros(section.normals.shape[1])]).T
     faces = None if surface.exact else (read_only(np.ascontiguousarray(flat)), surface.outward)
-    p = GraspBalls(
+    return GraspBalls(
         system.M, system.q, free, balls, limits, faces, Units(*system.sizes(scene)),
         lambda m: _pyramid(scene, asked, system, _with_faces(section, m)), section.faces,
-    )  # fmt: skip
-    p.groups, p.effects, p._system, p._scene = system.layout.groups, effects, system, scene
-    return p
+    ).of(scene, system, effects)  # fmt: skip
 
 
 def _pyramid(
@@ -92,14 +67,7 @@ def _pyramid(
 ) -> tuple[LCP, Callable[[Array], Array]]:
     """The same scene as a plain LCP on polyhedra, and how its z becomes an x of `balls`."""
     p = assemble(scene, called_for(scene, section, asked, multipliers=True))
-
-    def back(z: Array) -> Array:
-        full, x = p.every(z), np.empty(len(balls.q))
-        for name, here in balls.at.items():
-            x[here] = full[p._system.at[name]]
-        return x
-
-    return p, back
+    return p, picked(p.every, p._system, balls)
 
 
 def _with_faces(section: Section, faces: int) -> Section:
