@@ -76,6 +76,7 @@ class Grasp:
     offset: Array
     reference: Array
     scene: Scene
+    _spin: Array | None = None  # as `_spun`, where it is given
 
     def __init__(
         self,
@@ -136,7 +137,10 @@ class Grasp:
         prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
         governed = tuple([i not in prescribed for i in range(len(contacts))])
         law = law_of(contacts, frames, governed, plane is not None)
-        E = softened(padded(flexibility, contacts, law.soft), effects, positions, frames, plane is not None, law.soft)
+        E = padded(flexibility, contacts, law.soft)
+        if law.soft:
+            E = self._turning_too(E, law.soft, frames)
+        E = softened(E, effects, positions, frames, plane is not None, law.soft)
         moment = read_only(wrench[3:] + cross_rows(reference, wrench[:3]))
         self.general = bool(self.stamped or law.soft)
         self.scene = Scene(
@@ -152,7 +156,7 @@ class Grasp:
             law.soft,
             law.scale,
             fingers,
-            law.of_spin(self._spun()) if law.soft else None,
+            law.of_spin(self._spun() if self._spin is None else self._spin) if law.soft else None,
         )
 
     @property
@@ -233,7 +237,7 @@ class Grasp:
         if offset is not None or preload is not None:
             squeeze = 0.0 if preload is None else preload
             changes["offset"] = self._shifted(
-                offset_beside(offset, squeeze, n, scene.offset[n:])
+                offset_beside(offset, squeeze, n, self.offset[n:])
                 if scene.environment
                 else arguments.offset(offset, squeeze, n)
             )
@@ -276,6 +280,10 @@ class Grasp:
         """(k,) how far the object has turned on the soft fingertips before any load [rad]; None: not at all."""
         return None
 
+    def _turning_too(self, flexibility: Array, soft: tuple[int, ...], frames: Array) -> Array:
+        """(c, c) with what turns the fingertips of soft contacts besides their pads: nothing here."""
+        return flexibility
+
     def _in_stages(
         self, section: Section, solver: Solver | ContactSolver | Auto | None, throw: bool, start: Array
     ) -> GraspSolution:
@@ -306,9 +314,9 @@ class Grasp:
     def _fingers_alone(self) -> Self:
         """Without the environment."""
         s, k = self.scene, self.scene.n - self.scene.environment
-        parts = {"contacts": self.contacts[:k], "positions": s.positions[:k], "frames": s.frames[:k]}
+        parts = {"contacts": self.contacts[:k], "positions": s.positions[:k], "frames": self.frames[:k]}
         E = read_only(self.flexibility[: 3 * k, : 3 * k].copy())
-        return changed(self, **parts, flexibility=E, offset=s.offset[:k], fingers=None)
+        return changed(self, **parts, flexibility=E, offset=self.offset[:k], fingers=None)
 
     def _placed(self) -> Self:
         """Made anew from its numbers."""

@@ -18,7 +18,7 @@ from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.coordinates import soft_contacts
-from handlcp.grasp.effects import Effect, PrescribedForce, TorqueSaturation
+from handlcp.grasp.effects import Effect, TorqueSaturation
 from handlcp.grasp.environment import beside
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
@@ -31,12 +31,12 @@ from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.curvature import contact_hessian
 from handlcp.hand.detect import touching
 from handlcp.hand.elasticity import Effort, transmission_line
-from handlcp.hand.geometric import bends, geometric_change, settle, under
+from handlcp.hand.geometric import bends, geometric_change, of_the_joints, settle, under
 from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.table import surrounding
 from handlcp.hand.torques import TorqueCheck, torque_check
-from handlcp.hand.torsion import NO_TURNING, turning_jacobian, with_turning
+from handlcp.hand.torsion import turning_jacobian, with_turning
 from handlcp.hand.weight import WEIGHT, FingerWeight, line, read_weight, tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver
 
@@ -90,7 +90,7 @@ class HandGrasp(Grasp):
     state : the posture. fingertips : names, one for each finger; contacts of the environment come after them.
     target : the object, or None for contacts given one by one.
     jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints, zero for
-        the environment's. turning : (k, nv) of the k soft contacts' fingertips about their normals.
+        the environment's.
     finger_weight : what was asked for, as in `HandState.grasp`.
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
     sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
@@ -103,7 +103,6 @@ class HandGrasp(Grasp):
     fingertips: tuple[str, ...]
     target: Object | None
     jacobian: Array
-    turning: Array
     finger_weight: FingerWeight
     gravity_torque: Array
     sag: Array
@@ -122,6 +121,11 @@ class HandGrasp(Grasp):
         return (*self.fingertips, *(str(c.name) for c in self.contacts[self.scene.fingers :]))
 
     @property
+    def turning(self) -> Array:
+        """(k, nv) of the k soft contacts' fingertips about their normals [rad/rad]; zero for the environment's."""
+        return self._turning if self.scene.soft else read_only(np.zeros((0, self.state.hand.nv)))
+
+    @property
     def tip_offset(self) -> Array:
         """(n, 3) the scene's offset without what the hand adds to it: gaps, preloads and `offset` [m]."""
         return read_only(self.offset - self._added) if self._adds else self.offset
@@ -136,14 +140,18 @@ class HandGrasp(Grasp):
         joint_offset: Any = None,
     ) -> Self:
         """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
-        what the joints' command and the fingers' weight add comes on top, here as there.
+        what the joints' command and the fingers' weight add comes on top, here as there. Beside soft fingers, whose
+        joints turn them, a flexibility has at least what the joints have, or is 0.
         """
         told = self
         if joint_offset is not None:
             told = copy.copy(self)
             told.joint_offset = read_command(joint_offset, self.state.hand.joint_names)
             told = changed(told, offset=told._shifted(self.tip_offset))
-        return super(HandGrasp, told).replace(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload)
+        made = super(HandGrasp, told).replace(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload)
+        if flexibility is not None and self.scene.soft and made.flexibility[: 3 * len(self.fingertips)].any():
+            of_the_joints(made, "soft fingers")
+        return made
 
     def solve(
         self,
@@ -180,8 +188,8 @@ class HandGrasp(Grasp):
         """What the effects of this grasp may know of its joints."""
         tips = self.state.hand.tip_numbers("fingers", self.fingertips)
         return _joints(
-            self.state, tips, self.scene.positions, self.frames,
-            np.vstack([self.jacobian, self.turning]) if len(self.turning) else self.jacobian, self.gravity_torque,
+            self.state, tips, self.contacts, self.frames, self.jacobian, self.gravity_torque,
+            self.scene.plane is not None,
         )  # fmt: skip
 
     def _in_stages(
@@ -213,10 +221,9 @@ class HandGrasp(Grasp):
         return [*super()._without(), (WEIGHT, light), (COMMAND, still)]
 
     def _fingers_alone(self) -> Self:
-        made = super()._fingers_alone()
-        made.jacobian = self.jacobian[: 3 * made.scene.n]
-        made.turning = self.turning[: len(made.scene.soft)]
-        return made
+        made = copy.copy(self)
+        made.jacobian = self.jacobian[: 3 * len(self.fingertips)]
+        return super(HandGrasp, made)._fingers_alone()
 
     def _placed(self) -> HandGrasp:
         made = changed(self)
@@ -239,8 +246,13 @@ class HandGrasp(Grasp):
         """(n, 3) J (K⁻¹ g - δq) [m]: what sagging and commanded joints add to the offset."""
         return tip_motion(self.jacobian, self.sag - self.joint_offset, self.scene.plane is not None)
 
+    def _turning_too(self, flexibility: Array, soft: tuple[int, ...], frames: Array) -> Array:
+        tips = self.state.hand.tip_numbers("fingers", self.fingertips)
+        self._turning = read_only(turning_jacobian(self.state, tips, frames, soft))
+        return with_turning(self.state, self.jacobian, self._turning, flexibility)
+
     def _spun(self) -> Array:
-        return np.asarray(self.turning @ (self.sag - self.joint_offset))
+        return np.asarray(self._turning @ (self.sag - self.joint_offset))
 
     def _shifted(self, offset: Array) -> Array:
         return read_only(offset + self._added) if self._adds else offset
@@ -340,14 +352,6 @@ def grasp(
         m = len(around.contacts)
         jacobian = np.concatenate([jacobian, np.zeros((3 * m, hand.nv))])
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
-    turning = NO_TURNING
-    if not all([c.plain for c in contacts]):
-        effects = (effects,) if isinstance(effects, Effect) or not isinstance(effects, Iterable) else tuple(effects)
-        prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
-        governed = tuple([i not in prescribed for i in range(len(contacts))])
-        if soft := soft_contacts(contacts, governed, normal is not None):
-            turning = read_only(turning_jacobian(state, tips, frames, soft))
-            flexibility = with_turning(state, jacobian, turning, flexibility)
     g = array("gravity", gravity, (3,))
     if reference is None:
         point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
@@ -363,10 +367,12 @@ def grasp(
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
-        every = np.vstack([jacobian, turning]) if len(turning) else jacobian
-        asked = arguments.effects(effects, len(contacts), _joints(state, tips, positions, frames, every, weigh), own)
+        known = _joints(state, tips, contacts, frames, jacobian, weigh, normal is not None)
+        asked = arguments.effects(effects, len(contacts), known, own)
     made = HandGrasp.__new__(HandGrasp)
-    made.jacobian, made.turning, made.sag, made.joint_offset = jacobian, turning, sag, command
+    made.jacobian, made.sag, made.joint_offset = jacobian, sag, command
+    made.state, made.target = state, obj
+    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
     made._place(
         contacts,
         positions,
@@ -379,20 +385,22 @@ def grasp(
         normal,
         own,
     )
-    made.state, made.target = state, obj
-    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
     made.finger_weight, made.gravity = heavy, g if heavy else _WEIGHTLESS
     made.gravity_torque = weigh
     return made
 
 
 def _joints(
-    state: HandState, tips: Sequence[int], positions: Array, frames: Array, jacobian: Array, weight: Array
-) -> Joints:
-    hand = state.hand
-    k = len(tips)
-    hessian = partial(contact_hessian, state, tips, positions[:k], frames[:k])
-    return Joints(hand.joint_names, jacobian, weight, hand.torques.limits, hand.stiffness.root, hessian)
+    state: HandState, tips: Sequence[int], contacts: tuple[Contact, ...], frames: Array, jacobian: Array,
+    weight: Array, planar: bool,
+) -> Joints:  # fmt: skip
+    hand, k = state.hand, len(tips)
+    hessian = partial(contact_hessian, state, tips, np.array([c.position for c in contacts[:k]]), frames[:k])
+    turning: dict[int, Array] = {}
+    if not all([c.plain for c in contacts]):
+        soft = soft_contacts(contacts, (True,) * len(contacts), planar)
+        turning = dict(zip(soft, turning_jacobian(state, tips, frames, soft), strict=True))
+    return Joints(hand.joint_names, jacobian, weight, hand.torques.limits, hand.stiffness.root, hessian, turning)
 
 
 _WEIGHTLESS = read_only(np.zeros(3))
