@@ -149,12 +149,12 @@ def made(name, effects=(), faces=8):
     if "environment" in effects:
         asked.environment = 5e-4
         if name == "five":
-            more["environment"] = hl.Table((0, 0, 0.105), (0, 0, -1), hl.Coulomb(0.3), 5e-4)
-            around = np.zeros((1, 3))
+            more["environment"] = hl.Table((0, 0, 0.1015), (0, 0, -1), hl.Coulomb(0.3), 5e-4)
+            around = np.array([[0, 0, -3.5e-3]])
         elif name == "ring":
             wall = hl.Contact((0.0, -0.03, 0.0), (0, 1, 0), hl.Coulomb(0.3))
-            more["environment"] = hl.Environment([wall], 5e-4, 1e-4)
-            around = np.array([[0, 0, 1e-4]])
+            more["environment"] = hl.Environment([wall], 5e-4, -3e-4)
+            around = np.array([[0, 0, -3e-4]])
         else:
             c, laws_there = more["reference"], [hl.Coulomb(0.3), hl.AnisotropicCoulomb(0.4, 0.2), hl.Coulomb(0.3)]
             if "soft fingers" in effects:
