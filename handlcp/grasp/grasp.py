@@ -8,7 +8,7 @@ from typing import Any, Self, overload
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, read_only, sealed
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.accuracy import solve_to
@@ -325,6 +325,14 @@ class Grasp:
     def _complete(self, solution: GraspSolution) -> GraspSolution:
         """In contact axes; and what a hand adds to it: nothing here."""
         return solution if self.scene.scale is None else in_axes(solution)
+
+    def __copy__(self) -> Self:
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__)
+        return made
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(sealed(state))
 
     def __repr__(self) -> str:
         s = self.scene
