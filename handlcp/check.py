@@ -21,6 +21,7 @@ __all__ = [
     "number",
     "psd",
     "read_only",
+    "sealed",
     "spd",
     "symmetric",
     "unit",
@@ -40,6 +41,14 @@ def read_only(a: Array) -> Array:
     """The same array with writing switched off."""
     a.flags.writeable = False
     return a
+
+
+def sealed(state: dict[str, Any]) -> dict[str, Any]:
+    """The same attributes, their arrays read-only: those that were pickled come back open."""
+    for value in state.values():
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+    return state
 
 
 def array(

@@ -74,9 +74,7 @@ def soft_contacts(contacts: tuple[Contact, ...], governed: tuple[bool, ...], pla
 
 
 def padded(flexibility: Array, contacts: tuple[Contact, ...], soft: tuple[int, ...]) -> Array:
-    """(c, c) contact axes, from the fingers' (3n, 3n), or (c, c) with what their joints turn by: with the torsional
-    flexibility of the pads.
-    """
+    """(c, c) contact axes, from that of the points (3n, 3n), with the torsional flexibility of the pads."""
     if not soft:
         return flexibility
     n, c = len(contacts), 3 * len(contacts) + len(soft)
@@ -85,7 +83,7 @@ def padded(flexibility: Array, contacts: tuple[Contact, ...], soft: tuple[int, .
     for at, i in enumerate(soft, 3 * n):
         law = contacts[i].friction
         assert isinstance(law, SoftFinger)
-        out[at, at] += law.torsional_flexibility
+        out[at, at] = law.torsional_flexibility
     return out
 
 

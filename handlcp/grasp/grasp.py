@@ -8,7 +8,7 @@ from typing import Any, Self, overload
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, read_only, sealed
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.accuracy import solve_to
@@ -79,6 +79,7 @@ class Grasp:
     offset: Array
     reference: Array
     scene: Scene
+    _spin: Array | None = None  # as `_spun`, where it is given
 
     def __init__(
         self,
@@ -143,7 +144,7 @@ class Grasp:
         law = None if plain else law_of(contacts, frames, governed, plane is not None)
         soft, E = () if law is None else law.soft, flexibility
         if soft:
-            E = padded(E, contacts, soft)
+            E = self._turning_too(padded(E, contacts, soft), soft, frames)
         if effects:
             E = softened(E, effects, positions, frames, plane is not None, soft)
         mu = read_only(np.array([c.mu for c in contacts]))
@@ -152,7 +153,8 @@ class Grasp:
             read_only(positions), self.frames, mu, E, offset, wrench[:3], moment, plane, governed, fingers
         )
         if law is not None:
-            self.scene = law.applied(self.scene, self._spun() if soft else None)
+            spin = None if not soft else self._spun() if self._spin is None else self._spin
+            self.scene = law.applied(self.scene, spin)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -232,7 +234,7 @@ class Grasp:
         if offset is not None or preload is not None:
             squeeze = 0.0 if preload is None else preload
             changes["offset"] = self._shifted(
-                offset_beside(offset, squeeze, n, scene.offset[n:])
+                offset_beside(offset, squeeze, n, self.offset[n:])
                 if scene.environment
                 else arguments.offset(offset, squeeze, n)
             )
@@ -289,6 +291,10 @@ class Grasp:
         """(k,) how far the object has turned on the soft fingertips before any load [rad]; None: not at all."""
         return None
 
+    def _turning_too(self, flexibility: Array, soft: tuple[int, ...], frames: Array) -> Array:
+        """(c, c) with what turns the fingertips of soft contacts besides their pads: nothing here."""
+        return flexibility
+
     def _in_stages(
         self, section: Section, solver: Solver | ContactSolver | Auto | None, throw: bool, start: Array
     ) -> GraspSolution:
@@ -319,9 +325,9 @@ class Grasp:
     def _fingers_alone(self) -> Self:
         """Without the environment."""
         s, k = self.scene, self.scene.n - self.scene.environment
-        parts = {"contacts": self.contacts[:k], "positions": s.positions[:k], "frames": s.frames[:k]}
+        parts = {"contacts": self.contacts[:k], "positions": s.positions[:k], "frames": self.frames[:k]}
         E = read_only(self.flexibility[: 3 * k, : 3 * k].copy())
-        return changed(self, **parts, flexibility=E, offset=s.offset[:k], fingers=None)
+        return changed(self, **parts, flexibility=E, offset=self.offset[:k], fingers=None)
 
     def _placed(self) -> Self:
         """Made anew from its numbers."""
@@ -330,6 +336,14 @@ class Grasp:
     def _complete(self, solution: GraspSolution) -> GraspSolution:
         """In contact axes; and what a hand adds to it: nothing here."""
         return solution if self.scene.scale is None else in_axes(solution)
+
+    def __copy__(self) -> Self:
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__)
+        return made
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(sealed(state))
 
     def __repr__(self) -> str:
         s = self.scene

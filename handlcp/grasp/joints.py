@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from handlcp.check import Array
 
@@ -19,6 +19,7 @@ class Joints:
     limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
     root : (nv, m) A of their compliance K⁻¹ = A Aᵀ [rad/(N·m)].
     hessian : makes (3n, nv, nv) ∂J/∂q for the few that ask, contact axes.
+    turning : (nv,) how fast its fingertip turns about its normal [rad/rad], for each contact that may bear a moment.
     """
 
     names: tuple[str, ...]
@@ -27,3 +28,4 @@ class Joints:
     limits: Array
     root: Array
     hessian: Callable[[], Array]
+    turning: dict[int, Array] = field(default_factory=dict)

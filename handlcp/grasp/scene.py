@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.check import Array, Bools, Ints, read_only, sealed
 from handlcp.grasp.natural import resolve, resolve_soft, wrench_map
 from handlcp.grasp.units import GraspUnits
 from handlcp.lazy import lazy
@@ -43,6 +43,10 @@ class Scene:
     soft: tuple[int, ...] = ()
     scale: Array | None = None
     spin: Array | None = None
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """After pickling, read-only again."""
+        self.__dict__.update(sealed(state))
 
     @property
     def n(self) -> int:

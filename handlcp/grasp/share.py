@@ -14,6 +14,7 @@ off the compiled first stage) each show it only as far as leaving that one out w
 
 from __future__ import annotations
 
+import copy
 import gc
 import time
 from collections.abc import Callable, Iterator
@@ -25,10 +26,19 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
-from handlcp.grasp.effects import CoulombCone, CoulombPlanar, CoulombPyramid, FingerFlexibility
+from handlcp.grasp.effects import (
+    AnisotropicFriction,
+    CoulombCone,
+    CoulombPlanar,
+    CoulombPyramid,
+    FingerFlexibility,
+    SoftFingerCone,
+    SoftFingerPyramid,
+)
 from handlcp.grasp.environment import ENVIRONMENT
 from handlcp.grasp.explain import Explanation
 from handlcp.grasp.first import find, start_at
+from handlcp.grasp.friction import AnisotropicCoulomb, Coulomb
 from handlcp.grasp.pyramid import Section
 from handlcp.grasp.required import with_friction
 from handlcp.grasp.scene import cross_rows
@@ -50,6 +60,15 @@ def without(grasp: Grasp) -> Iterator[tuple[str, Grasp]]:
     if grasp.scene.rough:
         for friction in (CoulombPyramid, CoulombCone, CoulombPlanar):
             yield friction.title, with_friction(grasp, 0.0)
+    contacts, soft = grasp.contacts, grasp.scene.soft
+    if soft:
+        hard = tuple([c.with_friction(Coulomb(c.mu)) if i in soft else c for i, c in enumerate(contacts)])
+        for effect in (SoftFingerPyramid, SoftFingerCone):
+            yield effect.title, changed(grasp, contacts=hard)
+    if grasp.scene.anisotropic:
+        alike = [isinstance(c.friction, AnisotropicCoulomb) for c in contacts]
+        round_ = [c.with_friction(Coulomb(c.mu)) if a else c for c, a in zip(contacts, alike, strict=True)]
+        yield AnisotropicFriction.title, changed(grasp, contacts=tuple(round_))
     if grasp.flexibility.any():
         rigid = changed(grasp, flexibility=read_only(np.zeros_like(grasp.flexibility)))
         yield FingerFlexibility.title, rigid
@@ -95,7 +114,7 @@ def measured(
 
 def _solved_by_the_same(grasp: Grasp, less: Grasp, section: Section, solution: GraspSolution) -> Callable[[], bool]:
     """A run of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v,
-    those of the contacts that it has: the first.
+    those of the contacts that it has: the first; where they are soft, with their moments and turning, too.
     """
     s = less.scene
     r = s.lawful(solution.forces[: s.n]).copy()
@@ -107,9 +126,21 @@ def _solved_by_the_same(grasp: Grasp, less: Grasp, section: Section, solution: G
     v = s.physical(
         np.column_stack([solution.slip, solution.gap])[: s.n]
     )  # motions scale as forces do, the other way round
-    d = s.lawful(v - moved - (s.flexibility @ r.reshape(-1)).reshape(-1, 3))
-    load = -np.append(world.sum(axis=0), cross_rows(arms, world).sum(axis=0))
-    return _run(changed(less, wrench=read_only(load), offset=read_only(d)), section, r, solution)
+    torsion, load = np.zeros(0), -np.append(world.sum(axis=0), cross_rows(arms, world).sum(axis=0))
+    if s.soft:
+        assert s.scale is not None
+        assert solution.torsion is not None  # soft in `less`, soft in the grasp
+        torsion = solution.torsion[list(s.soft)] / s.scale[3 * s.n :]
+        load[3:] -= s.spin_axes @ torsion
+    retreat = s.flexibility @ np.append(r, torsion)
+    d = s.lawful(v - moved - retreat[: 3 * s.n].reshape(-1, 3))
+    if s.soft:
+        assert s.scale is not None
+        assert solution.spin is not None
+        less, levers = copy.copy(less), s.scale[3 * s.n :]
+        less._spin = solution.spin[list(s.soft)] - (s.spin_axes.T @ u[3:] + retreat[3 * s.n :]) / levers
+    made = changed(less, wrench=read_only(load), offset=read_only(d))
+    return _run(made, section, s.physical(r), solution)
 
 
 def _run(grasp: Grasp, section: Section, forces: Array, solution: GraspSolution) -> Callable[[], bool]:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from handlcp.hand.grasp import HandGrasp
     from handlcp.hand.solution import HandGraspSolution
 
-__all__ = ["bends", "geometric_change", "settle", "under"]
+__all__ = ["bends", "geometric_change", "of_the_joints", "settle", "under"]
 
 _MOST = 100  # solves
 
@@ -55,7 +55,7 @@ def settle(
 
     Raises InputError where the grasp's flexibility was replaced by less than that of its joints.
     """
-    _of_the_joints(grasp)
+    of_the_joints(grasp, "GeometricStiffness")
     n, forces, solution = grasp.scene.n, np.zeros((grasp.scene.n, 3)), None
     given = start
     if len(start):
@@ -112,11 +112,11 @@ def geometric_change(grasp: HandGrasp, solution: GraspSolution, faces: int | str
     return read_only(moved / (np.sqrt((solution.forces**2).sum(axis=1).max()) or 1.0))
 
 
-def _of_the_joints(grasp: HandGrasp) -> None:
-    """K_g changes the joints' share of E, so it has to be there."""
+def of_the_joints(grasp: HandGrasp, beside: str) -> None:
+    """Raises InputError unless E has the joints' share: K_g changes it, and it also turns soft fingertips."""
     pads = np.linalg.eigvalsh(grasp.flexibility - grasp.state.hand.stiffness.compliance(grasp.jacobian))
     if pads[0] < -SEMIDEFINITE * float(abs(grasp.flexibility).max(initial=0.0)):
-        expected = "that of the hand's joints, and what else gives way, beside GeometricStiffness"
+        expected = f"that of the hand's joints, and what else gives way, beside {beside}"
         raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")
 
 

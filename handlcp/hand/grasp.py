@@ -24,12 +24,13 @@ from handlcp.grasp.solution import GraspSolution
 from handlcp.grasp.suggest import Suggestion
 from handlcp.hand.command import COMMAND, command_line, read_command
 from handlcp.hand.elasticity import transmission_line
-from handlcp.hand.geometric import bends, geometric_change, settle, under
+from handlcp.hand.geometric import bends, geometric_change, of_the_joints, settle, under
 from handlcp.hand.objects import Object
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.suggest import hand_left_out
 from handlcp.hand.told import joints_of
 from handlcp.hand.torques import torque_check
+from handlcp.hand.torsion import turning_jacobian, with_turning
 from handlcp.hand.weight import WEIGHT, FingerWeight, line, tip_motion
 from handlcp.lcp import Auto, ContactSolver, Solver
 
@@ -47,7 +48,7 @@ class HandGrasp(Grasp):
     state : the posture. fingertips : names, one for each finger; contacts of the environment come after them.
     target : the object, or None for contacts given one by one.
     jacobian : (3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints, zero for
-        the environment's. turning : (k, nv) of the k soft contacts' fingertips about their normals.
+        the environment's.
     finger_weight : what was asked for, as in `HandState.grasp`.
     gravity_torque : (nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for.
     sag : (nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
@@ -60,7 +61,6 @@ class HandGrasp(Grasp):
     fingertips: tuple[str, ...]
     target: Object | None
     jacobian: Array
-    turning: Array
     finger_weight: FingerWeight
     gravity_torque: Array
     sag: Array
@@ -80,6 +80,11 @@ class HandGrasp(Grasp):
         return (*self.fingertips, *(str(c.name) for c in self.contacts[self.scene.fingers :]))
 
     @property
+    def turning(self) -> Array:
+        """(k, nv) of the k soft contacts' fingertips about their normals [rad/rad]; zero for the environment's."""
+        return self._turning if self.scene.soft else read_only(np.zeros((0, self.state.hand.nv)))
+
+    @property
     def tip_offset(self) -> Array:
         """(n, 3) the scene's offset without what the hand adds to it: gaps, preloads and `offset` [m]."""
         return read_only(self.offset - self._added) if self._adds else self.offset
@@ -94,14 +99,18 @@ class HandGrasp(Grasp):
         joint_offset: Any = None,
     ) -> Self:
         """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
-        what the joints' command and the fingers' weight add comes on top, here as there.
+        what the joints' command and the fingers' weight add comes on top, here as there. Beside soft fingers, whose
+        joints turn them, a flexibility has at least what the joints have, or is 0.
         """
         told = self
         if joint_offset is not None:
             told = copy.copy(self)
             told.joint_offset = read_command(joint_offset, self.state.hand.joint_names)
             told = changed(told, offset=told._shifted(self.tip_offset))
-        return super(HandGrasp, told).replace(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload)
+        made = super(HandGrasp, told).replace(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload)
+        if flexibility is not None and self.scene.soft and made.flexibility[: 3 * len(self.fingertips)].any():
+            of_the_joints(made, "soft fingers")
+        return made
 
     def solve(
         self,
@@ -138,8 +147,8 @@ class HandGrasp(Grasp):
         """What the effects of this grasp may know of its joints."""
         tips = self.state.hand.tip_numbers("fingers", self.fingertips)
         return joints_of(
-            self.state, tips, self.scene.positions, self.frames,
-            np.vstack([self.jacobian, self.turning]) if len(self.turning) else self.jacobian, self.gravity_torque,
+            self.state, tips, self.contacts, self.frames, self.jacobian, self.gravity_torque,
+            self.scene.plane is not None,
         )  # fmt: skip
 
     def _in_stages(
@@ -175,10 +184,9 @@ class HandGrasp(Grasp):
         return [*super()._without(), (WEIGHT.title, light), (COMMAND.title, still)]
 
     def _fingers_alone(self) -> Self:
-        made = super()._fingers_alone()
-        made.jacobian = self.jacobian[: 3 * made.scene.n]
-        made.turning = self.turning[: len(made.scene.soft)]
-        return made
+        made = copy.copy(self)
+        made.jacobian = self.jacobian[: 3 * len(self.fingertips)]
+        return super(HandGrasp, made)._fingers_alone()
 
     def _placed(self) -> HandGrasp:
         made = changed(self)
@@ -201,8 +209,13 @@ class HandGrasp(Grasp):
         """(n, 3) J (K⁻¹ g - δq) [m]: what sagging and commanded joints add to the offset."""
         return tip_motion(self.jacobian, self.sag - self.joint_offset, self.scene.plane is not None)
 
+    def _turning_too(self, flexibility: Array, soft: tuple[int, ...], frames: Array) -> Array:
+        tips = self.state.hand.tip_numbers("fingers", self.fingertips)
+        self._turning = read_only(turning_jacobian(self.state, tips, frames, soft))
+        return with_turning(self.state, self.jacobian, self._turning, flexibility)
+
     def _spun(self) -> Array:
-        return np.asarray(self.turning @ (self.sag - self.joint_offset))
+        return np.asarray(self._turning @ (self.sag - self.joint_offset))
 
     def _shifted(self, offset: Array) -> Array:
         return read_only(offset + self._added) if self._adds else offset

@@ -11,8 +11,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import arguments
 from handlcp.grasp.contact import Contact
-from handlcp.grasp.coordinates import soft_contacts
-from handlcp.grasp.effects import Effect, PrescribedForce
+from handlcp.grasp.effects import Effect
 from handlcp.grasp.environment import beside
 from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
 from handlcp.hand.command import read_command
@@ -22,7 +21,6 @@ from handlcp.hand.objects import Object
 from handlcp.hand.stiffness import per_name
 from handlcp.hand.table import surrounding
 from handlcp.hand.told import joints_of
-from handlcp.hand.torsion import NO_TURNING, turning_jacobian, with_turning
 from handlcp.hand.weight import FingerWeight, read_weight, tip_motion
 
 if TYPE_CHECKING:
@@ -107,14 +105,6 @@ def grasp(
         m = len(around.contacts)
         jacobian = np.concatenate([jacobian, np.zeros((3 * m, hand.nv))])
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
-    turning = NO_TURNING
-    if not all([c.plain for c in contacts]):
-        effects = (effects,) if isinstance(effects, Effect) or not isinstance(effects, Iterable) else tuple(effects)
-        prescribed = {e.contact for e in effects if isinstance(e, PrescribedForce)}
-        governed = tuple([i not in prescribed for i in range(len(contacts))])
-        if soft := soft_contacts(contacts, governed, normal is not None):
-            turning = read_only(turning_jacobian(state, tips, frames, soft))
-            flexibility = with_turning(state, jacobian, turning, flexibility)
     g = array("gravity", gravity, (3,))
     if reference is None:
         point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
@@ -130,10 +120,12 @@ def grasp(
     jacobian = read_only(jacobian)
     asked: tuple[Effect, ...] = ()
     if not isinstance(effects, tuple) or effects:
-        every = np.vstack([jacobian, turning]) if len(turning) else jacobian
-        asked = arguments.effects(effects, len(contacts), joints_of(state, tips, positions, frames, every, weigh), own)
+        known = joints_of(state, tips, contacts, frames, jacobian, weigh, normal is not None)
+        asked = arguments.effects(effects, len(contacts), known, own)
     made = HandGrasp.__new__(HandGrasp)
-    made.jacobian, made.turning, made.sag, made.joint_offset = jacobian, turning, sag, command
+    made.jacobian, made.sag, made.joint_offset = jacobian, sag, command
+    made.state, made.target = state, obj
+    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
     made._place(
         contacts,
         positions,
@@ -146,8 +138,6 @@ def grasp(
         normal,
         own,
     )
-    made.state, made.target = state, obj
-    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
     made.finger_weight, made.gravity, made.given_gravity = heavy, g if heavy else _WEIGHTLESS, g
     made.gravity_torque = weigh
     return made

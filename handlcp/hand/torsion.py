@@ -12,14 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array
 
 if TYPE_CHECKING:
     from handlcp.hand.state import HandState
 
-__all__ = ["NO_TURNING", "turning_jacobian", "with_turning"]
-
-NO_TURNING = read_only(np.zeros((0, 0)))  # of a hand without soft fingers
+__all__ = ["turning_jacobian", "with_turning"]
 
 
 def turning_jacobian(state: HandState, tips: Sequence[int], frames: Array, soft: tuple[int, ...]) -> Array:
@@ -31,8 +29,12 @@ def turning_jacobian(state: HandState, tips: Sequence[int], frames: Array, soft:
 
 
 def with_turning(state: HandState, jacobian: Array, turning: Array, flexibility: Array) -> Array:
-    """(c, c) E from that of the points (3n, 3n), in contact axes."""
-    n = len(jacobian)
-    every = state.hand.stiffness.compliance(np.vstack([jacobian, turning]))
-    every[:n, :n] = flexibility
-    return every
+    """(c, c) E with the joints' share of the last k rows and columns, in contact axes; jacobian (3n, nv), turning
+    (k, nv), flexibility (c, c) of the points and of pads alone. Points that don't give way have joints that don't.
+    """
+    n, out = len(jacobian), flexibility.copy()
+    if out[:n, :n].any():
+        every = state.hand.stiffness.compliance(np.vstack([jacobian, turning]))
+        every[:n, :n] = 0.0
+        out += every
+    return out

@@ -332,3 +332,17 @@ def test_sensors_in_the_fingertips_alone_do_not_know_the_load():
     with pytest.raises(InputError):
         hl.wrench_from_fingertip_forces(g, s.forces[:2])
     np.testing.assert_allclose(hl.wrench_from_fingertip_forces(g, s.forces), DOWN, atol=1e-12)
+
+
+def test_offsets_of_an_ellipse_in_the_environment_stay_when_others_are_replaced():
+    """They are kept in contact axes, not in those of its friction law."""
+    contacts, data = ring(np.random.default_rng(2), n=3)
+    g = hl.Grasp(
+        contacts,
+        **data,
+        environment=hl.Environment([hl.Contact((0, 0, 0), (0, 0, 1), hl.AnisotropicCoulomb(0.2, 0.8))]),
+    )
+    every = np.random.default_rng(3).normal(size=(4, 3)) * 1e-3
+    moved = g.replace(offset=every)
+    np.testing.assert_array_equal(moved.offset, every)
+    np.testing.assert_array_equal(moved.replace(preload=1e-3).offset[3], every[3])

@@ -37,7 +37,40 @@ def heavy():
     return hand.at(hand.close_on(ball, squeeze=4e-3)).grasp(ball, finger_weight=True)
 
 
-SCENES = {"pinch": pinch, "cube": cube_example, "plane": flat, "effects": loaded, "sliding": sliding, "hand": heavy}
+def patches():
+    contacts, data = ring(np.random.default_rng(6))
+    laws = [hl.SoftFinger(0.6, 0.006, 2.0), hl.AnisotropicCoulomb(0.9, 0.7), hl.Coulomb(0.6), hl.SoftFinger(0.5, 0.004)]
+    foot = hl.Contact((0, 0, 0), (0, 0, 1), hl.AnisotropicCoulomb(0.4, 0.3))
+    stand = hl.Environment([foot], 1e-3, -1e-4)
+    return hl.Grasp([c.with_friction(f) for c, f in zip(contacts, laws, strict=True)], **data, environment=stand)
+
+
+def tight(limit=0.3, **more):
+    """Soft fingers on joints with limits; what is left out may change who is soft."""
+    box, patch = hl.Box(0.05, (0, 0, 0.08), mass=0.02), hl.SoftFinger(0.6, 0.006, 2.0)
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=2e-4, torque_limits=limit)
+    laws = dict(zip(hand.fingertips, (patch, hl.Coulomb(0.7), patch), strict=True))
+    state = hand.at(hand.close_on(box))
+    return state.grasp(box, laws, preload=0.006, joint_offset=[0.01] * 6, **more)
+
+
+def limited():
+    return tight(effects=[hl.TorqueSaturation(), hl.ContactCompliance(1e-4)])
+
+
+def given():
+    return tight(1.0, effects=[hl.TorqueSaturation(), hl.PrescribedForce(0, tight().solve().forces[0])])
+
+
+def resting():
+    table = hl.Table((0, 0, 0.055), friction=hl.Coulomb(0.3), flexibility=1e-3)
+    return tight(environment=table, finger_weight=True)
+
+
+SCENES = {
+    "pinch": pinch, "cube": cube_example, "plane": flat, "effects": loaded, "sliding": sliding, "hand": heavy,
+    "patches": patches, "limited": limited, "given": given, "resting": resting,
+}  # fmt: skip
 ALWAYS = {"object balance", "unilateral contact"}
 
 

@@ -253,9 +253,8 @@ def test_a_hook_whose_stuck_finger_is_bounded_still_has_three_equilibria():
 def test_limits_both_ways_are_three_modes_and_out_of_reach_hide_no_equilibrium(room):
     free, section = hook(1.5), as_section(8, planar=True)
     J = np.random.default_rng(0).normal(size=(9, 2)) * 0.05
-    effect = hl.TorqueSaturation().for_grasp(
-        "", 3, Joints(("", ""), J, np.zeros(2), np.full(2, room), np.eye(2), lambda: J), ()
-    )
+    joints = Joints(("", ""), J, np.zeros(2), np.full(2, room), np.eye(2), lambda: np.zeros((9, 2, 2)))
+    effect = hl.TorqueSaturation().for_grasp("", 3, joints, ())
     effects = (*assemble_contact(free.scene, section, ()).effects, effect)
     plain, table = (mode_table(assemble_contact(free.scene, section, asked)) for asked in ((), (effect,)))
     assert table.choices == 9 * plain.choices

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.grasp.required import with_friction
 
 SOFT = hl.SoftFinger(0.6, 0.006, 2.0)
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
@@ -79,6 +80,36 @@ def test_a_saturated_joint_feels_the_moment_too():
     assert abs(s.torques).max() <= limit * (1 + 1e-9)
     torques = s.forces.ravel() @ tight.jacobian + s.torsion @ tight.turning
     np.testing.assert_allclose(torques, s.torques, atol=1e-8 * limit)
+
+
+def test_a_hand_given_its_own_flexibility_again_is_the_same_bit_by_bit():
+    """Flexibility is that of the points; what the joints turn by comes with it, also beside a table."""
+    for more in ({}, {"environment": hl.Table((0, 0, 0.055), flexibility=1e-3)}):
+        g = held(**more)
+        again = g.replace(flexibility=g.flexibility[:9, :9])
+        np.testing.assert_array_equal(again.scene.flexibility, g.scene.flexibility)
+        assert abs(g.scene.flexibility[:9, 3 * g.scene.n :]).max() > 0.0
+        softer = g.replace(flexibility=g.flexibility[:9, :9] + 1e-4 * np.eye(9))
+        assert np.linalg.eigvalsh(softer.scene.flexibility).min() > -1e-15
+
+
+def test_a_flexibility_below_that_of_the_joints_is_refused():
+    """Joints that turn a fingertip move it, too: no E could have the one without the other."""
+    with pytest.raises(hl.InputError, match="beside soft fingers"):
+        held().replace(flexibility=1e-6)
+    rigid = held().replace(flexibility=0.0).scene.flexibility
+    np.testing.assert_array_equal(np.diag(rigid)[:9], 0.0)
+    assert np.diag(rigid)[9:].all()  # the pads' own
+
+
+@pytest.mark.parametrize("effects", [[], [hl.TorqueSaturation(), hl.SoftWrist([1e-4] * 3 + [0.1] * 3)]])
+def test_patches_that_lose_their_friction_leave_the_grasp_of_smooth_fingers(effects):
+    """Who is soft may change: flexibility, limits and torques follow."""
+    smooth, made = with_friction(held(effects=effects), 0.0), held(hl.Frictionless(), effects=effects)
+    np.testing.assert_array_equal(smooth.scene.flexibility, made.scene.flexibility)
+    np.testing.assert_array_equal(smooth.problem().M, made.problem().M)
+    assert smooth.turning.shape == (0, 6)
+    assert smooth.solve(throw=False).status is hl.Status.NOT_HOLDABLE
 
 
 def test_moments_stay_with_the_fingers_that_are_soft():

@@ -24,6 +24,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.prescribed_force import PrescribedForce
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
@@ -69,9 +70,9 @@ class GeometricStiffness(Effect):
         if any(isinstance(e, TorqueSaturation) for e in others):
             expected = "geometric stiffness or torque saturation: a joint that yields has no spring to add to"
             raise InputError(argument, expected, "both")
-        if len(joints.jacobian) > 3 * n:
+        if soft := set(joints.turning) - {e.contact for e in others if isinstance(e, PrescribedForce)}:
             expected = "no soft fingers beside geometric stiffness: their moments have no potential to take it from"
-            raise InputError(argument, expected, f"{len(joints.jacobian) - 3 * n} of them")
+            raise InputError(argument, expected, f"{len(soft)} of them")
         made, hessian = type(self)(), joints.hessian()
         still = np.zeros((3 * n - len(hessian), *hessian.shape[1:]))  # contacts of the environment
         object.__setattr__(made, "joints", joints)

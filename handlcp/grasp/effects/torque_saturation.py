@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from handlcp.check import Array, Ints, read_only
+from handlcp.check import Array, Ints
 from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.limit import Limit
@@ -31,12 +31,12 @@ _REACH = 1e-12  # of the longest lever: a joint with less moves no contact
 class TorqueSaturation(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[TorqueSaturation()])`.
 
-    joints : the hand's, once it has completed the effect. given : (nv,) the torques that do not depend on the unknown
-    forces [N·m].
+    joints : the hand's, once it has completed the effect. prescribed : (contact, (nv,) torque of its force [N·m]) for
+    those whose force may be prescribed.
     """
 
     joints: Joints | None = field(default=None, init=False, repr=False)
-    given: Array | None = field(default=None, init=False, repr=False)
+    prescribed: tuple[tuple[int, Array], ...] = field(default=(), init=False, repr=False)
 
     title = "torque saturation"
     equation = "0 ≤ s^± ⟂ τ_max ∓ τ ≥ 0,  τ = Jᵀ r + g,  ε += J (s⁺ - s⁻)"
@@ -47,20 +47,18 @@ class TorqueSaturation(Effect):
     source = "joint by joint what Ai & Li (2025), equations (14) to (16), say of the sum of forces"
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
-        """Completed by Jacobian, limits and the torques that do not depend on the unknown forces."""
+        """Completed by Jacobian, limits and the torques of prescribed forces."""
         if joints is None:
             raise InputError(
                 argument,
                 "an effect that needs no joints; a hand knows its own: hand.at(q).grasp(..., effects=[...])",
                 repr(self),
             )
-        given = joints.weight.copy()
-        for e in others:
-            if isinstance(e, PrescribedForce) and e.contact < n:
-                given += e.force @ joints.jacobian[3 * e.contact : 3 * e.contact + 3]
+        known = [e for e in others if isinstance(e, PrescribedForce) and e.contact < n]
+        given = [(e.contact, e.force @ joints.jacobian[3 * e.contact : 3 * e.contact + 3]) for e in known]
         made = type(self)()
         object.__setattr__(made, "joints", joints)
-        object.__setattr__(made, "given", read_only(given))
+        object.__setattr__(made, "prescribed", tuple(given))
         return made
 
     @property
@@ -76,8 +74,7 @@ class TorqueSaturation(Effect):
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Both ways, of every joint that has a limit and moves a contact whose force is unknown."""
         joints, levers, k = self._known(scene)
-        assert self.given is not None
-        rows, given = (joints.jacobian.T * _unknown(scene))[k], self.given[k]
+        rows, given = (_jacobian(joints, scene).T * _unknown(scene))[k], self._given(joints, scene)[k]
         return (
             Limit("s⁺", rows, joints.limits[k] - given, levers[k]),
             Limit("s⁻", -rows, joints.limits[k] + given, levers[k]),
@@ -97,15 +94,28 @@ class TorqueSaturation(Effect):
             yielded[k] = np.where(moved | np.isnan(s), s, 0.0)
         return total, yielded
 
+    def _given(self, joints: Joints, scene: Scene) -> Array:
+        """(nv,) torques that do not depend on the unknown forces [N·m]."""
+        given = joints.weight.copy()
+        for contact, torque in self.prescribed:
+            if not scene.governed[contact]:
+                given += torque
+        return given
+
     def _known(self, scene: Scene) -> tuple[Joints, Array, Ints]:
         """The joints; the length of each one's lever on the unknown forces [m] (1 for a prismatic joint); and which of
         them have a limit and such a lever.
         """
         assert self.joints is not None  # `for_grasp` saw to it
         unknown = np.concatenate([scene.normal_index, scene.tangent_index])
-        levers = np.sqrt((self.joints.jacobian[unknown] ** 2).sum(axis=0))
+        levers = np.sqrt((_jacobian(self.joints, scene)[unknown] ** 2).sum(axis=0))
         limited = np.isfinite(self.joints.limits) & (levers > _REACH * levers.max(initial=0.0))
         return self.joints, levers, np.flatnonzero(limited)
+
+
+def _jacobian(joints: Joints, scene: Scene) -> Array:
+    """(c, nv) over the scene's force components, in contact axes."""
+    return np.vstack([joints.jacobian, *(joints.turning[i] for i in scene.soft)]) if scene.soft else joints.jacobian
 
 
 def _unknown(scene: Scene) -> Array:
