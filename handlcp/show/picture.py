@@ -142,6 +142,8 @@ class _Scene:
         if s.contact_state[i] == "separated":
             return f"lets go, gap {units.length(float(s.gap[i]))}"
         push = units.force(float(np.linalg.norm(s.forces[i])))
+        if s.torsion is not None and s.torsion[i]:  # the colour says whether it sticks; a longer line costs the picture
+            return f"{push}, {units.torque(abs(float(s.torsion[i])))}"
         return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
     def entries(self) -> list[Entry]:
