@@ -6,6 +6,7 @@ A bad argument is an `InputError`, which is also a `ValueError`; it names the ar
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import Any
 
 __all__ = [
@@ -38,7 +39,9 @@ class UnknownName(InputError):
     def __init__(self, argument: str, kind: str, names: Iterable[str], valid: Iterable[str]) -> None:
         self.names, self.valid = tuple(names), tuple(valid)
         listed = ", ".join(self.valid) or "none at all"
-        super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names))
+        near = [m for n in self.names for m in get_close_matches(n, self.valid, 1, 0.6)]
+        hint = f"; did you mean {' and '.join(repr(m) for m in dict.fromkeys(near))}?" if near else ""
+        super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names) + hint)
 
 
 class URDFError(InputError):

@@ -25,7 +25,7 @@ from handlcp.grasp.effects import (
 from handlcp.grasp.pyramid import Interval, Pyramid, Section
 from handlcp.grasp.scene import Scene
 
-__all__ = ["BY_NAME", "FROM_DATA", "absent", "asked_for", "called_for", "without_numbers"]
+__all__ = ["BY_NAME", "FROM_DATA", "absent", "asked_for", "called_for"]
 
 
 def called_for(scene: Scene, section: Section, asked: tuple[Effect, ...], multipliers: bool) -> tuple[Effect, ...]:
@@ -59,11 +59,6 @@ BY_NAME: tuple[type[Effect], ...] = (
     TotalForceBound, FingerForceBound, TorqueSaturation, PrescribedForce, KnownForce, ContactCompliance, SoftWrist,
     GeometricStiffness,
 )  # fmt: skip
-
-
-def without_numbers() -> tuple[type[Effect], ...]:
-    """Effects that no one can judge before numbers are given for them: all but those that a hand's own numbers make."""
-    return tuple(kind for kind in BY_NAME if kind not in (TorqueSaturation, GeometricStiffness))
 
 
 def asked_for(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

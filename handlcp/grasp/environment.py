@@ -132,13 +132,15 @@ def offset_beside(value: Any, preload: Any, fingers: int, last: Array) -> Array:
     return read_only(np.concatenate([arguments.offset(value, preload, fingers), last]))
 
 
-def environment_line(scene: Scene, names: tuple[str, ...]) -> EffectLine:
-    """For `explain()`; names (n,) of all contacts. Their unknowns are counted with contact and friction."""
+def environment_line(scene: Scene, names: tuple[str, ...], flexibility: Array) -> EffectLine:
+    """For `explain()`; names (n,) of all contacts, flexibility
+    (3n, 3n) without compliances asked for. Their unknowns are counted with contact and friction.
+    """
     why = "none given"
     if m := scene.environment:
         listed = ", ".join(names[-m:][:4]) + (f" and {m - 4} more" if m > 4 else "")
         mine = slice(3 * (scene.n - m), 3 * scene.n)
-        block = scene.flexibility[mine, mine]
+        block = flexibility[mine, mine]
         soft = f"{block.trace() / (3 * m):.3g} m/N in the mean" if block.any() else "rigid"
         why = f"{m} of the {scene.n} contacts: {listed}; {soft}"
     return EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, bool(m), why, ())

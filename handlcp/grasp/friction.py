@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, TypeAlias, get_args
 
-from handlcp.check import Array, array, number
+from handlcp.check import array, number
 from handlcp.errors import InputError
 
 __all__ = ["LAW", "LAWS", "AnisotropicCoulomb", "Coulomb", "Friction", "Frictionless", "SoftFinger"]
@@ -67,27 +67,28 @@ class Frictionless(_Alike):
         return 0.0
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False)
 class AnisotropicCoulomb:
     """Dry friction that differs with the direction, (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²; a sliding contact is on the ellipse
     and its slip along minus the ellipse's normal (maximum dissipation), which is not against the force in general.
 
     mu_x, mu_y : coefficients > 0 along the contact's x and y axes [-]; equal ones are Coulomb's law.
     along : (3,) direction of x, world axes, projected on the tangent plane of a contact whose `tangent` is not given;
-        None: the contact's own choice. With "faces" the polygon is Coulomb's, stretched.
+        None: the contact's own choice, which is another one from finger to finger where contacts are detected. With
+        "faces" the polygon is Coulomb's, stretched.
 
     Raises InputError.
     """
 
     mu_x: float
     mu_y: float
-    along: Array | None
+    along: tuple[float, ...] | None
 
     def __init__(self, mu_x: float, mu_y: float, along: Any = None) -> None:
         for name, value in (("mu_x", mu_x), ("mu_y", mu_y)):
             object.__setattr__(self, name, number(f"AnisotropicCoulomb.{name}", value, above=0.0))
         given = None if along is None else array("AnisotropicCoulomb.along", along, (3,), (2,))
-        object.__setattr__(self, "along", given)
+        object.__setattr__(self, "along", None if given is None else tuple(given.tolist()))
 
     @property
     def mu(self) -> float:
@@ -114,7 +115,7 @@ class AnisotropicCoulomb:
         return AnisotropicCoulomb(mu * x, mu * y, self.along) if mu * min(x, y) > 0.0 else Coulomb(0.0)
 
     def __repr__(self) -> str:
-        along = "" if self.along is None else f", along={self.along.tolist()}"
+        along = "" if self.along is None else f", along={self.along}"
         return f"AnisotropicCoulomb({self.mu_x!r}, {self.mu_y!r}{along})"
 
 

@@ -17,9 +17,9 @@ from handlcp.grasp.changed import changed
 from handlcp.grasp.conclude import conclude, conclude_first
 from handlcp.grasp.contact import Contact
 from handlcp.grasp.coordinates import in_axes, law_of, padded
-from handlcp.grasp.effects import Effect, PrescribedForce, softened, stamped
+from handlcp.grasp.effects import Effect, FingerFlexibility, PrescribedForce, softened, stamped
 from handlcp.grasp.environment import beside, environment_line, joined, offset_beside
-from handlcp.grasp.explain import Explanation, explain
+from handlcp.grasp.explain import EffectLine, Explanation, explain
 from handlcp.grasp.first import Found
 from handlcp.grasp.others import Equilibria, equilibria
 from handlcp.grasp.pyramid import Pyramid, Section, as_section
@@ -315,8 +315,20 @@ class Grasp:
 
     def _explained(self, explanation: Explanation) -> Explanation:
         """With the environment; a hand adds its own."""
-        lines = sorted((*explanation.effects, environment_line(self.scene, self.names)), key=lambda x: not x.on)
+        every = [self._own_flexibility(line) for line in explanation.effects]
+        every.append(environment_line(self.scene, self.names, self.flexibility))
+        lines = sorted(every, key=lambda x: not x.on)
         return replace(explanation, effects=tuple(lines))  # what is on comes first
+
+    def _own_flexibility(self, line: EffectLine) -> EffectLine:
+        """That of fingers is told apart from what compliances asked for add to E."""
+        if line.title != FingerFlexibility.title or not line.on:
+            return line
+        k = 3 * (self.scene.n - self.scene.environment)
+        own = self.flexibility[:k, :k]
+        if not own.any():
+            return replace(line, on=False, why="E of the fingers is zero: rigid fingers", unknowns=())
+        return replace(line, why=f"E is not zero (mean {own.trace() / k:.3g} m/N)")
 
     def _without(self) -> list[tuple[str, Grasp]]:
         """(title, the grasp without it) for each effect that can be left out."""

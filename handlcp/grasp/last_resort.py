@@ -9,7 +9,7 @@ from handlcp.grasp.assemble import GraspContact, GraspProblem
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.certify import judge
 from handlcp.grasp.diagnosis import Within
-from handlcp.grasp.effects import Effect, TotalForceBound
+from handlcp.grasp.effects import Effect, KnownForce, TorqueSaturation, TotalForceBound
 from handlcp.grasp.equilibria import Believer, applicable, find_equilibrium, widest
 from handlcp.grasp.holdable import jammed, least_total, load_to_balance
 from handlcp.grasp.mode_table import PER_SECOND, mode_table
@@ -47,8 +47,15 @@ def _cause(problem: GraspProblem | GraspContact | GraspBalls, section: Section) 
             if least is not None and least > 1.001 * e.limit:  # so that the two numbers differ in print
                 return f"the total normal force is bounded to {e.limit:.4g} N, and balance needs {least:.4g} N"
     titles = _taking_part(scene, effects, proof[scene.dof :])
-    verb = "leaves" if len(titles) == 1 else "together leave"
+    verb = "together leave" if len(titles) > 1 else "leave" if titles[0].endswith("s") else "leaves"
     return f"the {' and the '.join(titles)} {verb} no force that balances it"
+
+
+def _called(e: Effect) -> str:
+    """An effect's limits, as a designer calls them."""
+    if isinstance(e, KnownForce):
+        return f"known force of contact {e.contact}"
+    return "joints' torque limits" if isinstance(e, TorqueSaturation) else e.title
 
 
 def _taking_part(scene: Scene, effects: tuple[Effect, ...], moves: Array) -> list[str]:
@@ -57,7 +64,7 @@ def _taking_part(scene: Scene, effects: tuple[Effect, ...], moves: Array) -> lis
     for e in effects:
         end = at + sum(len(limit.room) for limit in e.present(scene))
         if (moves[at:end] > ACTIVE * moves.max(initial=0.0)).any():
-            titles.append(e.title)
+            titles.append(_called(e))
         at = end
     return titles
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,7 +55,7 @@ class Required:
     unit: str
     limit: float
     tolerance: float
-    checked: tuple[tuple[float, bool], ...]
+    checked: tuple[tuple[float, bool], ...] = field(repr=False)
     hint: str = ""
 
     def __str__(self) -> str:

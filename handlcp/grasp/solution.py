@@ -67,7 +67,7 @@ class GraspSolution:
 
     @property
     def held(self) -> bool:
-        """Whether the hand holds the object: a certified equilibrium exists."""
+        """Whether a certified equilibrium exists. A hand's joints may not bear it: `torque_check` says so."""
         return self.status is Status.SOLVED
 
     @cached_property

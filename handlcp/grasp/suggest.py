@@ -2,7 +2,8 @@
 
     change = max |r_with - r| / max |r|,    r_with from one solve that starts at r
 
-What needs numbers that nobody gave (a soft surface, a bound) cannot be judged, and is listed as such.
+What needs numbers that nobody gave (a soft surface, a bound), or does not go with what is on, cannot be judged, and is
+listed as such.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from handlcp.check import Array, number
 from handlcp.errors import InputError
-from handlcp.grasp.catalogue import without_numbers
+from handlcp.grasp.catalogue import BY_NAME
 from handlcp.grasp.pyramid import Pyramid, Section
 from handlcp.grasp.solution import GraspSolution
 from handlcp.lcp import Auto
@@ -48,7 +49,8 @@ class Suggestion:
 class Suggestions:
     """What `Grasp.suggest` found, the largest change first.
 
-    found : those above `least`. small : (title, change) of those below. unjudged : titles of effects that need numbers.
+    found : those above `least`. small : (title, change) of those below. unjudged : titles of effects that need numbers,
+    or a hand, or do not go with those that are on.
     """
 
     found: tuple[Suggestion, ...]
@@ -67,7 +69,7 @@ class Suggestions:
         if self.small:
             lines.append("small: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
         if self.unjudged:
-            lines.append("not judged, for want of numbers: " + ", ".join(self.unjudged))
+            lines.append("not judged (no numbers given, or not beside what is on): " + ", ".join(self.unjudged))
         return "\n".join(lines)
 
 
@@ -81,8 +83,8 @@ def suggest(grasp: Grasp, solution: GraspSolution | None, faces: int | str | Pyr
     every = sorted(grasp._left_out(solution, faces), key=lambda s: -s.change)
     found = tuple(s for s in every if s.change >= least)
     small = tuple((s.effect, s.change) for s in every if s.change < least)
-    on = {type(e) for e in grasp.effects}
-    return Suggestions(found, small, tuple(kind.title for kind in without_numbers() if kind not in on), least)
+    done = {e.title for e in grasp.effects} | {s.effect for s in every}
+    return Suggestions(found, small, tuple(kind.title for kind in BY_NAME if kind.title not in done), least)
 
 
 def left_out(grasp: Grasp, solution: GraspSolution, faces: int | str | Pyramid) -> Iterator[Suggestion]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from handlcp.check import Array
 from handlcp.grasp.solution import GraspSolution
@@ -31,6 +32,16 @@ class HandGraspSolution(GraspSolution):
     joint_yield: Array
     torque_check: TorqueCheck
     effort: Effort | None = None
+
+    @cached_property
+    def diagnosis(self) -> str:
+        """As in `GraspSolution`, and which joints that would ask for more than they have."""
+        text, over = super().diagnosis, [r for r in self.torque_check if r.known and r.utilisation > 1.0]
+        if not self.held or not over:
+            return text
+        worst = max(over, key=lambda r: r.utilisation)
+        more = f" and {len(over) - 1} more joints" if len(over) > 1 else ""
+        return f"{text}; but {worst.joint}{more} would need more torque than there is, up to {worst.utilisation:.3g} ×"
 
     @property
     def tendon_tension(self) -> Array | None:

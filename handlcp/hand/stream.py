@@ -40,7 +40,8 @@ class GraspStream:
     an update is bounded: it takes the solver's first stage and no later one, and is UNDECIDED where that fails;
     `stream.grasp.solve()` asks all of them. A stream belongs to one thread.
 
-    Raises InputError for a grasp with effects asked for by name other than compliances; `grasp.solve(start=...)`
+    Raises InputError for a grasp with effects asked for by name other than compliances, or with soft fingers or
+    anisotropic friction; `grasp.solve(start=...)`
     follows it.
     """
 

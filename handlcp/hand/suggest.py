@@ -39,8 +39,12 @@ def hand_left_out(grasp: HandGrasp, solution: HandGraspSolution, faces: int | st
 
 def _saturation(grasp: HandGrasp, solution: HandGraspSolution, faces: int | str | Pyramid) -> Iterator[Suggestion]:
     """Where a joint is asked for more than it has."""
-    over = [r for r in solution.torque_check if r.known and r.utilisation > 1.0]
+    known = [r for r in solution.torque_check if r.known]
+    over = [r for r in known if r.utilisation > 1.0]
     if not over:
+        if known:
+            words = f"all joints within their limits, {max(r.utilisation for r in known):.0%} at most"
+            yield Suggestion(TorqueSaturation.title, 0.0, words, "effects=[TorqueSaturation()]")
         return
     worst = max(over, key=lambda r: r.utilisation)
     s = change_of(

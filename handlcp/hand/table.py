@@ -72,10 +72,15 @@ class Table:
         stands on), one point of a ball or an ellipsoid, the vertices of a mesh's hull, as far as they are within
         `max_gap`; of a flat patch its convex hull. Gaps are measured; an overlap is a squeeze.
 
-        Raises NotReached, which says how far the object is, where there is none.
+        Raises NotReached, which says how far the object is, where there is none; InputError for an object behind it.
         """
         if not isinstance(obj, Object):
             raise InputError("obj", "an object (Box, Sphere, …)", repr(obj)[:80])
+        if (behind := float((self.point - obj.center_of_mass) @ self.normal)) > 0.0:
+            expected = f"an object whose centre is on the side of the {self.name} that its normal points to"
+            raise InputError(
+                "environment", expected, f"one {behind * 1e3:.3g} mm behind it: is the normal turned round?"
+            )
         points, gaps, least = patch(obj, self.point, self.normal, self.max_gap)
         if not len(points):
             expected = f"an object within max_gap = {self.max_gap * 1e3:g} mm of the {self.name}"

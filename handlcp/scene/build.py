@@ -13,7 +13,7 @@ from handlcp.grasp import (
     Grasp,
 )
 from handlcp.scene.naming import by_finger, keyed, known
-from handlcp.scene.physics import effects_of, is_by_finger, law_of
+from handlcp.scene.physics import effects_of, is_by_finger, keys_of, law_of
 from handlcp.scene.schema import (
     BoxTable,
     CylinderTable,
@@ -132,9 +132,11 @@ def _by_hand(scene: SceneFile) -> Grasp:
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
         given: Any = g.friction
         laws = {f: law_of(v) for f, v in given.items()} if is_by_finger(given) else law_of(given)
+    asked = effects_of(scene, fingers)
+    with keyed(GRASP | keys_of(asked)):
         return the_hand.at(q).grasp(
             obj, laws, _wrench(scene), g.gravity_m_per_s2, by_finger("grasp.preload_m", g.preload_m, fingers),
-            reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=effects_of(scene, fingers),
+            reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=asked,
             finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad, environment=around,
         )  # fmt: skip
 
@@ -147,7 +149,7 @@ def _by_contacts(scene: SceneFile) -> Grasp:
     for i, c in enumerate(tables):
         law = laws.get(names[i], 0.6) if c.friction is None else c.friction
         with keyed({"position": f"contact[{i}].position_m"}, f"contact[{i}]."):
-            contacts.append(Contact(c.position_m, c.normal, law_of(law), c.tangent, c.name))
+            contacts.append(Contact(c.position_m, c.normal, law_of(law, f"contact[{i}].friction"), c.tangent, c.name))
     wrench, reference = _wrench(scene), np.array([0.0, 0.0, 0.0] if g.reference_m is None else g.reference_m)
     obj = shape(scene)
     around = _environment(scene, obj)
@@ -156,10 +158,11 @@ def _by_contacts(scene: SceneFile) -> Grasp:
             reference = obj.center_of_mass
         weight = obj.mass * np.array(g.gravity_m_per_s2)
         wrench = wrench + np.concatenate([weight, np.cross(obj.center_of_mass - reference, weight)])
-    with keyed(GRASP):
+    asked = effects_of(scene, names)
+    with keyed(GRASP | keys_of(asked)):
         return Grasp(
             contacts, wrench, flexibility=g.flexibility_m_per_N or 0.0, reference=reference, plane=g.plane,
-            preload=by_finger("grasp.preload_m", g.preload_m, names), effects=effects_of(scene, names),
+            preload=by_finger("grasp.preload_m", g.preload_m, names), effects=asked,
             environment=around,
         )  # fmt: skip
 
@@ -170,7 +173,7 @@ def _environment(scene: SceneFile, obj: Object | None) -> list[Environment] | No
 
     parts = []
     for i, e in enumerate(scene.environment):
-        where, law = f"environment[{i}]", law_of(e.friction)
+        where, law = f"environment[{i}]", law_of(e.friction, f"environment[{i}].friction")
         with keyed({a: f"{where}.{key}" for a, key in ENVIRONMENT.items()} | {"environment": where}):
             if e.point_m is None:
                 contact = Contact(e.position_m, e.normal, law, e.tangent, e.name)

@@ -38,6 +38,7 @@ __all__ = [
     "Switch",
     "Text",
     "TorqueLimits",
+    "TotalBound",
     "Vector",
     "WristFlexibility",
 ]
@@ -123,6 +124,13 @@ def _law_table(value: dict[str, Any]) -> dict[str, Any]:
     return value
 
 
+def _fingers(value: dict[str, Any]) -> dict[str, Any]:
+    """A table by finger; no finger is called like a key of a law, nearly right tables are."""
+    if any(key in needed | more for needed, more in LAW_KEYS for key in value):
+        raise ValueError("keys of a friction law")
+    return value
+
+
 _LawTable = Annotated[dict[str, _Finite | _Three], AfterValidator(_law_table)]
 _Law = _From0 | Literal["frictionless"] | _LawTable
 _LAW_WORDS = (
@@ -130,7 +138,10 @@ _LAW_WORDS = (
     "or {mu_x, mu_y} (also along)"
 )
 Friction = Annotated[_Law, Expected(_LAW_WORDS)]
-FrictionByFinger = Annotated[_Law | dict[str, _Law], Expected(f"{_LAW_WORDS}, or a table of these by finger")]
+FrictionByFinger = Annotated[
+    _Law | Annotated[dict[str, _Law], AfterValidator(_fingers)],
+    Expected(f"{_LAW_WORDS}, or a table of these by finger"),
+]
 Preload = Annotated[
     _Finite | list[_Finite] | dict[str, _Finite],
     Expected("a finite number, one for each contact, or a table by finger"),
@@ -147,6 +158,7 @@ ForceBounds = Annotated[
     _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
     Expected("a number > 0 (inf: no bound), one for each contact, or a table by finger"),
 ]
+TotalBound = Annotated[_Above0OrInf, Expected("a number > 0 (inf: no bound)")]
 Softness = Annotated[_From0 | _ThreeFrom0, Expected("a number ≥ 0 or three of them")]
 _Six = Annotated[list[_Finite], Field(min_length=6, max_length=6)]
 WristFlexibility = Annotated[

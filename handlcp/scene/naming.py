@@ -33,6 +33,9 @@ def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
     except InputError as error:
         head, dot, rest = error.argument.partition("[")
         named = keys.get(head, prefix + head) + dot + rest
+        for listed, key in keys.items():  # such as "effects[1]", whose number no file knows
+            if "[" in listed and error.argument.startswith(listed):
+                named = key + error.argument[len(listed) :]
         if named != error.argument:
             error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
         raise

@@ -30,21 +30,21 @@ if TYPE_CHECKING:
     from handlcp.grasp import Effect, Friction
     from handlcp.scene.file import SceneFile
 
-__all__ = ["effects_of", "is_by_finger", "law_of"]
+__all__ = ["effects_of", "is_by_finger", "keys_of", "law_of"]
 
 LAW = {
-    "SoftFinger.mu": "friction.mu", "SoftFinger.mu_torsion": "friction.mu_torsion_m",
-    "SoftFinger.torsional_flexibility": "friction.torsional_flexibility_rad_per_Nm",
-    "AnisotropicCoulomb.mu_x": "friction.mu_x", "AnisotropicCoulomb.mu_y": "friction.mu_y",
-    "AnisotropicCoulomb.along": "friction.along",
+    "SoftFinger.mu": "mu", "SoftFinger.mu_torsion": "mu_torsion_m",
+    "SoftFinger.torsional_flexibility": "torsional_flexibility_rad_per_Nm",
+    "AnisotropicCoulomb.mu_x": "mu_x", "AnisotropicCoulomb.mu_y": "mu_y",
+    "AnisotropicCoulomb.along": "along",
 }  # fmt: skip
 
 
-def law_of(value: Any) -> Friction:
-    """The friction law of a checked value."""
+def law_of(value: Any, key: str = "grasp.friction") -> Friction:
+    """The friction law of a checked value, which is that of `key`."""
     if not isinstance(value, dict):
         return Frictionless() if value == "frictionless" else Coulomb(value)
-    with keyed(LAW):
+    with keyed({argument: f"{key}.{name}" for argument, name in LAW.items()}):
         if "mu_x" in value:
             return AnisotropicCoulomb(value["mu_x"], value["mu_y"], value.get("along"))
         return SoftFinger(value["mu"], value["mu_torsion_m"], value.get("torsional_flexibility_rad_per_Nm", 0.0))
@@ -87,6 +87,11 @@ def effects_of(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
         with keyed({"KnownForce.force": key}):
             effects.append(KnownForce(which, parts))
     return effects
+
+
+def keys_of(effects: Sequence[Effect]) -> dict[str, str]:
+    """By argument, such as "effects[1]", the key that the effect is from."""
+    return {f"effects[{i}]": type(e).in_file.partition(" = ")[0] for i, e in enumerate(effects)}
 
 
 def _number(contact: Any, key: str, fingers: Sequence[str]) -> int:

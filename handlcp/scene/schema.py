@@ -287,7 +287,7 @@ class SoftWristTable(Table):
 class EffectsTable(Table):
     """Effects that a scene has only when asked for."""
 
-    total_force_bound_N: k.Positive | None = None
+    total_force_bound_N: k.TotalBound | None = None
     """the most that all normal forces may add up to"""
     finger_force_bound_N: k.ForceBounds | None = None
     """the most that a finger's normal force may be; fingers left out of a table have no bound"""

@@ -14,6 +14,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
+from handlcp.hand import HandGrasp
 from handlcp.show import labels, units
 from handlcp.show.bodies import Body, environment_bodies, hand_bodies, object_body, stub_bodies
 from handlcp.show.camera import Camera, choose, facing, frame
@@ -182,7 +183,11 @@ def _camera(grasp: Grasp, solids: list[Body], glass: Body | None, marks: Array) 
         up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
         above = _upwards(-scene.force / pull) if pull > 0 else up
         return facing(normal, up if abs(above @ normal) > 0.9 else above)  # an askew load's z may be where we look from
-    up = _upwards(-scene.force / pull) if pull > 0 else np.array([0.0, 0.0, 1.0])
+    down = scene.force
+    if isinstance(grasp, HandGrasp) and grasp.target is not None and grasp.target.mass > 0.0:
+        down = grasp.given_gravity if grasp.given_gravity.any() else down  # what hangs, hangs, however it is pushed
+    pull = float(np.linalg.norm(down))
+    up = _upwards(-down / pull) if pull > 0 else np.array([0.0, 0.0, 1.0])
     return choose(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
 
 

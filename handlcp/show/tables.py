@@ -13,6 +13,8 @@ from rich.text import Text
 from handlcp.grasp import Explanation, Grasp, GraspSolution
 from handlcp.grasp.entry import Entry
 from handlcp.grasp.explain import EffectLine
+from handlcp.grasp.limit_surface import limit_surface
+from handlcp.grasp.pyramid import Pyramid
 from handlcp.show import units
 
 __all__ = [
@@ -38,6 +40,8 @@ def effect_table(explanation: Explanation) -> Table:
     measured = e.seconds is not None
     if e.seconds is not None:
         solved += f"; {1e6 * e.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
+        if any((line.share or 0.0) <= -0.02 for line in e.effects if line.on):
+            solved += '; "saves": without it a solve takes longer'
     table = plain("Effects", caption=solved)
     for heading in ("", "effect", "why"):
         table.add_column(heading, no_wrap=heading == "")
@@ -189,13 +193,15 @@ def plain(title: str, caption: str | None = None) -> Table:
 
 
 def _share(line: EffectLine) -> str:
-    return "–" if line.share is None else f"{round(100 * line.share)} %"
+    if line.share is None:
+        return "–"
+    return f"{round(100 * line.share)} %" if line.share > -0.02 else "saves"
 
 
 def _number(value: float, digits: int = 3) -> str:
     if not np.isfinite(value):
         return "–"
-    return f"{value:.{digits}f}" if abs(value) < 100 else f"{value:.1f}"
+    return f"{round(value, digits) + 0.0:.{digits}f}" if abs(value) < 100 else f"{value:.1f}"
 
 
 def _bar(share: float) -> str:
@@ -205,7 +211,10 @@ def _bar(share: float) -> str:
 
 def _limit_note(grasp: Grasp, faces: Any) -> str | None:
     """What 100 % of the friction limit means with a pyramid."""
-    if grasp.scene.plane is not None or not len(grasp.scene.rough) or not isinstance(faces, int):
+    if grasp.scene.plane is not None or not grasp.scene.frictional or not isinstance(faces, int):
         return None
+    if grasp.scene.soft:
+        least = units.percent(min(float(np.cos(np.pi / faces)), limit_surface(Pyramid(faces)).share))
+        return f"of limit: friction and moment within the limit surface; a contact slides from {least} on"
     least, who = units.percent(float(np.cos(np.pi / faces))), "contact" if grasp.scene.environment else "finger"
     return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a {who} slide from {least} on"

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import FingerForceBound, Grasp, GraspSolution, TotalForceBound
+from handlcp.grasp import FingerForceBound, Grasp, GraspSolution, KnownForce, PrescribedForce, TotalForceBound
 from handlcp.lcp import Status
 from handlcp.show import units
 
@@ -105,7 +105,22 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
     if turn > SMALL_TURN or move > SMALL_MOVE * grasp.scene.units.length:
         how_far = f"the object moves {units.length(move)} and turns {units.angle(turn)}"
         notes.append(f"{how_far}: more than a model of small motions covers")
+    notes += _far(grasp, s)
     return Verdict(word, "; ".join(p for p in parts if p), tuple(notes))
+
+
+def _far(grasp: Grasp, s: GraspSolution) -> list[str]:
+    """What else is too large for a model of small motions: slips, squeezes, joints that yield."""
+    most = SMALL_MOVE * grasp.scene.units.length
+    slip, squeeze = float(np.hypot(*s.slip.T).max()), -float(grasp.offset[:, 2].min())
+    yielded = float(abs(getattr(s, "joint_yield", np.zeros(1))).max())
+    large = [
+        (f"a slip of {units.length(slip)}", slip > most),
+        (f"a squeeze of {units.length(squeeze)}", squeeze > most),
+    ]
+    large.append((f"a joint that yields by {units.angle(yielded)}", yielded > SMALL_TURN))
+    named = [words for words, too_far in large if too_far]
+    return [f"{' and '.join(named)}: more than a model of small motions covers"] if named else []
 
 
 def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
@@ -113,9 +128,18 @@ def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
     out = []
     for e in grasp.effects:
         if isinstance(e, (TotalForceBound, FingerForceBound)):
-            ways = [float(s.extra[u.name].max()) for u in e.unknowns(grasp.scene)]
-            if (way := max(ways, default=0.0)) > units.NOTHING:
-                out.append(f"the {e.title} is reached and gives way by {units.length(way)}")
+            for limit in e.present(grasp.scene):
+                way, rows = s.extra[limit.name], limit.rows
+                at = [s.names[int(np.flatnonzero(rows[k])[0]) // 3] for k in np.flatnonzero(way > units.NOTHING)]
+                whose = f" at {_listed(at)}" if isinstance(e, FingerForceBound) else ""
+                if at:
+                    out.append(f"the {e.title} is reached{whose} and gives way by {units.length(float(way.max()))}")
+        elif isinstance(e, KnownForce):
+            moved = [s.extra[limit.name] for limit in e.present(grasp.scene)]
+            if moved and (far := float(abs(moved[0] - moved[1]).max())) > units.NOTHING:
+                out.append(f"{s.names[e.contact]} moves by {units.length(far)} to push as it is known to")
+        elif isinstance(e, PrescribedForce) and e.force[2] < 0.0:
+            out.append(f"{s.names[e.contact]} pulls, as prescribed")
     return out
 
 

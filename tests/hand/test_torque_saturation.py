@@ -213,7 +213,7 @@ def test_limits_too_low_for_the_load_are_proven_so(write: Writer, faces: int | s
     hand = lever_hand(write, torque_limits=0.6)
     s = saturating(hand, force=(0, 0, -1.01 * 2 * MU * 0.6 / L)).solve(faces, throw=False)
     assert s.status is Status.NO_EQUILIBRIUM
-    assert s.diagnosis.endswith("the torque saturation leaves no force that balances it")
+    assert s.diagnosis.endswith("the joints' torque limits leave no force that balances it")
     assert np.isnan(s.torques).all()
     assert np.isnan(s.joint_yield).all()
     assert not s.torque_check.yielding

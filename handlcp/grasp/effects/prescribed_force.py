@@ -58,6 +58,10 @@ class PrescribedForce(Effect):
     def stamp(self, scene: Scene, system: System) -> None:
         """Known parts of balance and of the other fingers' retreat."""
         mine = slice(3 * self.contact, 3 * self.contact + 3)
+        if scene.plane is not None and self.force[1] != 0.0:
+            raise InputError(
+                "PrescribedForce.force", "no force out of the plane (y) in a planar scene", self.force.tolist()
+            )
         s, a, force = scene.units, scene.natural, scene.lawful_at(self.contact, self.force)
         system.load("u", a.every[:, mine] @ (force / s.force))
         retreat = scene.flexibility[:, mine] @ force / s.motion

@@ -30,12 +30,12 @@ class SoftFingerPyramid(Effect):
 
     title: ClassVar[str] = "soft finger, polyhedron"
     equation: ClassVar[str] = "(v_T, ρ ω_n) = -N λ,  0 ≤ λ ⟂ μ_m r_N - Nᵀ (r_T, r_τ/ρ) ≥ 0"
-    when: ClassVar[str] = "Soft fingertips that hold against spinning, for solvers of linear problems."
+    when: ClassVar[str] = "Soft fingertips that hold against spinning; 8 faces lie inside the ellipsoid, by 14 %."
     in_python: ClassVar[str] = "friction=SoftFinger(0.6, 0.005), faces=8"
     in_file: ClassVar[str] = "grasp.friction = { mu = 0.6, mu_torsion_m = 0.005 }\nsolve.faces = 8"
     brings: ClassVar[str] = "3 + 26 a contact at m = 8"
     source: ClassVar[str] = (
-        "Howe & Cutkosky, Int. J. Robotics Research 15 (1996), for the ellipsoid that the faces touch"
+        "Howe & Cutkosky, Int. J. Robotics Research 15 (1996), for the ellipsoid that their vertices lie on"
     )
 
     @property

@@ -21,7 +21,7 @@ __all__ = ["TotalForceBound"]
 
 @dataclass(frozen=True, slots=True)
 class TotalForceBound(Effect):
-    """Upper bound `limit` [N] > 0 on the sum of all unknown normal forces of fingers."""
+    """Upper bound `limit` [N] > 0 (inf: none) on the sum of all unknown normal forces of fingers."""
 
     limit: float
 
@@ -35,14 +35,21 @@ class TotalForceBound(Effect):
 
     def __post_init__(self) -> None:
         """Check the limit."""
-        object.__setattr__(self, "limit", number("TotalForceBound.limit", self.limit, above=0.0))
+        object.__setattr__(self, "limit", number("TotalForceBound.limit", self.limit, above=0.0, finite=False))
+
+    @property
+    def opens(self) -> bool:
+        """Not without a bound."""
+        return bool(np.isfinite(self.limit))
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
         return f"asked for: Σ r_N ≤ {self.limit:g} N"
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
-        """One, of all normal forces; z̄ is the opening common to all fingers."""
+        """One, of all normal forces; z̄ is the opening common to all fingers. An infinite bound is none."""
+        if not np.isfinite(self.limit):
+            return ()
         rows = np.zeros((1, scene.components))
         rows[0, scene.normal_index] = 1.0
         if scene.fingers is not None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System, Unknown
+from handlcp.tolerances import ACTIVE
 
 __all__ = ["UnilateralContact"]
 
@@ -28,7 +29,8 @@ class UnilateralContact(Effect):
     def why(self, scene: Scene) -> str:
         """How many contacts, with what gap or preload."""
         normal = scene.offset[:, 2]
-        gaps, loads = int((normal > 0).sum()), int((normal < 0).sum())
+        nothing = ACTIVE * scene.units.motion
+        gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
         return f"{len(scene.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
