@@ -271,3 +271,20 @@ def test_bad_compliances_name_the_argument(make, argument):
 def test_every_compliance_has_an_equation_of_its_own_and_stamps_nothing(effect):
     assert effect.equation != Compliance.equation
     assert stamped((effect(np.ones(3) if effect is hl.ContactCompliance else np.ones(6)),)) == ()
+
+
+def test_rigid_fingers_are_told_apart_from_the_compliance_asked_for():
+    contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0)) for s in (-1.0, 1.0)]
+    g = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), preload=1e-3, effects=[hl.ContactCompliance(1e-4)])
+    lines = {line.title: line for line in g.explain().effects}
+    assert not lines["finger flexibility"].on
+    assert "rigid" in lines["finger flexibility"].why
+    assert lines["contact compliance"].on
+
+
+def test_a_prescribed_force_out_of_the_plane_is_refused():
+    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
+    effects = [hl.PrescribedForce(2, (0.1, 0.1, 1))]
+    g = hl.Grasp(contacts, (0.1, -1, 0.002), flexibility=1e-4, preload=5e-4, effects=effects)
+    with pytest.raises(hl.InputError, match="out of the plane"):
+        g.solve()

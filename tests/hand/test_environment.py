@@ -311,3 +311,10 @@ def test_a_table_is_a_value():
     np.testing.assert_array_equal(again.flexibility, t.flexibility)
     with pytest.raises(AttributeError):
         t.name = "wall"
+
+
+def test_a_table_turned_round_is_refused_with_the_likely_cause():
+    ball = hl.Sphere(0.035, (0, 0, 0.07), mass=0.2)
+    with pytest.raises(hl.InputError, match="turned round"):
+        hl.Table((0, 0, 0.105)).under(ball)  # the ball is above it, where its normal should point
+    assert len(hl.Table((0, 0, 0.105), (0, 0, -1)).under(ball).contacts) == 1

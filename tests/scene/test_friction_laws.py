@@ -71,3 +71,29 @@ def test_a_contact_may_have_its_own():
 def test_other_tables_are_refused_with_the_key(text):
     with pytest.raises(hl.InputError, match=r"friction(\.mu_torsion_m)?: expected"):
         scene(text)
+
+
+def test_a_nearly_right_table_is_no_table_by_finger():
+    with pytest.raises(hl.InputError, match="mu_torsion_m"):
+        scene("{mu = 0.5, mu_torsion = 0.005}")
+
+
+def test_an_effect_refused_when_the_grasp_is_made_has_the_files_key():
+    text = (
+        PINCH.format(friction="0.5", first="")
+        + """
+[[effects.known_force]]
+contact = 0
+normal_N = 1.0
+[[effects.prescribed_force]]
+contact = 0
+force_N = [0.0, 0.0, 1.0]
+"""
+    )
+    with pytest.raises(hl.InputError, match=r"^effects\.known_force\.contact"):
+        read(text).build()
+
+
+def test_a_misspelt_finger_is_told_the_nearest_name():
+    with pytest.raises(hl.InputError, match="did you mean 'thumb'"):
+        scene("{thump = 0.5}")

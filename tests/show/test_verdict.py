@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from handlcp import Contact, Coulomb, Frictionless, Grasp
+from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
+from handlcp.grasp.changed import changed
 from handlcp.hand import Box, example_hand
 from handlcp.lcp import NSNGRK, Status
 from handlcp.scene import load
@@ -128,3 +129,29 @@ def test_without_a_load_there_is_nothing_to_move_along():
     text = verdict(grasp, grasp.solve()).text
     assert "the object" in text
     assert "load" not in text
+
+
+def test_what_bounds_and_readings_do_to_fingers_is_said_with_their_names():
+    free = pinch().solve()
+    bounded = changed(pinch(), effects=(FingerForceBound(0.9 * float(free.normal_force[0])),))
+    text = verdict(bounded, bounded.solve()).text
+    assert "the per-finger force bound is reached at thumb" in text
+    known = changed(pinch(), effects=(KnownForce(0, (None, None, 0.9 * float(free.normal_force[0]))),))
+    assert "thumb moves by" in verdict(known, known.solve()).text
+    four = [*pinch().contacts, Contact((0, 0.03, 0), (0, -1, 0), Coulomb(0.6))]
+    load, suction = (0, 0, -1, 0, 0, 0), [PrescribedForce(3, (0, 0, -0.01))]
+    pulls = Grasp(four, load, flexibility=1e-3, preload=5e-3, effects=suction)
+    assert "pulls, as prescribed" in verdict(pulls, pulls.solve()).text
+
+
+def test_a_squeeze_too_large_for_small_motions_is_noted():
+    grasp = pinch(squeeze=0.03)
+    assert any("a squeeze of 30 mm" in note for note in verdict(grasp, grasp.solve()).notes)
+
+
+def test_a_hands_diagnosis_names_the_joint_that_would_need_more():
+    s = cube(torque_limits=0.2).solve()
+    worst = max(s.torque_check, key=lambda r: r.utilisation)
+    assert s.held
+    assert worst.joint in s.diagnosis.split("; but ")[1]
+    assert "; but " not in cube().solve().diagnosis
