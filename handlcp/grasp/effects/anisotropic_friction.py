@@ -22,7 +22,7 @@ class AnisotropicFriction(Effect):
     equation = "(r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,  v_T along minus its normal on the limit"
     when = "Ribbed or woven pads that hold better one way than the other."
     in_python = "friction=AnisotropicCoulomb(0.6, 0.4, along=(0, 0, 1))"
-    in_file = "grasp.friction = { mu_x = 0.6, mu_y = 0.4 }"
+    in_file = "grasp.friction = { mu_x = 0.6, mu_y = 0.4, along = [0, 0, 1] }"
     brings = "none: other coordinates"
     source = "Goyal, Ruina & Papadopoulos, Wear 143 (1991)"
 
