@@ -100,6 +100,9 @@ def legend(figure: Any, left: float, top: float, entries: list[Entry]) -> float:
     return float(extent.y0 / figure.bbox.height)
 
 
+_LETTERS = 31  # of joint and share together, that a bar's width has room for at full size, bold
+
+
 def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any) -> None:
     """The joints nearest to their limits, as shares of them, below `top`; across : left and width."""
     known = [r for r in check if r.known and np.isfinite(r.limit)]
@@ -113,14 +116,17 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         ax.text(0, 1, "no joint has a known limit", fontsize=9.5, color=INK, va="top")
         return
     widest = max(1.0, max(r.utilisation for r in rows))
+    said = [f"{units.percent(r.utilisation)} of {units.torque(r.limit)}" for r in rows]
+    longest = max(len(r.joint) + len(words) for r, words in zip(rows, said, strict=True))
+    size = 9.0 * min(1.0, _LETTERS / longest)
     for k, r in enumerate(rows):
         over, binding = r.utilisation > 1.0, r.joint == check.binding
         colour = "#D55E00" if over else "#0072B2" if binding else "#8FB8D4"
         ax.barh(k + 0.72, 1.0, height=0.26, color="#ECEEF0", zorder=1)
         ax.barh(k + 0.72, r.utilisation, height=0.26, color=colour, zorder=2)
-        style = {"va": "bottom", "fontsize": 9, "color": INK, "weight": "bold" if over or binding else "normal"}
+        style = {"va": "bottom", "fontsize": size, "color": INK, "weight": "bold" if over or binding else "normal"}
         ax.text(0, k + 0.54, r.joint, ha="left", **style)
-        ax.text(widest, k + 0.54, f"{units.percent(r.utilisation)} of {units.torque(r.limit)}", ha="right", **style)
+        ax.text(widest, k + 0.54, said[k], ha="right", **style)
     if (left_out := len(known) - len(rows)) > 0:
         least = units.percent(rows[-1].utilisation)
         text = f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less"

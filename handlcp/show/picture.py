@@ -143,7 +143,9 @@ class _Scene:
         if s.contact_state[i] == "separated":
             return f"lets go, gap {units.length(float(s.gap[i]))}"
         push = units.force(float(np.linalg.norm(s.forces[i])))
-        if s.torsion is not None and s.torsion[i]:  # the colour says whether it sticks; a longer line costs the picture
+        if (
+            s.torsion is not None and abs(s.torsion[i]) > _NO_MOMENT
+        ):  # the colour says whether it sticks; a longer line costs the picture
             return f"{push}, {units.torque(abs(float(s.torsion[i])))}"
         return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
@@ -159,7 +161,8 @@ class _Scene:
         if s.held and "separated" in s.contact_state:
             out.append(("dot", COLOUR["separated"], f"{who} that lets go"))
         if (grasp.scene.mu > 0).any():
-            text = "friction cone, to the forces' scale:\nan arrow at its rim slides" if s.held else "friction cone"
+            sense = "moments take their part of it" if s.torsion is not None else "an arrow at its rim slides"
+            text = f"friction cone, to the forces' scale:\n{sense}" if s.held else "friction cone"
             out.append(("cone", COLOUR["sticking" if s.held else "unknown"], text))
         moment = float(np.linalg.norm(grasp.scene.moment - np.cross(grasp.reference, grasp.scene.force)))
         twist = f"torque of {units.torque(moment)}"
@@ -173,6 +176,9 @@ class _Scene:
         if s.certificate is not None:
             out.append(("dashed", ESCAPE, "the way the object escapes"))
         return out
+
+
+_NO_MOMENT = 5e-6  # [N·m] what a label does not mention
 
 
 def _camera(grasp: Grasp, solids: list[Body], glass: Body | None, marks: Array) -> Camera:
