@@ -143,9 +143,8 @@ class _Scene:
         if s.contact_state[i] == "separated":
             return f"lets go, gap {units.length(float(s.gap[i]))}"
         push = units.force(float(np.linalg.norm(s.forces[i])))
-        if (
-            s.torsion is not None and abs(s.torsion[i]) > _NO_MOMENT
-        ):  # the colour says whether it sticks; a longer line costs the picture
+        # A moment takes the place of the state, which the colour says: a longer line costs the picture
+        if s.torsion is not None and abs(s.torsion[i]) > _NO_MOMENT:
             return f"{push}, {units.torque(abs(float(s.torsion[i])))}"
         return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
