@@ -31,7 +31,7 @@ from handlcp.grasp.achieved import Bracket
 from tests.benchmarks.clock import Task, best_times
 from tests.benchmarks.corpus import Faces, PeersFolder, as_case
 from tests.benchmarks.force_truth import Truth, force_error, refine
-from tests.benchmarks.report import plain_table
+from tests.benchmarks.report import opened, plain_table
 
 REQUESTS = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)
 FACES = (4, 8, 16, 32, 64)
@@ -201,9 +201,7 @@ def main() -> None:
     parser.add_argument("--families", nargs="*", default=[], metavar="FAMILY")
     parser.add_argument("--json", type=Path, help="write everything measured to this file")
     o = parser.parse_args()
-    console, folder = Console(), PeersFolder(o.folder)
-    if not console.is_terminal:
-        console = Console(width=180)
+    console, folder = opened(180), PeersFolder(o.folder)
     with tempfile.TemporaryDirectory() as directory:
         corpus = o.corpus or folder.generate(Path(directory) / "corpus.npz")
         every = {s.name: as_case(s, "cone").grasp() for s in folder.read(corpus, o.families)}

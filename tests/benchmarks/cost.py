@@ -19,10 +19,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from tests.benchmarks import as_printed, many, real_time
-from tests.benchmarks.report import conditions, plain_table
+from tests.benchmarks.report import conditions, opened, plain_table
 
 __all__ = ["main"]
 
@@ -58,9 +56,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60.0, help="a run of the algorithm as printed at most")
     parser.add_argument("--json", type=Path, help="write everything measured to this file")
     o = parser.parse_args()
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=120)
+    console = opened(120)
     console.print(conditions(), highlight=False)
     printed = as_printed.main(console, o.seconds)
     times = real_time.measure(console)

@@ -31,7 +31,7 @@ from handlcp.grasp.effects import CoulombPlanar, CoulombPyramid, FingerFlexibili
 from handlcp.grasp.pyramid import Interval, as_section
 from handlcp.grasp.soft_form import assembled
 from tests.benchmarks.clock import median_times
-from tests.benchmarks.report import conditions, plain_table
+from tests.benchmarks.report import conditions, opened, plain_table
 from tests.hand.composition import EFFECTS, HANDS, made
 
 __all__ = ["main"]
@@ -136,9 +136,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=400, help="calls of each")
     parser.add_argument("--json", type=Path, help="write everything measured to this file")
     o = parser.parse_args()
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=120)
+    console = opened(120)
     console.print(conditions(), highlight=False)
     faces = "cone" if o.faces == "cone" else int(o.faces)
     rows = measure(console, o.hand, faces, o.rounds)

@@ -17,7 +17,7 @@ import handlcp as hl
 from tests.benchmarks.corpus import Faces
 from tests.benchmarks.stability import Record
 
-__all__ = ["conditions", "plain_table", "print_stability", "totals"]
+__all__ = ["conditions", "opened", "plain_table", "print_stability", "totals"]
 
 OURS = (
     ("solved", "solved"),
@@ -26,6 +26,12 @@ OURS = (
     ("undecided", "un-\ndecided"),
 )
 MEASURES = ("solved", "loose", "wrong", "undecided though solvable", '"no" without proof', "undecided")
+
+
+def opened(width: int) -> Console:
+    """The console, of this width where it is no terminal that has its own."""
+    console = Console()
+    return console if console.is_terminal else Console(width=width)
 
 
 def conditions() -> str:

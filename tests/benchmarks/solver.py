@@ -23,8 +23,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from tests.benchmarks import agreement, peers, report, speed, stability
 from tests.benchmarks.corpus import Faces, PeersFolder, read_oracle
 
@@ -60,9 +58,7 @@ def arguments() -> argparse.Namespace:
 def main() -> None:
     """Measure, print, write."""
     o = arguments()
-    console, folder = Console(), PeersFolder(o.folder)
-    if not console.is_terminal:
-        console = Console(width=180)
+    console, folder = report.opened(180), PeersFolder(o.folder)
     if unknown := set(o.peers) - set(folder.peers):
         sys.exit(f"--peers: expected some of {', '.join(folder.peers)}, got {', '.join(sorted(unknown))}")
     results: dict[str, Any] = {"conditions": report.conditions()}

@@ -13,6 +13,7 @@ from handlcp import Contact, GraspStream
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand, HandGrasp, Sphere, example_hand
 from handlcp.scene import read
+from tests.texts import BOX_IN_TWO_FINGERS
 
 from .levers import PAD, C, K, L, lever_hand, lever_pinch
 
@@ -206,15 +207,10 @@ def test_bad_commands_are_named(write: Writer, bad: object, kind: type[InputErro
             change(joint_offset=bad)
 
 
-SCENE = """
-[hand]
-name = "two_finger"
-[object]
-shape = "box"
-size_m = [0.03, 0.04, 0.06]
-position_m = [0.0, 0.0, 0.08]
+SCENE = f"""
+{BOX_IN_TWO_FINGERS}
 [grasp]
-joint_offset_rad = {finger_1_distal = 0.1, finger_2_distal = 0.1}
+joint_offset_rad = {{finger_1_distal = 0.1, finger_2_distal = 0.1}}
 """
 
 

@@ -32,6 +32,7 @@ from handlcp.hand import Hand, HandGrasp, HandState, example_hand
 from handlcp.hand.curvature import contact_hessian
 from handlcp.lcp import Auto
 from handlcp.scene import read
+from tests.texts import BOX_IN_TWO_FINGERS
 
 from .chains import A, B, chain_hand
 from .conftest import MIMIC, inside
@@ -371,13 +372,8 @@ def test_what_cannot_count_it_says_so(write: Writer) -> None:
 
 
 def test_a_scene_file_asks_for_it() -> None:
-    text = """
-    [hand]
-    name = "two_finger"
-    [object]
-    shape = "box"
-    size_m = [0.03, 0.04, 0.06]
-    position_m = [0.0, 0.0, 0.08]
+    text = f"""
+    {BOX_IN_TWO_FINGERS}
     [grasp]
     preload_m = 5e-3
     [effects]

@@ -18,6 +18,7 @@ from handlcp.hand import Hand, HandGrasp, HandGraspSolution, Sphere, example_han
 from handlcp.scene import read
 from handlcp.show.record import record
 from handlcp.show.verdict import verdict
+from tests.texts import BOX_IN_TWO_FINGERS
 
 from .levers import MASS, MU, PAD, C, K, L, lever_hand, lever_pinch
 
@@ -267,14 +268,9 @@ def test_the_verdict_and_the_record_name_the_joint(write: Writer) -> None:
 
 
 def test_a_scene_file_asks_for_it() -> None:
-    text = """
-    [hand]
-    name = "two_finger"
+    text = f"""
+    {BOX_IN_TWO_FINGERS}
     torque_limits_Nm = 0.04
-    [object]
-    shape = "box"
-    size_m = [0.03, 0.04, 0.06]
-    position_m = [0.0, 0.0, 0.08]
     [grasp]
     preload_m = 5e-3
     [effects]

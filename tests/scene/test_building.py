@@ -26,6 +26,7 @@ from handlcp.errors import InputError
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, HandGrasp, Mesh, Sphere, example_hand
 from handlcp.hand.library import urdf
 from handlcp.scene import load, read
+from tests.texts import TWO_CONTACTS
 
 CUBE = """
 [hand]
@@ -292,14 +293,8 @@ def test_a_hand_from_a_urdf_needs_no_library(tmp_path):
     assert isinstance(read(text, tmp_path).build().state.hand, Hand)
 
 
-SOFT = """
-[[contact]]
-position_m = [0.03, 0.0, 0.0]
-normal = [-1.0, 0.0, 0.0]
-name = "thumb"
-[[contact]]
-position_m = [-0.03, 0.0, 0.0]
-normal = [1.0, 0.0, 0.0]
+SOFT = f"""
+{TWO_CONTACTS}
 [grasp]
 flexibility_m_per_N = 1e-3
 preload_m = 0.002
@@ -356,15 +351,9 @@ def test_a_density_stands_for_a_mass():
         read(CUBE.replace("mass_kg = 0.2", "mass_kg = 0.2\ndensity_kg_per_m3 = 1600.0")).build()
 
 
-TWO = """
-    [[contact]]
-    position_m = [0.03, 0.0, 0.0]
-    normal = [-1.0, 0.0, 0.0]
-    name = "thumb"
-    [[contact]]
-    position_m = [-0.03, 0.0, 0.0]
-    normal = [1.0, 0.0, 0.0]
-    [effects]
+TWO = f"""
+{TWO_CONTACTS}
+[effects]
 """
 
 

@@ -9,16 +9,12 @@ from handlcp import Synergies, Tendons
 from handlcp.errors import HandLCPError
 from handlcp.hand import HandGrasp, HandGraspSolution, example_hand
 from handlcp.scene import read
+from tests.texts import BOX_IN_TWO_FINGERS
 
-HEAD = """
-[object]
-shape = "box"
-size_m = [0.03, 0.04, 0.06]
-position_m = [0.0, 0.0, 0.08]
+HEAD = f"""
 [grasp]
 preload_m = 5e-3
-[hand]
-name = "two_finger"
+{BOX_IN_TWO_FINGERS}
 """
 TENDONS = """
 [hand.tendons]
