@@ -7,21 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from handlcp.check import Array, array
-from handlcp.grasp import (
-    Contact,
-    Environment,
-    Grasp,
-)
+from handlcp.grasp import Contact, Environment, Grasp
 from handlcp.scene.naming import by_finger, keyed, known
 from handlcp.scene.physics import effects_of, is_by_finger, keys_of, law_of
-from handlcp.scene.schema import (
-    BoxTable,
-    CylinderTable,
-    EllipsoidTable,
-    HandTable,
-    MeshTable,
-    SphereTable,
-)
+from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, HandTable, MeshTable, SphereTable
 
 if TYPE_CHECKING:
     from handlcp.hand import Hand, Object
@@ -52,8 +41,6 @@ GRASP = HAND | {
     "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
     "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
 }  # fmt: skip
-
-
 ENVIRONMENT = {
     "point": "point_m", "position": "position_m", "normal": "normal", "flexibility": "flexibility_m_per_N",
     "max_gap": "max_gap_m", "gap": "gap_m", "tangent": "tangent", "name": "name",

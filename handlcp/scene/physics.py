@@ -22,6 +22,8 @@ from handlcp.grasp import (
     TorqueSaturation,
     TotalForceBound,
 )
+from handlcp.grasp.effects.needs import need_contact
+from handlcp.grasp.entry import entry_of
 from handlcp.scene.kinds import LAW_KEYS
 from handlcp.scene.naming import by_finger, keyed, known
 from handlcp.scene.schema import SoftWristTable
@@ -91,7 +93,7 @@ def effects_of(scene: SceneFile, fingers: Sequence[str]) -> list[Effect]:
 
 def keys_of(effects: Sequence[Effect]) -> dict[str, str]:
     """By argument, such as "effects[1]", the key that the effect is from."""
-    return {f"effects[{i}]": type(e).in_file.partition(" = ")[0] for i, e in enumerate(effects)}
+    return {f"effects[{i}]": entry_of(type(e)).file_keys[0] for i, e in enumerate(effects)}
 
 
 def _number(contact: Any, key: str, fingers: Sequence[str]) -> int:
@@ -99,8 +101,7 @@ def _number(contact: Any, key: str, fingers: Sequence[str]) -> int:
     if isinstance(contact, str):
         known(key, [contact], fingers)
         return fingers.index(contact)
-    if contact >= len(fingers):
-        raise InputError(key, f"a contact's number from 0 to {len(fingers) - 1}", contact)
+    need_contact(key, contact, len(fingers))
     return int(contact)
 
 

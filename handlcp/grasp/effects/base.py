@@ -12,9 +12,7 @@ from handlcp.grasp.system import System, Unknown
 
 __all__ = ["Effect"]
 
-_MOST = (
-    16  # effects whose limits a scene keeps: a grasp has few, whoever tries many others on its scene does not pile up
-)
+_MOST = 16  # effects whose limits a scene keeps: a grasp has few, and who tries many others on it piles up nothing
 
 
 class Effect:

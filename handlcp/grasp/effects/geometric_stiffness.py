@@ -24,6 +24,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.needs import need_joints
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.joints import Joints
@@ -61,12 +62,7 @@ class GeometricStiffness(Effect):
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """Completed by the joints and by how their Jacobian changes."""
-        if joints is None:
-            raise InputError(
-                argument,
-                "an effect that needs no joints; a hand knows its own: hand.at(q).grasp(..., effects=[...])",
-                repr(self),
-            )
+        joints = need_joints(argument, joints, self)
         if any(isinstance(e, TorqueSaturation) for e in others):
             expected = "geometric stiffness or torque saturation: a joint that yields has no spring to add to"
             raise InputError(argument, expected, "both")

@@ -18,6 +18,7 @@ from handlcp.check import integer, number
 from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.limit import Limit
+from handlcp.grasp.effects.needs import need_contact
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
@@ -65,8 +66,7 @@ class KnownForce(Effect):
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """At a contact that there is, and whose force is not prescribed as a whole."""
-        if self.contact >= n:
-            raise InputError(f"{argument}.contact", f"a contact's number from 0 to {n - 1}", self.contact)
+        need_contact(f"{argument}.contact", self.contact, n)
         if any(isinstance(e, PrescribedForce) and e.contact == self.contact for e in others):
             raise InputError(f"{argument}.contact", "a contact whose force is not prescribed", self.contact)
         return self

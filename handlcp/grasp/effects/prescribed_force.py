@@ -14,6 +14,7 @@ from typing import Any, Self
 from handlcp.check import Array, array, integer
 from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
+from handlcp.grasp.effects.needs import need_contact
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
 from handlcp.grasp.system import System
@@ -47,8 +48,7 @@ class PrescribedForce(Effect):
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """At a contact that there is."""
-        if self.contact >= n:
-            raise InputError(f"{argument}.contact", f"a contact's number from 0 to {n - 1}", self.contact)
+        need_contact(f"{argument}.contact", self.contact, n)
         return self
 
     def why(self, scene: Scene) -> str:

@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.coulomb_pyramid import place_faces
 from handlcp.grasp.limit_surface import limit_surface
@@ -59,11 +57,9 @@ class SoftFingerPyramid(Effect):
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the faces, and how far force and moment are inside each of them."""
-        at, surface, soft = system.at, limit_surface(self.pyramid), list(scene.soft)
-        normals = scene.normal_index.tolist()
-        rows = np.array([normals.index(3 * i + 2) for i in soft], dtype=np.int64)
+        at, surface = system.at, limit_surface(self.pyramid)
         place_faces(
-            system.M, at["r_S"].start, at["λ_S"].start, at["r_N"].start, rows, surface.limit(scene.mu[soft]),
-            surface.normals,
+            system.M, at["r_S"].start, at["λ_S"].start, at["r_N"].start, scene.soft_rows,
+            surface.limit(scene.mu[list(scene.soft)]), surface.normals,
         )  # fmt: skip
         system.load("r_S", scene.soft_offset)

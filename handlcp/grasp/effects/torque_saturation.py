@@ -14,9 +14,9 @@ from typing import Self
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.errors import InputError
 from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.limit import Limit
+from handlcp.grasp.effects.needs import need_joints
 from handlcp.grasp.effects.prescribed_force import PrescribedForce
 from handlcp.grasp.joints import Joints
 from handlcp.grasp.scene import Scene
@@ -48,12 +48,7 @@ class TorqueSaturation(Effect):
 
     def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
         """Completed by Jacobian, limits and the torques of prescribed forces."""
-        if joints is None:
-            raise InputError(
-                argument,
-                "an effect that needs no joints; a hand knows its own: hand.at(q).grasp(..., effects=[...])",
-                repr(self),
-            )
+        joints = need_joints(argument, joints, self)
         known = [e for e in others if isinstance(e, PrescribedForce) and e.contact < n]
         given = [(e.contact, e.force @ joints.jacobian[3 * e.contact : 3 * e.contact + 3]) for e in known]
         made = type(self)()
