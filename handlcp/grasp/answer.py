@@ -143,7 +143,7 @@ def _stamped(p: Pattern, blocks: tuple[Array, Array, Array, Array, Array]) -> tu
     G, _, soft, d, w = blocks
     normal, count, tangent, u, size = p.at
     M, q = np.zeros((size, size)), np.zeros(size)
-    couple(M, u, (normal, count, tangent), G)
+    couple(M, u, (normal, count, tangent), G, 1.0)
     q[u : u + p.dof] += w
     q[normal : normal + count] += d[:count]
     q[tangent : tangent + len(p.tangent)] += d[count:]

@@ -99,6 +99,20 @@ def natural_blocks(
 
 
 @kernel
+def centred(
+    positions: Array, flexibility: Array, offset: Array, force: Array, moment: Array
+) -> tuple[float, float, float, Array, Array, Array]:
+    """(force, length, motion, centre, arms (n, 3), wrench (6,) about the centre)."""
+    size, length, motion, centre = sizes(positions, flexibility, offset, force, moment)
+    wrench = np.empty(6)
+    wrench[:3] = force
+    wrench[3] = moment[0] - centre[1] * force[2] + centre[2] * force[1]
+    wrench[4] = moment[1] - centre[2] * force[0] + centre[0] * force[2]
+    wrench[5] = moment[2] - centre[0] * force[1] + centre[1] * force[0]
+    return size, length, motion, centre, positions - centre, wrench
+
+
+@kernel
 def resolve(
     positions: Array,
     frames: Array,
@@ -109,14 +123,8 @@ def resolve(
     freedom: Array,
     index: Ints,
 ) -> tuple[float, float, float, Array, Array, Array, tuple[Array, Array, Array, Array, Array]]:
-    """(force, length, motion, centre, arms (n, 3), wrench (6,) about the centre, blocks as in `natural_blocks`)."""
-    size, length, motion, centre = sizes(positions, flexibility, offset, force, moment)
-    arms = positions - centre
-    wrench = np.empty(6)
-    wrench[:3] = force
-    wrench[3] = moment[0] - centre[1] * force[2] + centre[2] * force[1]
-    wrench[4] = moment[1] - centre[2] * force[0] + centre[0] * force[2]
-    wrench[5] = moment[2] - centre[0] * force[1] + centre[1] * force[0]
+    """What `centred` gives, and blocks as in `natural_blocks`."""
+    size, length, motion, centre, arms, wrench = centred(positions, flexibility, offset, force, moment)
     G = wrench_map(arms, frames)
     blocks = natural_blocks(G, wrench, freedom, flexibility, offset, index, size, length, motion)
     return size, length, motion, centre, arms, wrench, blocks
@@ -138,9 +146,7 @@ def resolve_soft(
     every_offset (c,) over all c = 3n + k components.
     """
     n, k = len(positions), spin_axes.shape[1]
-    size, length, motion, centre = sizes(positions, flexibility, offset, force, moment)
-    arms = positions - centre
-    wrench = np.append(force, moment - np.cross(centre, force))
+    size, length, motion, centre, arms, wrench = centred(positions, flexibility, offset, force, moment)
     G = np.hstack([wrench_map(arms, frames), np.vstack([np.zeros((3, k)), spin_axes])])
     padded = np.append(every_offset, np.zeros(2 * k)).reshape(n + k, 3)  # rows of three, as the kernel reads them
     blocks = natural_blocks(G, wrench, freedom, flexibility, padded, index, size, length, motion)

@@ -118,14 +118,7 @@ class System:
         """Add -block (rows, k) from the force components, normals first, to the rows of a group, and its transpose to
         the components' rows.
         """
-        start, count, tangential = self._forces(block)
-        here, k = self.at[row], block.shape[1]
-        for columns, part in (
-            (slice(start, start + count), block[:, :count]),
-            (slice(tangential, tangential + k - count), block[:, count:]),
-        ):
-            self.M[columns, here] += part.T
-            self.M[here, columns] -= part
+        couple(self.M, self.at[row].start, self._forces(block), block, -1.0)
 
     def add_between_forces(self, block: Array) -> None:
         """Add block (k, k) between all unknown force components, normals first."""
@@ -133,7 +126,7 @@ class System:
 
     def couple_motion(self, block: Array) -> None:
         """Add block (dof, k) from the force components, normals first, to the rows of u, and its transpose back."""
-        couple(self.M, self.at["u"].start, self._forces(block), block)
+        couple(self.M, self.at["u"].start, self._forces(block), block, 1.0)
 
     @property
     def tangential(self) -> int:
@@ -166,11 +159,11 @@ def add_at(M: Array, forces: tuple[int, int, int], block: Array) -> None:
 
 
 @kernel
-def couple(M: Array, row: int, forces: tuple[int, int, int], block: Array) -> None:
-    """M += block in rows row, row + 1, … and block' in their columns."""
+def couple(M: Array, row: int, forces: tuple[int, int, int], block: Array, sign: float) -> None:
+    """M += sign · block in rows row, row + 1, … and block' in their columns."""
     normal, count, tangential = forces
     for b in range(block.shape[1]):
         j = normal + b if b < count else tangential + b - count
         for a in range(block.shape[0]):
-            M[row + a, j] += block[a, b]
+            M[row + a, j] += sign * block[a, b]
             M[j, row + a] += block[a, b]

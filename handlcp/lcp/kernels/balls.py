@@ -17,33 +17,11 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.lcp.kernels.polyhedron import nearest_in_ball, nearest_in_polyhedron
 
-__all__ = ["ball_held", "ball_newton", "ball_scales"]
+__all__ = ["ball_held", "ball_newton"]
 
 _MEMORY = 8  # steps over which ‖F‖ may rise
 _GAIN = 1e-4  # share of ‖F‖² that a step below the tolerance must get under, to be worth another
 _SHORTEST = 1e-2  # step length at which the line search takes what it has
-
-
-@kernel
-def ball_scales(M: Array, balls: Ints) -> Array:
-    """(n,) ρ that makes ρ y comparable with x: one over the flexibility that each contact sees, its mean in a ball."""
-    n = len(M)
-    own, largest = np.empty(n), 0.0
-    for i in range(n):
-        own[i] = abs(M[i, i])
-        largest = max(largest, own[i])
-    for k in range(len(balls)):
-        total, count = 0.0, 0
-        for i in balls[k]:
-            if i >= 0:
-                total += own[i]
-                count += 1
-        for i in balls[k]:
-            if i >= 0:
-                own[i] = total / count
-    for i in range(n):
-        own[i] = 1.0 / max(own[i], 1e-6 * largest) if own[i] > 0.0 else 1.0
-    return own
 
 
 @kernel

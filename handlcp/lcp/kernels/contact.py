@@ -64,11 +64,11 @@ def row_scales(M: Array, blocks: Ints) -> Array:
         largest = max(largest, own[i])
     for k in range(len(blocks)):
         total, count = 0.0, 0
-        for a in range(3):
+        for a in range(blocks.shape[1]):
             if blocks[k, a] >= 0:
                 total += own[blocks[k, a]]
                 count += 1
-        for a in range(3):
+        for a in range(blocks.shape[1]):
             if blocks[k, a] >= 0:
                 own[blocks[k, a]] = total / count
     for i in range(n):

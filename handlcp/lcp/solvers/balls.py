@@ -9,7 +9,8 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.lcp.balls import BallProblem
-from handlcp.lcp.kernels.balls import ball_held, ball_newton, ball_scales
+from handlcp.lcp.kernels.balls import ball_held, ball_newton
+from handlcp.lcp.kernels.contact import row_scales
 from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.tolerances import RANK, SOLVE
@@ -62,7 +63,7 @@ class _Runs:
     """Newton's method on one problem."""
 
     def __init__(self, problem: BallProblem) -> None:
-        self.problem, self.rho = problem, ball_scales(problem.M, problem.balls)
+        self.problem, self.rho = problem, row_scales(problem.M, problem.balls)
         self.role: Ints = np.where(problem.free, 0, 1).astype(np.int64)
         tangents = problem.balls[:, 1:]
         self.role[tangents[tangents >= 0]] = 2
