@@ -29,7 +29,7 @@ def escaping_twist(scene: Scene, section: Section, load: Array) -> Array | None:
     """
     from scipy.optimize import linprog, nnls  # half a second of import that only a failed solve should pay
 
-    W = _generators(scene, section)
+    _, W = generators(scene, section)
     if not W.size:
         W = np.zeros((scene.dof, 1))
     t = load + W @ nnls(W, -load)[0]
@@ -59,7 +59,7 @@ def is_escape(scene: Scene, section: Section, load: Array, twist: Array) -> bool
 
     The gain must exceed what the resisting work could hide: forces of a thousand times the load.
     """
-    W = _generators(scene, section)
+    _, W = generators(scene, section)
     if not np.isfinite(twist).all():
         return False
     resisting = float(np.minimum(W.T @ twist, 0.0).sum()) if W.size else 0.0
@@ -118,8 +118,3 @@ def generators(scene: Scene, section: Section) -> tuple[Array, Array]:
         parts.append(part)
     forces = np.hstack(parts) if parts else np.zeros((scene.components, 0))
     return forces, scene.natural.every @ forces
-
-
-def _generators(scene: Scene, section: Section) -> Array:
-    """(dof, g) wrenches alone."""
-    return generators(scene, section)[1]

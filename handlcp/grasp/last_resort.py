@@ -30,17 +30,26 @@ def last_resort(problem: GraspProblem | GraspContact | GraspBalls, section: Sect
     (with the cause, where one is known); or neither, when the time was too short. Of the seconds half as much again may
     pass.
     """
-    candidate, bounds, words = _found(problem, section, seconds)
-    return candidate, None if bounds is None else Within(bounds, _cause(problem, section)), words
-
-
-def _cause(problem: GraspProblem | GraspContact | GraspBalls, section: Section) -> str:
-    """What stands in the way of any equilibrium, as far as a linear program can tell."""
     scene, effects = problem.scene, problem.effects
-    proof = overload(scene, section, effects)
-    if proof is None:
-        some = any(e.opens for e in effects)
-        return "" if some or not jammed(scene) else "rigid fingers cannot give way to the squeeze"
+    if not applicable(effects):
+        return None, None, "impossible, an effect moves the contacts by more than limits that give way"
+    if (proof := overload(scene, section, effects)) is not None:
+        return None, Within(_wide(scene), _overloaded(scene, section, effects, proof)), "limits on the forces, none"
+    candidate, bounds, words = _found(problem, section, seconds)
+    if bounds is not None:
+        stiff = not any(e.opens for e in effects) and jammed(scene)
+        bounds = Within(bounds, "rigid fingers cannot give way to the squeeze" if stiff else "")
+    return candidate, bounds, words
+
+
+def _wide(scene: Scene) -> tuple[float, float]:
+    """The bounds of a search [N, m], which are stated of a proof that has none."""
+    size = widest(scene)
+    return size * scene.units.force, size * scene.units.motion
+
+
+def _overloaded(scene: Scene, section: Section, effects: tuple[Effect, ...], proof: Array) -> str:
+    """Which limits stand in the way of any equilibrium."""
     for e in effects:
         if isinstance(e, TotalForceBound):
             least = least_total(scene, section, load_to_balance(scene, effects))
@@ -70,19 +79,13 @@ def _taking_part(scene: Scene, effects: tuple[Effect, ...], moves: Array) -> lis
 
 
 def _found(problem: GraspProblem | GraspContact | GraspBalls, section: Section, seconds: float) -> Found:
-    """By a linear program where limits alone decide, by all choices of contact modes where they are few, by search."""
-    scene, effects = problem.scene, problem.effects
-    if not applicable(effects):
-        return None, None, "impossible, an effect moves the contacts by more than limits that give way"
-    if overload(scene, section, effects) is not None:
-        size = widest(scene)  # this proof has no bounds; those of a search are stated
-        return None, (size * scene.units.force, size * scene.units.motion), "limits on the forces, none"
+    """By all choices of contact modes where they are few, else by search."""
     if isinstance(problem, GraspBalls) and section.faces:
         return _on_polyhedra(problem, section, seconds)
     quick, left = _every_mode(problem, section, seconds)
     if quick is not None:
         return quick
-    found = find_equilibrium(scene, effects, section, left)
+    found = find_equilibrium(problem.scene, problem.effects, section, left)
     words = f"over contact modes, {found.outcome}"
     return found.candidate, (found.force_bound, found.motion_bound) if found.outcome == "none" else None, words
 
@@ -130,5 +133,4 @@ def _every_mode(
             break
     if doubtful or not every:
         return None, max(end - time.monotonic(), 0.5 * seconds)
-    units, size = problem.scene.units, widest(problem.scene)
-    return (None, (size * units.force, size * units.motion), f"{words} none"), seconds
+    return (None, _wide(problem.scene), f"{words} none"), seconds
