@@ -18,6 +18,7 @@ __all__ = [
     "array",
     "dimensions",
     "integer",
+    "nothing",
     "number",
     "psd",
     "read_only",
@@ -41,6 +42,14 @@ def read_only(a: Array) -> Array:
     """The same array with writing switched off."""
     a.flags.writeable = False
     return a
+
+
+_NOTHING = read_only(np.zeros(0))
+
+
+def nothing() -> Array:
+    """(0,) read-only, the default of fields that most scenes leave empty."""
+    return _NOTHING
 
 
 def sealed(state: dict[str, Any]) -> dict[str, Any]:

@@ -17,8 +17,7 @@ from handlcp.grasp.scene import cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
 __all__ = [
-    "contacts", "effects", "flexibility", "frames", "in_plane", "lift", "moved", "offset", "plane", "reference",
-    "start", "wrench",
+    "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed", "reference", "start", "wrench",
 ]  # fmt: skip
 
 
@@ -38,6 +37,15 @@ def contacts(value: Any) -> tuple[Contact, ...]:
     if len({c.planar for c in out}) > 1:
         raise InputError("contacts", "all planar (2-vectors) or all spatial (3-vectors)", "a mixture")
     return out
+
+
+def placed(value: Any, cs: tuple[Contact, ...]) -> tuple[Array, Array, Array | None]:
+    """Positions (n, 3) and frames (n, 3, 3) of contacts, and the normal (3,) of the plane that is asked for; None:
+    spatial.
+    """
+    positions, frames = np.array([c.position for c in cs]), np.array([c.rotation for c in cs])
+    normal = plane(value, cs, positions, frames)
+    return positions, frames if normal is None else in_plane(frames, normal), normal
 
 
 def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) -> Array | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from handlcp.check import Array, Ints, read_only
+from handlcp.check import Array, Ints, nothing
 from handlcp.grasp.effects import Effect, PrescribedForce
 from handlcp.grasp.scene import Scene, shifted
 from handlcp.grasp.system import System
@@ -17,12 +17,6 @@ if TYPE_CHECKING:
     from handlcp.grasp.solution import GraspSolution
 
 __all__ = ["Candidate", "decode", "encode", "of_solution"]
-
-_NOTHING = read_only(np.zeros(0))
-
-
-def _nothing() -> Array:
-    return _NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +29,7 @@ class Candidate:
     forces: Array
     twist: Array
     extra: dict[str, Array]
-    torsion: Array = field(default_factory=_nothing)
+    torsion: Array = field(default_factory=nothing)
 
     @property
     def components(self) -> Array:
@@ -52,7 +46,7 @@ def decode(scene: Scene, system: System, effects: tuple[Effect, ...], x: Array) 
         x, scene.normal_index, normal.start, scene.tangent_index, tangential, n + k, u, scene.dof,
         units.force, units.motion, units.length,
     )  # fmt: skip
-    torsion = _NOTHING
+    torsion = nothing()
     if k:
         forces, torsion = forces[:n], forces[n:].ravel()[:k]
     if scene.freedom is not None:
@@ -68,12 +62,9 @@ def of_solution(scene: Scene, solution: GraspSolution) -> Candidate:
     """What a solver would have to propose, for the certifier to make this solution of it."""
     assert solution.reference is not None  # an answer has one
     twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
-    torsion = _NOTHING
-    if scene.soft:
-        assert scene.scale is not None
-        torsion = np.zeros(len(scene.soft))
-        if solution.torsion is not None:
-            torsion = solution.torsion[list(scene.soft)] / scene.scale[3 * scene.n :]
+    torsion = np.zeros(len(scene.soft))
+    if solution.torsion is not None:
+        torsion = solution.torsion[list(scene.soft)] / scene.levers
     return Candidate(scene.lawful(solution.forces), twist, solution.extra, torsion)
 
 

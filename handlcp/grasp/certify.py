@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, nothing
 from handlcp.grasp.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.kernels import examine
@@ -16,12 +16,6 @@ from handlcp.grasp.soft_laws import soft_laws
 from handlcp.tolerances import CERTIFY, GROWTH
 
 __all__ = ["Residuals", "Verdict", "judge"]
-
-_NOTHING = read_only(np.zeros(0))
-
-
-def _nothing() -> Array:
-    return _NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,13 +69,13 @@ class Verdict:
 
     motion: Array
     residuals: Residuals
-    turn: Array = field(default_factory=_nothing)
+    turn: Array = field(default_factory=nothing)
 
 
 def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
     """Recompute balance, contact, friction and elastic compatibility of a candidate."""
     if scene.soft:
-        return judge_soft(scene, effects, section, candidate)
+        return _judge_soft(scene, effects, section, candidate)
     f, u = candidate.forces, candidate.twist
     offset = scene.offset
     for e in effects:
@@ -106,7 +100,7 @@ def _own_laws(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate, F
     return max(own, default=0.0) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
 
 
-def judge_soft(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
+def _judge_soft(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate: Candidate) -> Verdict:
     """The same where contacts are soft: their moments load the object and turn the fingertips, and join the friction
     law.
     """

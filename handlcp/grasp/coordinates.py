@@ -98,7 +98,7 @@ def in_axes(solution: GraspSolution) -> GraspSolution:
         assert torsion is not None
         assert spin is not None
         levers = np.ones(n)
-        levers[soft] = scene.scale[3 * n :]
+        levers[soft] = scene.levers
         torsion, spin = read_only(torsion * levers), read_only(spin / levers)
     forces, slip = read_only(solution.forces * rows), read_only(solution.slip / rows[:, :2])
     return replace(solution, forces=forces, slip=slip, torsion=torsion, spin=spin)

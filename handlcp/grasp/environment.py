@@ -133,8 +133,8 @@ def offset_beside(value: Any, preload: Any, fingers: int, last: Array) -> Array:
 
 
 def environment_line(scene: Scene, names: tuple[str, ...], flexibility: Array) -> EffectLine:
-    """For `explain()`; names (n,) of all contacts, flexibility
-    (3n, 3n) without compliances asked for. Their unknowns are counted with contact and friction.
+    """For `explain()`; names (n,) of all contacts, flexibility (3n, 3n) without compliances asked for. Their unknowns
+    are counted with contact and friction.
     """
     why = "none given"
     if m := scene.environment:

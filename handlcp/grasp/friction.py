@@ -22,8 +22,8 @@ __all__ = ["LAW", "LAWS", "AnisotropicCoulomb", "Coulomb", "Friction", "Friction
 _ALIKE = (1.0, 1.0)
 
 
-class _Alike:
-    """Friction of a point that is alike in all directions."""
+class _Law:
+    """Friction of a point that is alike in all directions, unless a law says otherwise."""
 
     __slots__ = ()
 
@@ -43,7 +43,7 @@ class _Alike:
 
 
 @dataclass(frozen=True, slots=True)
-class Coulomb(_Alike):
+class Coulomb(_Law):
     """Dry friction, |r_T| ≤ μ r_N; a sliding contact is on the limit and pulls against its slip.
 
     `mu`: coefficient ≥ 0 [-]. With μ = 0 the contact is frictionless and gets no tangential unknowns.
@@ -58,7 +58,7 @@ class Coulomb(_Alike):
 
 
 @dataclass(frozen=True, slots=True)
-class Frictionless(_Alike):
+class Frictionless(_Law):
     """No tangential force, and therefore no tangential unknowns at all."""
 
     @property
@@ -68,7 +68,7 @@ class Frictionless(_Alike):
 
 
 @dataclass(frozen=True, init=False)
-class AnisotropicCoulomb:
+class AnisotropicCoulomb(_Law):
     """Dry friction that differs with the direction, (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²; a sliding contact is on the ellipse
     and its slip along minus the ellipse's normal (maximum dissipation), which is not against the force in general.
 
@@ -100,11 +100,6 @@ class AnisotropicCoulomb:
         """(μ_x, μ_y) / μ."""
         return self.mu_x / self.mu, self.mu_y / self.mu
 
-    @property
-    def lever(self) -> float:
-        """Of the torsional moment: there is none [m]."""
-        return 0.0
-
     def toward(self, x: float, y: float) -> float:
         """The coefficient along a direction of the contact's axes, a unit vector (x, y)."""
         return 1.0 / math.hypot(x / self.mu_x, y / self.mu_y)
@@ -120,7 +115,7 @@ class AnisotropicCoulomb:
 
 
 @dataclass(frozen=True, slots=True)
-class SoftFinger:
+class SoftFinger(_Law):
     """A patch instead of a point: it bears a moment r_τ about the normal as well, |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N².
 
     mu : coefficient > 0 of the tangential force [-]. mu_torsion : of the moment, N·m per N of normal force, > 0 [m]; 0
@@ -139,11 +134,6 @@ class SoftFinger:
             object.__setattr__(self, name, number(f"SoftFinger.{name}", getattr(self, name), minimum=0.0))
         if self.mu == 0.0 and self.mu_torsion > 0.0:
             raise InputError("SoftFinger.mu", "a number > 0 beside mu_torsion > 0", self.mu)
-
-    @property
-    def scale(self) -> tuple[float, float]:
-        """Of the two tangents: one."""
-        return _ALIKE
 
     @property
     def lever(self) -> float:

@@ -98,11 +98,7 @@ class Grasp:
         k, around = len(cs), None if environment is None else joined(environment)
         if around is not None:
             cs = arguments.contacts((*cs, *around.contacts))
-        positions = np.array([c.position for c in cs])
-        frames = np.array([c.rotation for c in cs])
-        normal = arguments.plane(plane, cs, positions, frames)
-        if normal is not None:
-            frames = arguments.in_plane(frames, normal)
+        positions, frames, normal = arguments.placed(plane, cs)
         point, fingers = arguments.reference(reference, normal, positions), None if around is None else k
         E, d = arguments.flexibility(flexibility, k, normal is not None), arguments.offset(offset, preload, k)
         if around is not None:
@@ -185,6 +181,7 @@ class Grasp:
         """
         section = self._section(faces)
         e = self._explained(explain(self.scene, assembled(self.scene, section, self.effects)))
+        e = replace(e, effects=tuple(sorted(e.effects, key=lambda line: not line.on)))  # what is on comes first
         if not measure:
             return e
         return measured(self, e, section, self.solve(faces, Auto(search_seconds=0), throw=False))
@@ -315,10 +312,9 @@ class Grasp:
 
     def _explained(self, explanation: Explanation) -> Explanation:
         """With the environment; a hand adds its own."""
-        every = [self._own_flexibility(line) for line in explanation.effects]
-        every.append(environment_line(self.scene, self.names, self.flexibility))
-        lines = sorted(every, key=lambda x: not x.on)
-        return replace(explanation, effects=tuple(lines))  # what is on comes first
+        own = (self._own_flexibility(line) for line in explanation.effects)
+        around = environment_line(self.scene, self.names, self.flexibility)
+        return replace(explanation, effects=(*own, around))
 
     def _own_flexibility(self, line: EffectLine) -> EffectLine:
         """That of fingers is told apart from what compliances asked for add to E."""

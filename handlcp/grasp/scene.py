@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, read_only, sealed
+from handlcp.check import Array, Bools, Ints, nothing, read_only, sealed
 from handlcp.grasp.natural import resolve, resolve_soft, wrench_map
 from handlcp.grasp.units import GraspUnits
 from handlcp.lazy import lazy
@@ -94,11 +94,15 @@ class Scene:
         G = wrench_map(self.arms, self.frames)
         return np.hstack([G, np.vstack([0.0 * self.spin_axes, self.spin_axes])]) if self.soft else G
 
+    @property
+    def levers(self) -> Array:
+        """(k,) what makes moments of the torsional components, of soft contacts [m]."""
+        return nothing() if self.scale is None else self.scale[3 * self.n :]
+
     @lazy
     def spin_axes(self) -> Array:
         """(3, k) moments that one of each torsional component stands for: lever times normal [m]."""
-        assert self.scale is not None  # where there are soft contacts
-        return (self.frames[list(self.soft)][:, :, 2] * self.scale[3 * self.n :, None]).T
+        return (self.frames[list(self.soft)][:, :, 2] * self.levers[:, None]).T
 
     @property
     def every_offset(self) -> Array:
@@ -106,22 +110,22 @@ class Scene:
         spin = np.zeros(len(self.soft)) if self.spin is None else self.spin
         return np.append(self.offset.ravel(), spin)
 
-    def physical(self, forces: Array) -> Array:
-        """(n, 3) forces in contact axes from those in the laws' coordinates; a motion is divided by the same scale."""
-        return forces if self.scale is None else forces * self.scale[: 3 * self.n].reshape(-1, 3)
-
     @property
     def components(self) -> int:
         """Force components: three a contact, and the moment of every soft one."""
         return 3 * self.n + len(self.soft)
 
-    def lawful_at(self, contact: int, force: Array) -> Array:
-        """(3,) the same for one contact's force."""
-        return force if self.scale is None else force / self.scale[3 * contact : 3 * contact + 3]
+    def physical(self, forces: Array) -> Array:
+        """(n, 3) forces in contact axes from those in the laws' coordinates; a motion is divided by the same scale."""
+        return forces if self.scale is None else forces * self.scale[: 3 * self.n].reshape(-1, 3)
 
     def lawful(self, forces: Array) -> Array:
         """(n, 3) forces in the laws' coordinates from those in contact axes."""
         return forces if self.scale is None else forces / self.scale[: 3 * self.n].reshape(-1, 3)
+
+    def lawful_at(self, contact: int, force: Array) -> Array:
+        """(3,) the same for one contact's force."""
+        return force if self.scale is None else force / self.scale[3 * contact : 3 * contact + 3]
 
     @property
     def natural(self) -> Natural:
@@ -172,6 +176,11 @@ class Scene:
     def rough_rows(self) -> Ints:
         """(k,) for each contact with friction, which of the unknown normal forces is its own."""
         return _rough_rows(self.governed, self.rough)
+
+    @property
+    def soft_rows(self) -> Ints:
+        """(k,) the same for each soft contact."""
+        return _rough_rows(self.governed, self.soft)
 
     @property
     def tangents(self) -> int:

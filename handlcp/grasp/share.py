@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, nothing, read_only
 from handlcp.grasp.certify import judge
 from handlcp.grasp.changed import changed
 from handlcp.grasp.effects import (
@@ -93,7 +93,7 @@ def measured(
     if not solution.held:
         return explanation
     grasp = grasp._answering(solution)
-    waiting = [(title, g) for title, g in grasp._without()]
+    waiting = grasp._without()
     runs = {-1: _run(grasp, section, solution.forces, solution)}
     for k, line in enumerate(explanation.effects):
         at = next((i for i, (title, _) in enumerate(waiting) if line.on and title == line.title), None)
@@ -123,22 +123,19 @@ def _solved_by_the_same(grasp: Grasp, less: Grasp, section: Section, solution: G
     world = np.einsum("nij,nj->ni", s.frames, r)
     u = solution.object_displacement
     moved = np.einsum("nij,nj->ni", turn, u[:3] + cross_rows(np.broadcast_to(u[3:], arms.shape), arms))
-    v = s.physical(
-        np.column_stack([solution.slip, solution.gap])[: s.n]
-    )  # motions scale as forces do, the other way round
-    torsion, load = np.zeros(0), -np.append(world.sum(axis=0), cross_rows(arms, world).sum(axis=0))
+    # Motions scale as forces do, the other way round
+    v = s.physical(np.column_stack([solution.slip, solution.gap])[: s.n])
+    torsion, load = nothing(), -np.append(world.sum(axis=0), cross_rows(arms, world).sum(axis=0))
     if s.soft:
-        assert s.scale is not None
         assert solution.torsion is not None  # soft in `less`, soft in the grasp
-        torsion = solution.torsion[list(s.soft)] / s.scale[3 * s.n :]
+        torsion = solution.torsion[list(s.soft)] / s.levers
         load[3:] -= s.spin_axes @ torsion
     retreat = s.flexibility @ np.append(r, torsion)
     d = s.lawful(v - moved - retreat[: 3 * s.n].reshape(-1, 3))
     if s.soft:
-        assert s.scale is not None
         assert solution.spin is not None
-        less, levers = copy.copy(less), s.scale[3 * s.n :]
-        less._spin = solution.spin[list(s.soft)] - (s.spin_axes.T @ u[3:] + retreat[3 * s.n :]) / levers
+        less = copy.copy(less)
+        less._spin = solution.spin[list(s.soft)] - (s.spin_axes.T @ u[3:] + retreat[3 * s.n :]) / s.levers
     made = changed(less, wrench=read_only(load), offset=read_only(d))
     return _run(made, section, s.physical(r), solution)
 

@@ -35,7 +35,7 @@ def assembled(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> Gras
     """The problem as `Grasp.problem` gives it: friction with a multiplier a face, or as a set on the exact cone."""
     if not isinstance(section, Cone):
         return assemble(scene, called_for(scene, section, asked, multipliers=True))
-    return _balls(scene, section, asked) if scene.soft else assemble_contact(scene, section, asked)
+    return chain_form(scene, section, asked)
 
 
 def _balls(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspBalls:
@@ -43,15 +43,11 @@ def _balls(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> GraspBa
     system = System(layout(u for e in effects for u in e.unknowns(scene)))
     for e in effects:
         e.stamp(scene, system)
-    at, normals = system.at, scene.normal_index.tolist()
-    balls = np.full((len(scene.rough) + len(scene.soft), 4), -1, dtype=np.int64)
-    every = [*scene.rough, *scene.soft]
-    balls[:, 0] = [at["r_N"].start + normals.index(3 * i + 2) for i in every]
-    start = system.tangential
-    for k in range(len(every)):
-        width = 2 if k < len(scene.rough) else 3
-        balls[k, 1 : 1 + width] = range(start, start + width)
-        start += width
+    at, hard, soft = system.at, len(scene.rough), len(scene.soft)
+    balls = np.full((hard + soft, 4), -1, dtype=np.int64)
+    balls[:, 0] = at["r_N"].start + np.concatenate([scene.rough_rows, scene.soft_rows])
+    points, patches = np.split(system.tangential + np.arange(2 * hard + 3 * soft), [2 * hard])
+    balls[:hard, 1:3], balls[hard:, 1:] = points.reshape(-1, 2), patches.reshape(-1, 3)
     free, surface = np.arange(len(system.q)) >= at["u"].start, limit_surface(section)
     limits = np.append(section.limit(scene.mu)[list(scene.rough)], surface.limit(scene.mu)[list(scene.soft)])
     flat = np.vstack([section.normals, np.zeros(section.normals.shape[1])]).T

@@ -25,7 +25,7 @@ from handlcp.lcp import Auto
 if TYPE_CHECKING:
     from handlcp.grasp.grasp import Grasp
 
-__all__ = ["Suggestion", "Suggestions", "change_of", "left_out", "shares", "suggest"]
+__all__ = ["Suggestion", "Suggestions", "change_of", "left_out", "of_force", "percent", "shares", "suggest"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +65,9 @@ class Suggestions:
         return iter(self.found)
 
     def __str__(self) -> str:
-        lines = [str(s) for s in self.found] or [f"nothing that is judged changes the answer by {_percent(self.least)}"]
+        lines = [str(s) for s in self.found] or [f"nothing that is judged changes the answer by {percent(self.least)}"]
         if self.small:
-            lines.append("small: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
+            lines.append("small: " + ", ".join(f"{title} {percent(change)}" for title, change in self.small))
         if self.unjudged:
             lines.append("not judged (no numbers given, or not beside what is on): " + ", ".join(self.unjudged))
         return "\n".join(lines)
@@ -103,7 +103,7 @@ def change_of(
         return Suggestion(effect, math.inf, "no equilibrium is found with it", ask)
     share = shares(solution.forces, again.forces)
     k = int(share.argmax())
-    return Suggestion(effect, float(share[k]), f"{_percent(share[k])} of {_whose(grasp.names[k])} force", ask)
+    return Suggestion(effect, float(share[k]), of_force(grasp, k, share[k]), ask)
 
 
 def shares(before: Array, after: Array) -> Array:
@@ -112,9 +112,13 @@ def shares(before: Array, after: Array) -> Array:
     return np.asarray(np.sqrt(((after - before) ** 2).sum(axis=1)) / size)
 
 
-def _whose(name: str) -> str:
-    return f"{name}'" if name.endswith("s") else f"{name}'s"
+def of_force(grasp: Grasp, contact: int, share: float) -> str:
+    """Such as "9 % of thumb's force"."""
+    name = grasp.names[contact]
+    whose = f"{name}'" if name.endswith("s") else f"{name}'s"
+    return f"{percent(share)} of {whose} force"
 
 
-def _percent(share: float) -> str:
+def percent(share: float) -> str:
+    """In two digits."""
     return f"{100 * share:.2g} %"

@@ -174,9 +174,7 @@ class HandGrasp(Grasp):
         weight = line(self.finger_weight, self.gravity_torque, self.tip_sag)
         command = command_line(self.state.hand.joint_names, self.joint_offset)
         behind = transmission_line(self.state.hand.stiffness)
-        lines = [*explanation.effects, behind, weight, command]
-        lines.sort(key=lambda x: not x.on)  # what is on comes first
-        return replace(explanation, effects=tuple(lines))
+        return replace(explanation, effects=(*explanation.effects, behind, weight, command))
 
     def _without(self) -> list[tuple[str, Grasp]]:
         light, still = copy.copy(self), copy.copy(self)

@@ -86,11 +86,7 @@ def grasp(
     if environment is not None:
         around, own = surrounding(environment, obj), n
         contacts = arguments.contacts((*contacts, *around.contacts))
-    positions = np.array([c.position for c in contacts])
-    frames = np.array([c.rotation for c in contacts])
-    normal = arguments.plane(plane, contacts, positions, frames)
-    if normal is not None:
-        frames = arguments.in_plane(frames, normal)
+    positions, frames, normal = arguments.placed(plane, contacts)
     turned, points = frames.transpose(0, 2, 1), positions
     if around is not None:
         turned, points = turned[:n], positions[:n]

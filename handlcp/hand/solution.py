@@ -36,7 +36,7 @@ class HandGraspSolution(GraspSolution):
     @cached_property
     def diagnosis(self) -> str:
         """As in `GraspSolution`, and which joints that would ask for more than they have."""
-        text, over = super().diagnosis, [r for r in self.torque_check if r.known and r.utilisation > 1.0]
+        text, over = super().diagnosis, self.torque_check.over
         if not self.held or not over:
             return text
         worst = max(over, key=lambda r: r.utilisation)

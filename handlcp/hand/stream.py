@@ -41,8 +41,7 @@ class GraspStream:
     `stream.grasp.solve()` asks all of them. A stream belongs to one thread.
 
     Raises InputError for a grasp with effects asked for by name other than compliances, or with soft fingers or
-    anisotropic friction; `grasp.solve(start=...)`
-    follows it.
+    anisotropic friction; `grasp.solve(start=...)` follows it.
     """
 
     def __init__(

@@ -15,8 +15,8 @@ from handlcp.grasp import arguments
 from handlcp.grasp.changed import changed
 from handlcp.grasp.effects import GeometricStiffness, TorqueSaturation
 from handlcp.grasp.pyramid import Pyramid
-from handlcp.grasp.suggest import Suggestion, change_of
-from handlcp.hand.weight import WEIGHT, tip_motion
+from handlcp.grasp.suggest import Suggestion, change_of, of_force, percent
+from handlcp.hand.weight import WEIGHT
 
 if TYPE_CHECKING:
     from handlcp.hand.grasp import HandGrasp
@@ -39,10 +39,9 @@ def hand_left_out(grasp: HandGrasp, solution: HandGraspSolution, faces: int | st
 
 def _saturation(grasp: HandGrasp, solution: HandGraspSolution, faces: int | str | Pyramid) -> Iterator[Suggestion]:
     """Where a joint is asked for more than it has."""
-    known = [r for r in solution.torque_check if r.known]
-    over = [r for r in known if r.utilisation > 1.0]
+    over = solution.torque_check.over
     if not over:
-        if known:
+        if known := [r for r in solution.torque_check if r.known]:
             words = f"all joints within their limits, {max(r.utilisation for r in known):.0%} at most"
             yield Suggestion(TorqueSaturation.title, 0.0, words, "effects=[TorqueSaturation()]")
         return
@@ -62,22 +61,21 @@ def _weight(grasp: HandGrasp, solution: HandGraspSolution, faces: int | str | Py
     heavy = copy.copy(grasp)
     heavy.finger_weight, heavy.gravity, heavy.gravity_torque = True, gravity, weigh
     heavy.sag = read_only(hand.stiffness.deflection(weigh))
-    moved = tip_motion(grasp.jacobian, heavy.sag, grasp.scene.plane is not None)
-    heavy = _completed(changed(heavy, offset=read_only(grasp.offset + moved)), grasp.effects)
+    heavy = _completed(changed(heavy, offset=heavy._shifted(grasp.tip_offset)), grasp.effects)
     s = change_of(grasp, heavy, solution, faces, WEIGHT.title, "finger_weight=True")
     held = float(abs(solution.torques).max()) or 1.0
     k = int(abs(weigh).argmax())
     share = float(abs(weigh[k])) / held
     if share <= s.change:
         return s
-    return replace(s, change=share, words=f"{100 * share:.2g} % of the largest torque, at {hand.joint_names[k]}")
+    return replace(s, change=share, words=f"{percent(share)} of the largest torque, at {hand.joint_names[k]}")
 
 
 def _geometric(grasp: HandGrasp, solution: HandGraspSolution, faces: int | str | Pyramid) -> Suggestion:
     """One correction of the flexibility, under the answer's own forces."""
     share = grasp.geometric_change(solution, faces)
     k = int(np.argmax(share))
-    words = f"{100 * share[k]:.2g} % of {grasp.names[k]}'s force"
+    words = of_force(grasp, k, share[k])
     if not math.isfinite(share[k]):
         words = "fingers buckle under their forces, or there is no equilibrium with it"
     return Suggestion(GeometricStiffness.title, float(share[k]), words, "effects=[GeometricStiffness()]")

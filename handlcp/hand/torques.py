@@ -58,6 +58,11 @@ class TorqueCheck:
         return self.joints[i] if shares[i] >= 0 else None
 
     @property
+    def over(self) -> tuple[TorqueRow, ...]:
+        """The rows of joints asked for more than their limit."""
+        return tuple(row for row in self if row.utilisation > 1.0)
+
+    @property
     def ok(self) -> bool:
         """All limits known, and none exceeded."""
         return all(self.known) and bool((self.utilisation <= 1.0).all())
@@ -89,9 +94,8 @@ class TorqueCheck:
     @property
     def verdict(self) -> str:
         """One sentence."""
-        over = [r.joint for r in self if r.utilisation > 1.0]
-        if over:
-            return f"Too weak: {', '.join(over)}."
+        if over := self.over:
+            return f"Too weak: {', '.join(r.joint for r in over)}."
         if np.isnan(self.torque).any():
             return "No torques: the grasp was not solved."
         if self.unknown:

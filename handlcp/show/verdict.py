@@ -73,8 +73,7 @@ def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
     check: Any = getattr(s, "torque_check", None)
     word = "HELD"
     if check is not None:
-        over = [r for r in check if r.known and r.utilisation > 1.0]
-        if over:
+        if over := check.over:
             word = "OVER LIMIT"
             listed = ", ".join(
                 f"{r.joint} needs {units.torque(abs(r.torque))} of {units.torque(r.limit)}" for r in over
@@ -117,8 +116,8 @@ def _far(grasp: Grasp, s: GraspSolution) -> list[str]:
     large = [
         (f"a slip of {units.length(slip)}", slip > most),
         (f"a squeeze of {units.length(squeeze)}", squeeze > most),
+        (f"a joint that yields by {units.angle(yielded)}", yielded > SMALL_TURN),
     ]
-    large.append((f"a joint that yields by {units.angle(yielded)}", yielded > SMALL_TURN))
     named = [words for words, too_far in large if too_far]
     return [f"{' and '.join(named)}: more than a model of small motions covers"] if named else []
 

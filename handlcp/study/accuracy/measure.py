@@ -142,9 +142,8 @@ class Bench:
 
     def _leads_elsewhere(self, candidate: Candidate) -> bool:
         """Whether Newton's method on the exact cone leads from here to a certified equilibrium that is another one."""
-        scene, assembled = self.grasp.scene, self.grasp.problem("cone")
-        assert isinstance(assembled, GraspContact)  # soft fingers are refused where the study begins
-        problem = assembled
+        scene, problem = self.grasp.scene, self.grasp.problem("cone")
+        assert isinstance(problem, GraspContact)  # soft fingers are refused where the study begins
         there = problem.candidate(SemismoothNewton().propose_contact(problem, problem.natural(candidate)).z)
         verdict = judge(scene, problem.effects, as_section("cone", scene.plane is not None), there)
         off = self.errors(there.forces, self.errors.slip)["force_error"]
