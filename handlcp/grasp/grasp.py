@@ -357,4 +357,4 @@ class Grasp:
         s = self.scene
         planar = ", planar" if s.plane is not None else ""
         planar += f", {s.environment} of the environment" if s.environment else ""
-        return f"{type(self).__name__}({s.n} contacts, {len(s.rough)} with friction{planar})"
+        return f"{type(self).__name__}({s.n} contacts, {len(s.rough) + len(s.soft)} with friction{planar})"

@@ -50,6 +50,11 @@ def test_two_alike_share_a_moment_about_their_line_and_turn_by_their_pads(faces)
     assert abs(s.spin).max() < 1e-12
 
 
+def test_soft_fingers_are_counted_as_contacts_with_friction():
+    assert repr(pinch()) == "Grasp(2 contacts, 2 with friction)"
+    assert repr(pinch(hl.Frictionless())) == "Grasp(2 contacts, 1 with friction)"
+
+
 @pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
 def test_at_its_limit_one_turns_on_the_object_and_the_other_bears_the_rest(faces):
     weak = hl.SoftFinger(0.5, 0.0004, 3.0)
