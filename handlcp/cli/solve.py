@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.padding import Padding
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, read_faces
@@ -91,7 +92,8 @@ def solve(
         for note in judged.notes:
             out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
         if left_out is not None:
-            out.print(Text("Left out:", style="yellow"), Text(str(left_out).replace("\n", "\n  ")), sep="\n  ")
+            out.print(Text("Left out:", style="yellow"))
+            out.print(Padding(Text(str(left_out)), (0, 0, 0, 2)))
         if plot is not None:
             out.print(Text(f"Picture: {plot}", style="dim"))
     short = solution.accuracy is not None and solution.held and not solution.accuracy.met

@@ -195,7 +195,7 @@ def plain(title: str, caption: str | None = None) -> Table:
 def _share(line: EffectLine) -> str:
     if line.share is None:
         return "–"
-    return f"{round(100 * line.share)} %" if line.share > -0.02 else "saves"
+    return f"{round(100 * max(line.share, 0.0))} %" if line.share > -0.02 else "saves"
 
 
 def _number(value: float, digits: int = 3) -> str:
