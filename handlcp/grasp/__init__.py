@@ -1,32 +1,41 @@
-"""The mechanics: contacts, friction laws, effects, and grasps assembled from them. Imports lcp, knows no robot."""
+"""The mechanics: contacts, friction laws, effects, and grasps assembled from them. Imports lcp, knows no robot.
 
-from handlcp.grasp.achieved import Accuracy
-from handlcp.grasp.assemble import GraspProblem
-from handlcp.grasp.certify import Residuals
-from handlcp.grasp.contact import Contact
-from handlcp.grasp.effects import (
-    ContactCompliance,
-    Effect,
-    FingerForceBound,
-    GeometricStiffness,
-    KnownForce,
-    PrescribedForce,
-    SoftWrist,
-    TorqueSaturation,
-    TotalForceBound,
+GraspSpec → build → Scene → assemble → propose → verify → answer          (README.md in `handlcp` walks one number
+through it)
+"""
+
+from handlcp.grasp.analysis.equilibria import Equilibria
+from handlcp.grasp.analysis.explanation import Explanation
+from handlcp.grasp.analysis.fingertips import wrench_from_fingertip_forces
+from handlcp.grasp.analysis.required import Required
+from handlcp.grasp.analysis.suggestions import Suggestion, Suggestions
+from handlcp.grasp.answer.accuracy import Accuracy
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.uniqueness import Uniqueness
+from handlcp.grasp.assembly.problem import GraspProblem
+from handlcp.grasp.effects import Effect, effect_kinds
+from handlcp.grasp.effects.contact_compliance import ContactCompliance
+from handlcp.grasp.effects.finger_force_bound import FingerForceBound
+from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
+from handlcp.grasp.effects.known_force import KnownForce
+from handlcp.grasp.effects.prescribed_force import PrescribedForce
+from handlcp.grasp.effects.soft_wrist import SoftWrist
+from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.effects.total_force_bound import TotalForceBound
+from handlcp.grasp.friction import (
+    AnisotropicCoulomb,
+    Coulomb,
+    FrictionLaw,
+    Frictionless,
+    Pyramid,
+    SoftFinger,
 )
-from handlcp.grasp.environment import Environment
-from handlcp.grasp.explain import Explanation
-from handlcp.grasp.fingertips import wrench_from_fingertip_forces
-from handlcp.grasp.friction import AnisotropicCoulomb, Coulomb, Friction, Frictionless, SoftFinger
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.many import Solutions, solve_many
-from handlcp.grasp.others import Equilibria
-from handlcp.grasp.pyramid import Pyramid
-from handlcp.grasp.required import Required
-from handlcp.grasp.solution import GraspSolution
-from handlcp.grasp.suggest import Suggestion, Suggestions
-from handlcp.grasp.uniqueness import Uniqueness
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.environment import Environment
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parallel import Solutions, solve_many
+from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [
     "Accuracy",
@@ -39,12 +48,13 @@ __all__ = [
     "Equilibria",
     "Explanation",
     "FingerForceBound",
-    "Friction",
+    "FrictionLaw",
     "Frictionless",
     "GeometricStiffness",
     "Grasp",
     "GraspProblem",
     "GraspSolution",
+    "GraspSpec",
     "KnownForce",
     "PrescribedForce",
     "Pyramid",
@@ -58,6 +68,7 @@ __all__ = [
     "TorqueSaturation",
     "TotalForceBound",
     "Uniqueness",
+    "effect_kinds",
     "solve_many",
     "wrench_from_fingertip_forces",
 ]

@@ -4,28 +4,29 @@ Knows nothing of grasps or robots.
 """
 
 from handlcp.lcp.certify import certify, is_farkas, natural_residual
-from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.contact import ContactProblem, FrictionSets, Pattern
 from handlcp.lcp.problem import LCP
-from handlcp.lcp.result import LCPSolution, Proposal
+from handlcp.lcp.result import LCPSolution, Proposal, stage_line
 from handlcp.lcp.scaling import Units
 from handlcp.lcp.solve import proposals, solve_lcp
-from handlcp.lcp.solvers.auto import Auto, as_chain
+from handlcp.lcp.solvers.auto import FIRST_STAGE, Auto, as_chain
 from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
-from handlcp.lcp.solvers.printed import AsPrinted
 from handlcp.lcp.status import Status
 
 __all__ = [
+    "FIRST_STAGE",
     "LCP",
     "NSNGRK",
-    "AsPrinted",
     "Auto",
     "ContactProblem",
     "ContactSolver",
+    "FrictionSets",
     "LCPSolution",
     "Lemke",
+    "Pattern",
     "Proposal",
     "SemismoothNewton",
     "Solver",
@@ -37,4 +38,5 @@ __all__ = [
     "natural_residual",
     "proposals",
     "solve_lcp",
+    "stage_line",
 ]

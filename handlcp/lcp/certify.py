@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.balls import BallProblem
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.polyhedron import nearest_in_ball, nearest_in_polyhedron
 from handlcp.lcp.kernels.residual import recompute, recompute_contact
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY, GROWTH
 
-__all__ = ["certify", "certify_balls", "certify_contact", "is_farkas", "natural_residual"]
+__all__ = ["certify", "certify_contact", "is_farkas", "natural_residual"]
 
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
@@ -38,34 +36,12 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
     residual: the worst of |y_i| (free), |min(x_i, y_i)| (pairs) and, in each friction block, the excess over the limit
     and the distance of x_T from the projection of x_T - y_T, over the size of x clipped to [1, 1000].
     """
-    y, residual = recompute_contact(
-        problem.M, problem.q, problem.role, problem.blocks, problem.limits, problem.faces, x, GROWTH
+    s = problem.sets
+    y, worst, size = recompute_contact(
+        problem.M, problem.q, problem.role, problem.blocks, s.limits, s.faces, s.normals, x
     )
+    residual = worst / min(size, GROWTH)
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
-
-
-def certify_balls(problem: BallProblem, x: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
-    """(status, y in the user's units, residual) for x (n,) of a `BallProblem`, natural units; residual as in
-    `certify_contact`.
-    """
-    y = problem.M @ x + problem.q
-    off = np.where(problem.free, y, np.minimum(x, y))
-    worst = []
-    for ball, limit in zip(problem.balls, problem.limits.tolist(), strict=True):
-        t = ball[1:][ball[1:] >= 0]
-        off[t] = 0.0
-        s, p, a = np.zeros(3), np.empty(3), limit * max(x[ball[0]], 0.0)
-        s[: len(t)] = x[t] - y[t]
-        normals = problem.faces[len(t) - 2]
-        if len(problem.faces[1]):
-            nearest_in_polyhedron(s, a, normals, p, np.empty((3, 4)))
-        else:
-            nearest_in_ball(s, a, p, np.empty((3, 4)))
-        worst.append(float(np.linalg.norm(x[t] - p[: len(t)])))
-    size = min(max(1.0, float(abs(x).max(initial=0.0))), GROWTH)
-    residual = float(np.max([*abs(off), *worst])) / size
-    solved = residual <= tolerance  # NaN never is
-    return Status.SOLVED if solved else Status.UNDECIDED, y * problem.units.w, residual
 
 
 def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY) -> bool:

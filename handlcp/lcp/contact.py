@@ -1,47 +1,84 @@
-"""Frictional contact as a complementarity problem with cones: its size does not depend on faces of any pyramid."""
+"""Frictional contact as a complementarity problem with friction as a set: its size does not depend on any faces."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lazy import lazy
-from handlcp.lcp.kernels.contact import prepare, roles
+from handlcp.lcp.kernels.contact_rows import Contacts, contact_order, in_order, roles
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 
-__all__ = ["ContactProblem"]
+__all__ = ["NO_NORMALS", "ContactProblem", "FrictionSets", "Pattern", "Pyramids"]
+
+Pyramids = Callable[[int], tuple[LCP, Callable[[Array], Array]]]
+
+NO_NORMALS = read_only(np.zeros((0, 3)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrictionSets:
+    """Where the tangential unknowns of each block may be, per unit of its normal unknown.
+
+    limits : (k,) radius of the block's ball, or distance of the faces of its polygon or polyhedron from the axis [-].
+    faces : 0 balls; ≥ 3 regular polygons with outward normals at 2πj/m from the first tangent; 2 intervals. Blocks with
+        one tangent have an interval in any case.
+    normals : (f, 3) outward unit normals of the polyhedra of blocks with three tangents, where there are faces.
+    """
+
+    limits: Array
+    faces: int
+    normals: Array = field(default_factory=lambda: NO_NORMALS)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pattern:
+    """Which role each unknown plays, whatever the numbers. Make it with `Pattern.of`.
+
+    free : (n,) bool. blocks : (k, 4) indices of a normal unknown and its tangents, -1 for those that there are not.
+    role : (n,) 0 free, 1 pair, 2 tangent. order : (n,) the unknowns in the order in which kernels take them.
+    """
+
+    free: Bools
+    blocks: Ints
+    role: Ints
+    order: Ints
+
+    @staticmethod
+    def of(free: Bools, blocks: Ints) -> Pattern:
+        """From the free unknowns and the blocks; blocks (k, 3) have two tangents at most."""
+        if blocks.shape[1] < 4:
+            blocks = np.pad(blocks, ((0, 0), (0, 4 - blocks.shape[1])), constant_values=-1)
+        role = roles(free, blocks)
+        return Pattern(free, blocks, role, contact_order(role, blocks))
 
 
 class ContactProblem:
     """Find x with y = M x + q, in natural units, where each unknown plays one of three roles:
 
     free : y_i = 0. pair : 0 ≤ x_i ⟂ y_i ≥ 0.
-    friction block (N, T, O) : N is a pair; x_T in the disc (polygon, interval) of radius limit · x_N, and y_T in minus
-        its normal cone: zero inside, against x_T on the limit. Second-order-cone complementarity, for the disc.
+    friction block (N, T, …) : N is a pair; x_T in the set of the block, x_N times as large, and y_T in minus the set's
+        normal cone at x_T: zero inside, against x_T on the limit. For balls this is second-order-cone complementarity.
 
-    M (n, n), q (n,), free (n,) bool. blocks (k, 3): indices of normal, first and second tangent (-1: planar).
-    limits (k,) radius per unit of normal force [-]. faces: 0 the disc, ≥ 3 a regular polygon of that apothem with
-    outward normals at 2πj/m, 2 an interval. units: natural sizes of every x and y, or a function that makes them.
-    pyramid : how to get the same scene with an m-face pyramid as a plain `LCP`, and its z as an x, or None.
-    role : (n,) 0 free, 1 pair, 2 tangent of a friction block; None: found from free and blocks.
+    M (n, n), q (n,). pattern : roles of the unknowns. sets : of the blocks. units : natural sizes of every x and y, or
+    a function that makes them. pyramid : how to get the same scene with m faces as a plain `LCP`, and its z as an x,
+    or None.
     """
 
     def __init__(
         self,
         M: Array,
         q: Array,
-        free: Bools,
-        blocks: Ints,
-        limits: Array,
-        faces: int,
+        pattern: Pattern,
+        sets: FrictionSets,
         units: Units | Callable[[], Units],
-        pyramid: Callable[[int], tuple[LCP, Callable[[Array], Array]]] | None = None,
-        role: Ints | None = None,
+        pyramid: Pyramids | None = None,
     ) -> None:
-        self.role = roles(free, blocks) if role is None else role
-        self.M, self.q, self.free = read_only(M), read_only(q), free
-        self.blocks, self.limits, self.faces, self.pyramid = blocks, limits, faces, pyramid
+        self.M, self.q, self.pattern, self.sets, self.pyramid = read_only(M), read_only(q), pattern, sets, pyramid
         self._units = units
 
     @property
@@ -49,20 +86,50 @@ class ContactProblem:
         """Number of unknowns."""
         return len(self.q)
 
+    @property
+    def free(self) -> Bools:
+        """(n,) which rows are equations."""
+        return self.pattern.free
+
+    @property
+    def role(self) -> Ints:
+        """(n,) 0 free, 1 pair, 2 tangent of a friction block."""
+        return self.pattern.role
+
+    @property
+    def blocks(self) -> Ints:
+        """(k, 4) indices of normal and tangents, padded by -1."""
+        return self.pattern.blocks
+
+    @property
+    def limits(self) -> Array:
+        """(k,) as in `FrictionSets`."""
+        return self.sets.limits
+
+    @property
+    def faces(self) -> int:
+        """As in `FrictionSets`."""
+        return self.sets.faces
+
     @lazy
     def units(self) -> Units:
         """Natural sizes of every x and y."""
         return self._units if isinstance(self._units, Units) else self._units()
 
     @lazy
-    def prepared(self) -> tuple[Ints, Ints, Array, Array, Array, Array, Ints, Array, Ints]:
-        """What kernels work on, in the order of the arrow that M is: see `kernels.contact.prepare`."""
-        return prepare(self.M, self.q, self.role, self.blocks)
+    def prepared(self) -> Contacts:
+        """What kernels work on, the unknowns in the order of `pattern`."""
+        s, p = self.sets, self.pattern
+        return in_order(self.M, self.q, p.role, p.blocks, p.order, s.limits, s.faces, s.normals)
+
+    def varied(self, M: Array, q: Array, limits: Array) -> ContactProblem:
+        """Another problem with the same pattern."""
+        return ContactProblem(M, q, self.pattern, FrictionSets(limits, self.sets.faces, self.sets.normals), self._units)
 
     def complete(self) -> None:
         """Compute now what is otherwise computed when first asked for."""
         self.prepared, self.units  # noqa: B018
 
     def __repr__(self) -> str:
-        kind = "exact cone" if self.faces == 0 else "planar" if self.faces == 2 else f"{self.faces} faces"
+        kind = {0: "exact cone", 2: "planar"}.get(self.faces, f"{self.faces} faces")
         return f"{type(self).__name__}(n={self.n}, {len(self.blocks)} contacts with friction, {kind})"

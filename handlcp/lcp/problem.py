@@ -47,14 +47,11 @@ class LCP:
             _check_units(units, self.M, self.q)
         self._units = units
 
-    @classmethod
-    def from_scaled(cls, M: Array, q: Array, free: Bools, units: Units) -> LCP:
-        """A problem already in natural units, as the grasp assembles it; arrays are neither copied nor checked."""
-        self = cls.__new__(cls)
-        self.free, self._units = free, units
-        self.__dict__["scaled"] = Scaled(M, q, free, units)
-        self.q = read_only(q * units.w)
-        return self
+    def _hold(self, scaled: Scaled) -> None:
+        """Take over a problem that is in natural units already: a subclass's constructor calls it instead of ours."""
+        self.free, self._units = scaled.free, scaled.units
+        self.__dict__["scaled"] = scaled
+        self.q = read_only(scaled.q * scaled.units.w)
 
     @lazy
     def M(self) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from handlcp.check import Array
 from handlcp.lcp.status import Status
 
-__all__ = ["LCPSolution", "Proposal"]
+__all__ = ["LCPSolution", "Proposal", "stage_line"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,3 +50,8 @@ class LCPSolution:
     outcome: str = ""
     trace: tuple[str, ...] = ()
     history: Array | None = field(default=None, repr=False)
+
+
+def stage_line(name: str, proposal: Proposal, residual: float) -> str:
+    """What a trace says of a stage."""
+    return f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {residual:.1e}"

@@ -8,23 +8,24 @@ force alone.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, psd, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.compliance import Compliance
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.file_key import FileKey, From0, by_finger
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
 
 __all__ = ["ContactCompliance"]
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class ContactCompliance(Compliance):
+class ContactCompliance(Effect):
     """Flexibility of the object's surface at the contacts [m/N], contact axes (x, y tangents, z normal).
 
     flexibility : a number ≥ 0 or a (3,) diagonal for every contact, or (n, 3, 3) symmetric positive semidefinite
@@ -43,6 +44,13 @@ class ContactCompliance(Compliance):
     in_file = "effects.contact_compliance_m_per_N = 1e-4"
     brings = "none: part of E"
     source = "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989)"
+    order = 260
+    file_key = FileKey(
+        "contact_compliance_m_per_N",
+        From0 | list[From0] | dict[str, From0 | list[From0]],
+        "a number ≥ 0, three of them, or a table by finger",
+        "of the object's surface at the contacts, in contact axes (x, y, normal); a table by finger: 0 for the others",
+    )
 
     def __init__(self, flexibility: Any) -> None:
         argument = "ContactCompliance.flexibility"
@@ -58,27 +66,25 @@ class ContactCompliance(Compliance):
                 value = np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(value)]).reshape(-1, 3, 3)
         object.__setattr__(self, "flexibility", read_only(value))
 
-    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
-        """Blocks of zeros for the environment's contacts, where there are blocks for the fingers alone."""
-        if self.flexibility.ndim == 3 and len(self.flexibility) == fingers:
-            return type(self)(np.concatenate([self.flexibility, np.zeros((n - fingers, 3, 3))]))
-        return self
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """From a number, three, or a table by finger of these."""
+        each = by_finger(key, value, fingers, 0.0)
+        yield cls([np.diag(np.ones(3) * c) for c in each] if isinstance(value, dict) else each)
 
-    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
-        """As many blocks as contacts."""
-        if self.flexibility.ndim == 3 and len(self.flexibility) != n:
-            raise InputError(f"{argument}.flexibility", f"{n} blocks, one for each contact", len(self.flexibility))
-        return self
+    def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
+        """As many blocks as fingers or contacts."""
+        if self.flexibility.ndim == 3 and len(self.flexibility) not in (at.of_fingers, at.n):
+            raise InputError(f"{argument}.flexibility", f"{at.n} blocks, one for each contact", len(self.flexibility))
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
         mean = float(np.trace(self.flexibility, axis1=-2, axis2=-1).mean() / 3)
         return f"asked for: the object's surface gives way by {mean:.3g} m/N in the mean"
 
-    def matrix(self, positions: Array, frames: Array, soft: tuple[int, ...]) -> Array:
+    def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """Blocks on the diagonal; nothing about the normals."""
-        n = len(positions)
-        out, each = np.zeros((n, 3, n, 3)), np.arange(n)
+        k = len(self.flexibility) if self.flexibility.ndim == 3 else at.n
+        out, each = np.zeros((at.n, 3, at.n, 3)), np.arange(k)
         out[each, :, each] = self.flexibility
-        E = out.reshape(3 * n, 3 * n)
-        return np.pad(E, (0, len(soft))) if soft else E
+        return np.pad(out.reshape(3 * at.n, 3 * at.n), (0, len(soft)))

@@ -9,12 +9,15 @@ polygon or interval.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import lru_cache
+from typing import Any, ClassVar
 
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.pyramid import Section
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from handlcp.grasp.effects.coulomb_pyramid import points_without_friction, tangential_forces, why_no_points
+from handlcp.grasp.friction import Cone, Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 
 __all__ = ["CoulombCone"]
 
@@ -32,15 +35,33 @@ class CoulombCone(Effect):
     in_file: ClassVar[str] = 'grasp.friction = 0.6\nsolve.faces = "cone"'
     brings: ClassVar[str] = "2 a contact"
     source: ClassVar[str] = "De Saxcé & Feng, Mathematical and Computer Modelling 28 (1998)"
+    order: ClassVar[int] = 40
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """Where friction has no multipliers."""
+        return _of(section) if scene.rough and not (multipliers and not isinstance(section, Cone)) else None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """Another form of friction was asked for."""
+        return why_no_points(scene, section)
 
     def why(self, scene: Scene) -> str:
         """Which contacts, what section."""
         return f"{len(scene.rough)} contacts with μ > 0, {self.section.name}"
 
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
+        """Frictionless."""
+        return points_without_friction(contacts)
+
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: two a contact, one in a plane."""
-        return (Unknown("r_T", scene.tangents * len(scene.rough), True, "force", "motion"),)
+        return (tangential_forces(scene),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""
-        system.load("r_T", scene.tangential_offset)
+        system.load_tangents("r_T", scene)
+
+
+_of = lru_cache(maxsize=64)(CoulombCone)

@@ -7,12 +7,19 @@ No cone is linearised: a friction interval has two ends.
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.coulomb_pyramid import place_faces
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from handlcp.grasp.effects.coulomb_pyramid import (
+    place_faces,
+    points_without_friction,
+    tangential_forces,
+    why_no_points,
+)
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 
 __all__ = ["CoulombPlanar"]
 
@@ -27,32 +34,34 @@ class CoulombPlanar(Effect):
     in_file = "grasp.friction = 0.6\ngrasp.plane = [0, 1, 0]"
     brings = "1 + 2 a contact"
     source = "Ai & Li (2025), equations (7) to (12) with two directions"
+    order = 50
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """In a plane, with multipliers."""
+        return _PLANAR if scene.rough and multipliers and scene.kind.planar else None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """The scene is not planar, or has no friction."""
+        return why_no_points(scene, section) if scene.kind.planar or not scene.rough else "the scene is not planar"
 
     def why(self, scene: Scene) -> str:
         """Which contacts."""
         return f"{len(scene.rough)} contacts with μ > 0 in a planar scene"
 
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
+        """Frictionless."""
+        return points_without_friction(contacts)
+
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: one a contact; λ: two a contact."""
-        k = len(scene.rough)
-        return (
-            Unknown("r_T", k, True, "force", "motion"),
-            Unknown("λ", 2 * k, False, "motion", "force"),
-        )
+        return tangential_forces(scene), Unknown("λ", 2 * len(scene.rough), False, "motion", "force")
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the tangent, and how far the force is from both ends."""
-        at = system.at
-        place_faces(
-            system.M,
-            at["r_T"].start,
-            at["λ"].start,
-            at["r_N"].start,
-            scene.rough_rows,
-            scene.mu[list(scene.rough)],
-            _ENDS,
-        )
-        system.load("r_T", scene.tangential_offset)
+        place_faces(system, scene, scene.rough, ("r_T", "λ"))
+        system.load_tangents("r_T", scene)
 
 
-_ENDS = np.array([[1.0, -1.0]])  # outward normals of the friction interval
+_PLANAR = CoulombPlanar()

@@ -9,15 +9,18 @@ Signs are the model's: the paper's D is our -N.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.pyramid import Pyramid
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["CoulombPyramid", "place_faces"]
+__all__ = ["CoulombPyramid", "place_faces", "points_without_friction", "tangential_forces", "why_no_points"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,42 +36,80 @@ class CoulombPyramid(Effect):
     in_file = "grasp.friction = 0.6\nsolve.faces = 8"
     brings = "2 + m a contact"
     source = "Ai & Li (2025), equations (7) to (12)"
+    order = 30
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """On pyramids, with multipliers."""
+        return _of(section) if scene.rough and multipliers and isinstance(section, Pyramid) else None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """Another form of friction was asked for."""
+        return why_no_points(scene, section)
 
     def why(self, scene: Scene) -> str:
         """Which contacts, what pyramid."""
         return f"{len(scene.rough)} contacts with μ > 0, {self.pyramid.name}"
 
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
+        """Frictionless."""
+        return points_without_friction(contacts)
+
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: two a contact; λ: m a contact."""
-        k, m = len(scene.rough), int(self.pyramid.faces)
-        return (
-            Unknown("r_T", 2 * k, True, "force", "motion"),
-            Unknown("λ", m * k, False, "motion", "force"),
-        )
+        faces = int(self.pyramid.faces)
+        return tangential_forces(scene), Unknown("λ", faces * len(scene.rough), False, "motion", "force")
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the faces, and how far the force is inside each of them."""
-        at = system.at
-        place_faces(
-            system.M,
-            at["r_T"].start,
-            at["λ"].start,
-            at["r_N"].start,
-            scene.rough_rows,
-            self.pyramid.limit(scene.mu[list(scene.rough)]),
-            self.pyramid.normals,
-        )
-        system.load("r_T", scene.tangential_offset)
+        place_faces(system, scene, scene.rough, ("r_T", "λ"), self.pyramid)
+        system.load_tangents("r_T", scene)
+
+
+_of = lru_cache(maxsize=64)(CoulombPyramid)
+
+
+def tangential_forces(scene: Scene) -> Unknown:
+    """r_T of all contacts with friction but no moment."""
+    return Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force", "motion")
+
+
+def points_without_friction(contacts: tuple[Contact, ...]) -> dict[str, Any]:
+    """The contacts, those with friction frictionless."""
+    return {"contacts": tuple([c.with_friction(c.friction.with_mu(0.0)) if c.mu > 0.0 else c for c in contacts])}
+
+
+def why_no_points(scene: Scene, section: Section) -> str:
+    """Why a form of friction is absent."""
+    if not scene.rough:
+        return "every contact with friction is soft" if scene.soft else "no contact has μ > 0"
+    if isinstance(section, Interval):
+        return "the scene is planar: one tangent, exact"
+    return "a pyramid was asked for" if isinstance(section, Pyramid) else "the exact cone was asked for"
+
+
+def place_faces(
+    system: System, scene: Scene, contacts: tuple[int, ...], names: tuple[str, str], section: Section | None = None
+) -> None:
+    """Write the blocks above for these contacts, which have as many tangents each; names : of forces and multipliers.
+
+    section : None: an interval.
+    """
+    at, own = system.at, limit_set(section or Interval(), scene.kind.tangents[contacts[0]])
+    forces, faces = (at[name].start for name in names)
+    limits = own.limit(scene.mu[list(contacts)])
+    _place(system.M, (forces, faces, at["r_N"].start), scene.kind.rows_of(contacts), limits, own.normals)
 
 
 @kernel
-def place_faces(M: Array, tangential: int, faces: int, normals: int, rows: Ints, limits: Array, N: Array) -> None:
-    """Write the blocks above for every contact with friction; rows: which normal force is its own."""
+def _place(M: Array, at: tuple[int, int, int], rows: Ints, limits: Array, N: Array) -> None:
+    """At: where forces, multipliers and normal forces begin. rows : which normal force is each contact's own."""
     axes, m = N.shape
     for k in range(len(rows)):
         for j in range(m):
-            f = faces + m * k + j
-            M[f, normals + rows[k]] = limits[k]
+            f = at[1] + m * k + j
+            M[f, at[2] + rows[k]] = limits[k]
             for a in range(axes):
-                t = tangential + axes * k + a
+                t = at[0] + axes * k + a
                 M[t, f], M[f, t] = N[a, j], -N[a, j]

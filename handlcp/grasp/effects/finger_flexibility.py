@@ -8,9 +8,16 @@ E couples normal and tangential directions and, where fingers share joints, diff
 
 from __future__ import annotations
 
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import read_only
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System
 
 __all__ = ["FingerFlexibility"]
 
@@ -27,11 +34,29 @@ class FingerFlexibility(Effect):
     source = (
         "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989); Ai & Li (2025), equation (13), without coupling"
     )
+    order = 90
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """Where E is not zero."""
+        return _FLEXIBILITY if scene.kind.flexible else None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """E is zero."""
+        return "E is zero: rigid fingers"
 
     def why(self, scene: Scene) -> str:
         """Where E is not zero."""
         return f"E is not zero (mean {scene.flexibility.trace() / (3 * scene.n):.3g} m/N)"
 
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
+        """Rigid fingers."""
+        return {"flexibility": read_only(np.zeros((3 * len(contacts), 3 * len(contacts))))}
+
     def stamp(self, scene: Scene, system: System) -> None:
         """E between all force components."""
         system.add_between_forces(scene.natural.E)
+
+
+_FLEXIBILITY = FingerFlexibility()

@@ -2,22 +2,25 @@
 
     0 ≤ z̄_i ⟂ r̄_i - r_N,i ≥ 0,    ε_N,i += z̄_i
 
-The other fingers take up what it leaves.
+The other fingers take over what it leaves.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
-from handlcp.check import dimensions, number
+from handlcp.check import Array, dimensions, number
 from handlcp.errors import InputError
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.limit import Limit
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.file_key import Above0, FileKey, by_finger
+from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
+from handlcp.words import NO_LENGTH, length, listed
 
 __all__ = ["FingerForceBound"]
 
@@ -39,6 +42,13 @@ class FingerForceBound(Effect):
     in_file = "effects.finger_force_bound_N = 1.2"
     brings = "1 a bounded contact"
     source = "finger by finger what Ai & Li (2025), equations (14) to (16), say of the sum"
+    order = 220
+    file_key = FileKey(
+        "finger_force_bound_N",
+        Above0 | list[Above0] | dict[str, Above0],
+        "a number > 0 (inf: no bound), one for each contact, or a table by finger",
+        "the most that a finger's normal force may be; fingers left out of a table have no bound",
+    )
 
     def __init__(self, limits: Any) -> None:
         name = "FingerForceBound.limits"
@@ -50,24 +60,21 @@ class FingerForceBound(Effect):
             raise InputError(name, "a number > 0, or one for each contact", repr(limits))
         object.__setattr__(self, "bounds", bounds)
 
-    @property
-    def opens(self) -> bool:
-        """Not without a bound."""
-        return bool(np.isfinite(self.bounds).any())
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """From a number, a list or a table by finger."""
+        bounds = by_finger(key, value, fingers, np.inf)
+        if isinstance(bounds, list) and len(bounds) != len(fingers):
+            raise InputError(key, f"a number, or {len(fingers)}, one for each contact", f"{len(bounds)}")
+        yield cls(bounds)
 
-    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
-        """The fingers' bounds, and none for the environment's contacts; bounds for all n stay."""
-        bounds = self.bounds if isinstance(self.bounds, tuple) else (self.bounds,) * fingers
-        if len(bounds) not in (fingers, n):
-            expected = f"a number, {fingers}, one for each finger, or {n}, one for each contact"
-            raise InputError(f"{argument}.limits", expected, f"{len(bounds)}")
-        return type(self)(bounds + (np.inf,) * (n - len(bounds)))
-
-    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
-        """One bound for every contact, or as many as there are contacts."""
-        if isinstance(self.bounds, tuple) and len(self.bounds) != n:
-            raise InputError(f"{argument}.limits", f"a number, or {n}, one for each contact", f"{len(self.bounds)}")
-        return self
+    def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
+        """One bound for every finger, or as many as there are fingers or contacts."""
+        if isinstance(self.bounds, tuple) and len(self.bounds) not in (at.of_fingers, at.n):
+            expected = f"a number, or {at.n}, one for each contact"
+            if at.of_fingers < at.n:
+                expected = f"a number, {at.of_fingers}, one for each finger, or {at.n}, one for each contact"
+            raise InputError(f"{argument}.limits", expected, f"{len(self.bounds)}")
 
     def why(self, scene: Scene) -> str:
         """Asked for, of how many."""
@@ -79,8 +86,17 @@ class FingerForceBound(Effect):
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """z̄_i: how far each bounded finger gives way."""
-        bounds = np.broadcast_to(np.asarray(self.bounds, dtype=float), (scene.n,))
-        bounded = np.flatnonzero(scene.governed_mask & np.isfinite(bounds))
+        bounds = self.bounds if isinstance(self.bounds, tuple) else (self.bounds,) * (scene.n - scene.environment)
+        every = np.append(bounds, np.full(scene.n - len(bounds), np.inf))
+        bounded = np.flatnonzero(scene.governed_mask & np.isfinite(every))
         rows = np.zeros((len(bounded), scene.components))
         rows[np.arange(len(bounded)), 3 * bounded + 2] = 1.0
-        return (Limit("z̄_i", rows, bounds[bounded]),)
+        return (Limit("z̄_i", rows, every[bounded]),)
+
+    def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
+        """Where it is reached."""
+        for limit in self.present(scene):
+            way = extra[limit.name]
+            reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NO_LENGTH)]
+            if reached:
+                yield f"the {self.title} is reached at {listed(reached)} and gives way by {length(float(way.max()))}"

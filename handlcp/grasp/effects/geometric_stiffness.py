@@ -1,37 +1,42 @@
 """Geometric stiffness: a finger that gives way turns the lever of the force it carries.
 
     E = J (K + K_g)⁻¹ Jᵀ + pads,    K_g(f) = ∂(J(q)ᵀ f)/∂q,    f the finger's force on the object, fixed in the world
+    d += J [(K + K_g)⁻¹ g - K⁻¹ g + (K + K_g)⁻¹ K_g δq],       g the fingers' weight, δq a commanded offset, if any
 
 The springs hold K δ = J(q)ᵀ f where the joints stand at q = q_c - δ. To first order in δ that is Jᵀ f - K_g δ, so that
 (K + K_g) δ = Jᵀ f. The sign, on one link p with a spring k: τ = f · (ω × p) and ∂τ/∂q = -f · p across the axis. A
 finger that pushes along itself, away from its joint, is a column: k - |f||p|, softer, and it buckles where nothing is
 left. One that pulls is stiffer. K_g is symmetric: it holds second derivatives of the contact points. Exact for what
 changes about a posture that carries f. From the unloaded posture on, joint deflections miss by a second order where K
-alone misses by a first; tips, whose path is still taken as straight, by about half of what K alone misses.
+alone misses by a first; tips, whose path is still taken as straight, by about half of what K alone misses. The weight's
+own gradient ∂g/∂q is left out.
 
 With K⁻¹ = A Aᵀ, which may be singular, (K + K_g)⁻¹ = A (1 + Aᵀ K_g A)⁻¹ Aᵀ: nothing inverts it, and a finger is
 stable where the bracket is positive definite. E depends on the forces it produces, so a solve repeats with E(f) until f
-stays (`handlcp.hand.geometric`); an answer passes only with the E of its own forces.
+stays (`handlcp.grasp.solve.force_iteration`); an answer passes only with the E of its own forces.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Self
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.needs import need_joints
-from handlcp.grasp.effects.prescribed_force import PrescribedForce
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.model.effect import Effect, Trial
+from handlcp.grasp.model.file_key import FileKey
+from handlcp.grasp.model.mechanism import JointReading
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["GeometricStiffness", "relative"]
+__all__ = ["GeometricStiffness"]
 
 _SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
 
@@ -43,12 +48,12 @@ class GeometricStiffness(Effect):
     The grasp's `flexibility`, `problem()` and `plan()` are those of unloaded fingers; the solution's `scene` has the E
     of its forces.
 
-    joints : the hand's, once it has completed the effect. hessian : (3n, nv, nv) ∂J/∂q of the contact points, which
-    move with their fingers, in contact axes that don't.
+    softer : (nv, nv) [rad/(N·m)] and off : (nv,) [rad]: by how much the joints give way more under the forces of an
+    answer, and how far their command and weight move them for it; None where no forces are known.
     """
 
-    joints: Joints | None = field(default=None, init=False, repr=False)
-    hessian: Array | None = field(default=None, init=False, repr=False)
+    softer: Array | None = field(default=None, repr=False)
+    off: Array | None = field(default=None, repr=False)
 
     title = "geometric stiffness"
     equation = "E = J (K + K_g)⁻¹ Jᵀ + …,  K_g = ∂(Jᵀ f)/∂q"
@@ -59,86 +64,88 @@ class GeometricStiffness(Effect):
     source = (
         "Chen & Kao, Int. J. Robotics Research 19 (2000); Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989)"
     )
+    order = 280
+    needs_joints = True
+    depends_on_forces = True
+    file_key = FileKey(
+        "geometric_stiffness",
+        bool,
+        "true or false",
+        "fingers are softened or stiffened by the forces they carry; a scene with a [hand]",
+        default=False,
+    )
 
-    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
-        """Completed by the joints and by how their Jacobian changes."""
-        joints = need_joints(argument, joints, self)
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """Where it says true."""
+        return (cls(),) if value else ()
+
+    def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
+        """Beside springs, and beside friction whose work has a potential."""
         if any(isinstance(e, TorqueSaturation) for e in others):
             expected = "geometric stiffness or torque saturation: a joint that yields has no spring to add to"
             raise InputError(argument, expected, "both")
-        if soft := set(joints.turning) - {e.contact for e in others if isinstance(e, PrescribedForce)}:
+        known = {i for e in others for i in e.prescribed()}
+        soft = [i for i, c in enumerate(at.contacts) if c.friction.lever > 0.0 and i not in known and not at.planar]
+        if soft:
             expected = "no soft fingers beside geometric stiffness: their moments have no potential to take it from"
             raise InputError(argument, expected, f"{len(soft)} of them")
-        made, hessian = type(self)(), joints.hessian()
-        still = np.zeros((3 * n - len(hessian), *hessian.shape[1:]))  # contacts of the environment
-        object.__setattr__(made, "joints", joints)
-        object.__setattr__(made, "hessian", read_only(np.concatenate([hessian, still])))
-        return made
 
-    @property
-    def opens(self) -> bool:
-        """Contact modes with one E for all forces prove nothing here."""
-        return True
+    @classmethod
+    def trial(cls, at: Placement, others: tuple[Effect, ...], forces: Array, torque: Array) -> Trial | None:
+        """One correction of the flexibility, under the answer's own forces."""
+        if at.mechanism is None:
+            return None
+        try:
+            cls().check("effects", at, others)
+        except InputError:
+            return None
+        bent = cls().under(at, forces, others)
+        none = Trial(None, np.inf, "fingers buckle under their forces, or there is no equilibrium with it")
+        return none if isinstance(bent, str) else Trial(bent, words=none.words)
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
         return "asked for: solved again with the flexibility under its own forces until these stay"
 
-    def stiffness(self, forces: Array) -> Array:
-        """(nv, nv) K_g [N·m/rad] of forces (n, 3) [N], contact axes."""
-        assert self.hessian is not None  # `for_grasp` saw to it
-        return np.asarray(np.tensordot(forces.reshape(-1), self.hessian, 1))
+    def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:
+        """With what the fingers give way more under these forces; or which joints buckle."""
+        joints = at.mechanism
+        assert joints is not None  # `needs_joints` saw to it
+        A, K_g = joints.root, np.tensordot(forces.reshape(-1), joints.hessian(), 1)
+        change = A.T @ K_g @ A
+        change = (change + change.T) / 2
+        bracket = np.eye(len(change)) + change
+        resisted, motions = np.linalg.eigh(bracket)
+        if not resisted[0] > SEMIDEFINITE:
+            moved = abs(A @ motions[:, resisted <= SEMIDEFINITE]).max(axis=1, initial=0.0)
+            names = [name for name, m in zip(joints.names, moved, strict=True) if m > _SHARE * moved.max()]
+            return f"K + K_g is not positive definite: {', '.join(names)} buckle under these forces"
+        softer = -A @ np.linalg.solve(bracket, change @ A.T)  # the difference itself, not that of two large matrices
+        softer, off = (softer + softer.T) / 2, np.zeros(len(joints.names))
+        for e in others:
+            if isinstance(e, FingerWeight) and e.sags:
+                off += softer @ e.torque
+            elif isinstance(e, JointOffset):
+                torque = K_g @ e.command
+                off += joints.deflection(torque) + softer @ torque
+        return GeometricStiffness(read_only(softer), read_only(off))
 
-    def compliance(self, forces: Array) -> Array | None:
-        """(nv, nv) (K + K_g)⁻¹ [rad/(N·m)] under these forces; None where a finger buckles."""
-        A, bracket = self._bracket(forces)
-        if not _stable(bracket):
+    def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
+        """J [(K + K_g)⁻¹ - K⁻¹] Jᵀ."""
+        if self.softer is None or at.mechanism is None:
             return None
-        C = A @ np.linalg.solve(bracket, A.T)
-        return np.asarray((C + C.T) / 2)
-
-    def change(self, forces: Array) -> Array | None:
-        """(3n, 3n) by how much E under these forces [m/N] differs from that under none; None where a finger buckles."""
-        A, bracket = self._bracket(forces)
-        if not _stable(bracket):
-            return None
-        assert self.joints is not None
-        B, more = self.joints.jacobian @ A, bracket - np.eye(len(bracket))
-        E = -B @ np.linalg.solve(bracket, more) @ B.T  # the difference itself, not that of two large matrices
+        rows = at.mechanism.rows(soft)
+        E = rows @ self.softer @ rows.T
         return np.asarray((E + E.T) / 2)
 
-    def buckling(self, forces: Array) -> tuple[str, ...]:
-        """The joints that these forces bend away, in every direction in which the springs do not resist."""
-        A, bracket = self._bracket(forces)
-        assert self.joints is not None
-        resisted, motions = np.linalg.eigh(bracket)
-        moved = abs(A @ motions[:, resisted <= SEMIDEFINITE]).max(axis=1, initial=0.0)
-        return tuple(name for name, m in zip(self.joints.names, moved, strict=True) if m > _SHARE * moved.max())
+    def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
+        """What weight and command do with the fingers bent."""
+        return None if self.off is None or at.mechanism is None else np.asarray(at.mechanism.rows(soft) @ self.off)
 
-    def residual(
-        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
-    ) -> float:
-        """By how much the scene's E, that of unloaded fingers, differs from E(f), relative; infinite for fingers that
-        buckle.
-        """
-        change = self.change(scene.physical(forces.reshape(-1, 3)))
-        if change is not None and scene.scale is not None:
-            change = change * scene.scale[:, None] * scene.scale
-        return np.inf if change is None else relative(change, scene.flexibility)
-
-    def _bracket(self, forces: Array) -> tuple[Array, Array]:
-        """A, and 1 + Aᵀ K_g A."""
-        assert self.joints is not None
-        A = self.joints.root
-        K = A.T @ self.stiffness(forces) @ A
-        return A, np.eye(len(K)) + (K + K.T) / 2
-
-
-def relative(difference: Array, of: Array) -> float:
-    """The largest entry of a difference beside the largest of what differs."""
-    size = float(abs(of).max(initial=0.0))
-    return float(abs(difference).max(initial=0.0)) / size if size > 0.0 else 0.0
-
-
-def _stable(bracket: Array) -> bool:
-    return bool(np.linalg.eigvalsh(bracket)[0] > SEMIDEFINITE)
+    def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
+        """(K + K_g)⁻¹ (Jᵀ f + g + K_g δq)."""
+        if self.softer is None or self.off is None or scene.mechanism is None:
+            return joints
+        more = self.softer @ (forces.reshape(-1) @ scene.mechanism.jacobian) + self.off
+        return replace(joints, deflection=joints.deflection + more)

@@ -9,19 +9,20 @@ three are known and friction is no matter, `PrescribedForce` brings no unknowns 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
-from handlcp.check import integer, number
+from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.limit import Limit
-from handlcp.grasp.effects.needs import need_contact
-from handlcp.grasp.effects.prescribed_force import PrescribedForce
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.file_key import CONTACT_KEY, FileKey, Finite, From0, contact_number
+from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
+from handlcp.words import NO_LENGTH, length
 
 __all__ = ["KnownForce"]
 
@@ -46,6 +47,19 @@ class KnownForce(Effect):
     in_file = "effects.known_force = [{ contact = 0, normal_N = 2.0 }]"
     brings = "2 a known component"
     source = "component by component what Ai & Li (2025), Example 2, know of whole forces"
+    order = 250
+    file_key = FileKey(
+        "known_force",
+        (
+            CONTACT_KEY,
+            FileKey("x_N", Finite, "a finite number", "along its tangent x"),
+            FileKey("y_N", Finite, "a finite number", "along its tangent y"),
+            FileKey("normal_N", From0, "a number ≥ 0", "along its normal"),
+        ),
+        "tables",
+        "contacts of whose force some components are known, one [[effects.known_force]] each",
+        many=True,
+    )
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
@@ -59,17 +73,33 @@ class KnownForce(Effect):
             raise InputError("KnownForce.force[2]", "a normal force ≥ 0: fingers push", checked[2])
         object.__setattr__(self, "force", tuple(checked))
 
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """One a table."""
+        for i, table in enumerate(value):
+            parts = tuple(table.get(name) for name in ("x_N", "y_N", "normal_N"))
+            contact = contact_number(f"{key}[{i}].contact", table["contact"], fingers)
+            if parts == (None, None, None):
+                expected = "three numbers or None (x, y, normal), one known at least"
+                raise InputError(f"{key}[{i}]", expected, repr(parts))
+            yield cls(contact, parts)
+
     @property
     def key(self) -> object:
         """One a contact."""
         return type(self), self.contact
 
-    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
+    @property
+    def called(self) -> str:
+        """With its contact."""
+        return f"known force of contact {self.contact}"
+
+    def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
         """At a contact that there is, and whose force is not prescribed as a whole."""
-        need_contact(f"{argument}.contact", self.contact, n)
-        if any(isinstance(e, PrescribedForce) and e.contact == self.contact for e in others):
+        if self.contact >= at.n:
+            raise InputError(f"{argument}.contact", f"a contact's number from 0 to {at.n - 1}", self.contact)
+        if any(self.contact in e.prescribed() for e in others):
             raise InputError(f"{argument}.contact", "a contact whose force is not prescribed", self.contact)
-        return self
 
     def why(self, scene: Scene) -> str:
         """Asked for, which components."""
@@ -78,7 +108,7 @@ class KnownForce(Effect):
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """κ⁺ and κ⁻: how far the finger moves along each known component, away from the object and towards it."""
-        unknown = set(np.concatenate([scene.normal_index, scene.tangent_index]).tolist())
+        unknown = set(scene.kind.index.tolist())
         known = [(3 * self.contact + k, f) for k, f in enumerate(self.force) if f is not None]
         bears = [(at, f) for at, f in known if at in unknown]
         if any(f for at, f in known if at not in unknown):
@@ -90,3 +120,9 @@ class KnownForce(Effect):
             row[at] = 1.0 if scene.scale is None else scene.scale[at]
         name = f"κ{self.contact}"
         return (Limit(f"{name}⁺", rows, room), Limit(f"{name}⁻", -rows, -room))
+
+    def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
+        """How far the finger moves."""
+        moved = [extra[limit.name] for limit in self.present(scene)]
+        if moved and (far := float(abs(moved[0] - moved[1]).max())) > NO_LENGTH:
+            yield f"{names[self.contact]} moves by {length(far)} to push as it is known to"

@@ -7,9 +7,13 @@ and, by virtue of the same matrix (virtual work), the object's motion u moves th
 
 from __future__ import annotations
 
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from typing import Any
+
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 
 __all__ = ["ObjectBalance"]
 
@@ -24,10 +28,20 @@ class ObjectBalance(Effect):
     in_file = ""
     brings = "6 (3 in a plane)"
     source = "Ai & Li (2025), equations (1) and (2)"
+    order = 10
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """Always."""
+        return _BALANCE
 
     def why(self, scene: Scene) -> str:
         """Every scene has an object."""
         return "the object is rigid and free to move" + ("" if scene.plane is None else " in its plane")
+
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
+        """No grasp is without it."""
+        return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """u: (dof,) motion of the object about the contacts' centre."""
@@ -35,6 +49,8 @@ class ObjectBalance(Effect):
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Balance rows and, transposed, the object's motion in the contact rows."""
-        a = scene.natural
-        system.couple_motion(a.G)
-        system.load("u", a.w)
+        system.couple_motion(scene.natural.G)
+        system.load("u", scene.natural.w)
+
+
+_BALANCE = ObjectBalance()

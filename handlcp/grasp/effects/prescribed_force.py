@@ -8,16 +8,16 @@ joints.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 from handlcp.check import Array, array, integer
 from handlcp.errors import InputError
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.needs import need_contact
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.file_key import CONTACT_KEY, FileKey, Three, contact_number
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
 
 __all__ = ["PrescribedForce"]
 
@@ -36,40 +36,51 @@ class PrescribedForce(Effect):
     in_file = "effects.prescribed_force = [{ contact = 0, force_N = [0, 0, 1.5] }]"
     brings = "takes the contact's away"
     source = "Ai & Li (2025), Example 2"
+    order = 240
+    file_key = FileKey(
+        "prescribed_force",
+        (
+            CONTACT_KEY,
+            FileKey("force_N", Three, "three finite numbers", "contact axes: x and y, then the normal", required=True),
+        ),
+        "tables",
+        "contacts whose force is known, one [[effects.prescribed_force]] each",
+        many=True,
+    )
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("PrescribedForce.contact", contact, 0))
         object.__setattr__(self, "force", array("PrescribedForce.force", force, (3,)))
+
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """One a table."""
+        for i, table in enumerate(value):
+            yield cls(contact_number(f"{key}[{i}].contact", table["contact"], fingers), table["force_N"])
 
     @property
     def key(self) -> object:
         """One a contact."""
         return type(self), self.contact
 
-    def for_grasp(self, argument: str, n: int, joints: Joints | None, others: tuple[Effect, ...]) -> Self:
-        """At a contact that there is."""
-        need_contact(f"{argument}.contact", self.contact, n)
-        return self
+    def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
+        """At a contact that there is, with a force in the plane of a planar scene."""
+        if self.contact >= at.n:
+            raise InputError(f"{argument}.contact", f"a contact's number from 0 to {at.n - 1}", self.contact)
+        if at.planar and self.force[1] != 0.0:
+            raise InputError(
+                "PrescribedForce.force", "no force out of the plane (y) in a planar scene", self.force.tolist()
+            )
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
         return f"asked for: contact {self.contact} pushes with {self.force.tolist()} N"
 
-    def stamp(self, scene: Scene, system: System) -> None:
-        """Known parts of balance and of the other fingers' retreat."""
-        mine = slice(3 * self.contact, 3 * self.contact + 3)
-        if scene.plane is not None and self.force[1] != 0.0:
-            raise InputError(
-                "PrescribedForce.force", "no force out of the plane (y) in a planar scene", self.force.tolist()
-            )
-        s, a, force = scene.units, scene.natural, scene.lawful_at(self.contact, self.force)
-        system.load("u", a.every[:, mine] @ (force / s.force))
-        retreat = scene.flexibility[:, mine] @ force / s.motion
-        system.load_forces(retreat[scene.normal_index], retreat[scene.tangent_index])
+    def prescribed(self) -> dict[int, Array]:
+        """The one force."""
+        return {self.contact: self.force}
 
-    def residual(
-        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
-    ) -> float:
-        """Whether the answer carries this very force."""
-        mine = forces[3 * self.contact : 3 * self.contact + 3]
-        return float(abs(mine - scene.lawful_at(self.contact, self.force)).max()) / force_size
+    def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
+        """Where it pulls."""
+        if self.force[2] < 0.0:
+            yield f"{names[self.contact]} pulls, as prescribed"

@@ -8,15 +8,20 @@ the ball that the ellipsoid is then.
 
 from __future__ import annotations
 
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from typing import Any
+
+from handlcp.grasp.effects.soft_finger_pyramid import soft_without_moment, torsional_forces, why_not_soft
+from handlcp.grasp.friction import Pyramid, Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 
 __all__ = ["SoftFingerCone"]
 
 
 class SoftFingerCone(Effect):
-    """Contacts whose law is `SoftFinger`."""
+    """Contacts whose law has a lever, such as `SoftFinger`."""
 
     title = "soft finger, cone"
     equation = "|r_T|²/μ² + r_τ²/μ_τ² ≤ r_N²"
@@ -25,20 +30,33 @@ class SoftFingerCone(Effect):
     in_file = 'grasp.friction = { mu = 0.6, mu_torsion_m = 0.005 }\nsolve.faces = "cone"'
     brings = "3 a contact"
     source = "Howe & Cutkosky, Int. J. Robotics Research 15 (1996)"
+    order = 70
 
-    @property
-    def opens(self) -> bool:
-        """Contact modes know two tangents."""
-        return True
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """Where friction has no multipliers."""
+        return _SOFT if scene.soft and not (multipliers and isinstance(section, Pyramid)) else None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """No contact is soft, or a pyramid was asked for."""
+        return why_not_soft(scene, section)
 
     def why(self, scene: Scene) -> str:
         """Which contacts."""
         return f"{len(scene.soft)} contacts with μ_τ > 0, exact ellipsoid"
 
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
+        """Points."""
+        return soft_without_moment(contacts)
+
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_S: x, y and the moment over its lever, three a contact."""
-        return (Unknown("r_S", 3 * len(scene.soft), True, "force", "motion"),)
+        return (torsional_forces(scene),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""
-        system.load("r_S", scene.soft_offset)
+        system.load_tangents("r_S", scene)
+
+
+_SOFT = SoftFingerCone()

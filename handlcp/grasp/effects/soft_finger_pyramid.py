@@ -2,27 +2,28 @@
 
     (v_T, ρ ω_n) = -N λ,    0 ≤ λ ⟂ μ_m r_N - Nᵀ (r_T, r_τ/ρ) ≥ 0,    ρ = μ_τ/μ
 
-with the outward normals of `limit_surface` in the columns of N.
+with the outward normals of `limit_set` in the columns of N.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import lru_cache
+from typing import Any, ClassVar
 
-from handlcp.grasp.effects.base import Effect
 from handlcp.grasp.effects.coulomb_pyramid import place_faces
-from handlcp.grasp.limit_surface import limit_surface
-from handlcp.grasp.pyramid import Pyramid
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from handlcp.grasp.friction import Cone, Coulomb, Pyramid, Section, limit_set
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 
-__all__ = ["SoftFingerPyramid"]
+__all__ = ["SoftFingerPyramid", "soft_without_moment", "torsional_forces", "why_not_soft"]
 
 
 @dataclass(frozen=True, slots=True)
 class SoftFingerPyramid(Effect):
-    """Contacts whose law is `SoftFinger`."""
+    """Contacts whose law has a lever, such as `SoftFinger`."""
 
     pyramid: Pyramid
 
@@ -35,31 +36,53 @@ class SoftFingerPyramid(Effect):
     source: ClassVar[str] = (
         "Howe & Cutkosky, Int. J. Robotics Research 15 (1996), for the ellipsoid that their vertices lie on"
     )
+    order: ClassVar[int] = 60
 
-    @property
-    def opens(self) -> bool:
-        """Contact modes know two tangents."""
-        return True
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """On pyramids, with multipliers."""
+        return _of(section) if scene.soft and multipliers and isinstance(section, Pyramid) else None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """No contact is soft, or the cone was asked for."""
+        return why_not_soft(scene, section)
 
     def why(self, scene: Scene) -> str:
         """Which contacts, what polyhedron."""
         where = "inscribed" if self.pyramid.inscribed else "circumscribed"
-        faces = limit_surface(self.pyramid).faces
-        return f"{len(scene.soft)} contacts with μ_τ > 0, {faces} faces, {where}"
+        return f"{len(scene.soft)} contacts with μ_τ > 0, {limit_set(self.pyramid, 3).faces} faces, {where}"
+
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
+        """Points."""
+        return soft_without_moment(contacts)
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_S: x, y and the moment over its lever, three a contact; λ_S: one a face."""
-        k = len(scene.soft)
-        return (
-            Unknown("r_S", 3 * k, True, "force", "motion"),
-            Unknown("λ_S", limit_surface(self.pyramid).faces * k, False, "motion", "force"),
-        )
+        faces = limit_set(self.pyramid, 3).faces * len(scene.soft)
+        return torsional_forces(scene), Unknown("λ_S", faces, False, "motion", "force")
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slip along the faces, and how far force and moment are inside each of them."""
-        at, surface = system.at, limit_surface(self.pyramid)
-        place_faces(
-            system.M, at["r_S"].start, at["λ_S"].start, at["r_N"].start, scene.soft_rows,
-            surface.limit(scene.mu[list(scene.soft)]), surface.normals,
-        )  # fmt: skip
-        system.load("r_S", scene.soft_offset)
+        place_faces(system, scene, scene.soft, ("r_S", "λ_S"), self.pyramid)
+        system.load_tangents("r_S", scene)
+
+
+_of = lru_cache(maxsize=64)(SoftFingerPyramid)
+
+
+def torsional_forces(scene: Scene) -> Unknown:
+    """r_S of the soft contacts."""
+    return Unknown("r_S", 3 * len(scene.soft), True, "force", "motion")
+
+
+def soft_without_moment(contacts: tuple[Contact, ...]) -> dict[str, Any]:
+    """The contacts, soft ones under Coulomb's law."""
+    return {"contacts": tuple([c.with_friction(Coulomb(c.mu)) if c.friction.lever > 0.0 else c for c in contacts])}
+
+
+def why_not_soft(scene: Scene, section: Section) -> str:
+    """Why a form of the soft finger is absent."""
+    if not scene.soft:
+        return "no contact is a SoftFinger"
+    return "the exact cone was asked for" if isinstance(section, Cone) else "a pyramid was asked for"

@@ -9,22 +9,29 @@ couples every finger with every other: the blocks off the diagonal of E.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, Self
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import Len
 
 from handlcp.check import Array, array, psd, read_only, symmetric
 from handlcp.errors import InputError
-from handlcp.grasp.effects.compliance import Compliance
-from handlcp.grasp.natural import wrench_map
-from handlcp.grasp.scene import Scene
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.file_key import FileKey, Finite, From0, Three
+from handlcp.grasp.model.grasp_matrix import wrench_map
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
 
 __all__ = ["SoftWrist"]
 
+_Softness = From0 | Annotated[list[From0], Len(3, 3)]
+_Six = Annotated[list[Finite], Len(6, 6)]
+
 
 @dataclass(frozen=True, init=False, eq=False)
-class SoftWrist(Compliance):
+class SoftWrist(Effect):
     """Flexibility of the palm that carries all fingers of the grasp.
 
     flexibility : (6, 6) symmetric positive semidefinite, or a (6,) diagonal: the palm's small twist (linear, angular)
@@ -41,7 +48,6 @@ class SoftWrist(Compliance):
 
     flexibility: Array
     at: Array
-    fingers: int | None = field(repr=False)  # the contacts that it carries, the first ones; None: all
 
     title = "soft wrist"
     equation = "E += Wᵀ C W"
@@ -50,6 +56,31 @@ class SoftWrist(Compliance):
     in_file = "effects.soft_wrist = { translation_m_per_N = 1e-4, rotation_rad_per_Nm = 0.01 }"
     brings = "none: part of E"
     source = "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989), compliances in series"
+    order = 270
+    file_key = FileKey(
+        "soft_wrist",
+        (
+            FileKey(
+                "translation_m_per_N", _Softness, "a number ≥ 0 or three of them",
+                "how the palm moves along x, y, z under a force", default=0.0,
+            ),
+            FileKey(
+                "rotation_rad_per_Nm", _Softness, "a number ≥ 0 or three of them",
+                "how it turns about x, y, z under a torque", default=0.0,
+            ),
+            FileKey(
+                "flexibility", Annotated[list[_Six], Len(6, 6)], "six rows of six finite numbers",
+                "instead of both: the (6, 6) matrix from force and torque to motion and rotation, "
+                "in m/N, rad/N and rad/(N·m)",
+            ),
+            FileKey(
+                "at_m", Three, "three finite numbers", "the point of the palm where it does so, world axes",
+                default=[0.0, 0.0, 0.0],
+            ),
+        ),
+        "a table",
+        "a palm that gives way under all fingers",
+    )  # fmt: skip
 
     def __init__(self, flexibility: Any, at: Any = (0.0, 0.0, 0.0)) -> None:
         argument = "SoftWrist.flexibility"
@@ -62,13 +93,25 @@ class SoftWrist(Compliance):
         psd(argument, value / np.outer(size, size))
         object.__setattr__(self, "flexibility", read_only(value.copy()))
         object.__setattr__(self, "at", array("SoftWrist.at", at, (3,)))
-        object.__setattr__(self, "fingers", None)
 
-    def for_fingers(self, argument: str, fingers: int, n: int) -> Self:
-        """The wrist carries the fingers alone."""
-        made = type(self)(self.flexibility, self.at)
-        object.__setattr__(made, "fingers", fingers)
-        return made
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """By translation and rotation, or by the whole matrix."""
+        parts = {name: value[name] for name in ("translation_m_per_N", "rotation_rad_per_Nm") if name in value}
+        at = value.get("at_m", (0.0, 0.0, 0.0))
+        if "flexibility" not in value:
+            C = np.concatenate(
+                [np.ones(3) * parts.get(name, 0.0) for name in ("translation_m_per_N", "rotation_rad_per_Nm")]
+            )
+            yield cls(C, at)
+            return
+        if parts:
+            name = min(parts)
+            raise InputError(f"{key}.{name}", "none beside flexibility, the whole matrix", parts[name])
+        try:
+            yield cls(value["flexibility"], at)
+        except InputError as error:
+            raise InputError(f"{key}.flexibility", error.expected, error.got) from None
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
@@ -78,13 +121,10 @@ class SoftWrist(Compliance):
             f"{self.at.tolist()}"
         )
 
-    def matrix(self, positions: Array, frames: Array, soft: tuple[int, ...]) -> Array:
+    def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """Wᵀ C W, symmetric to the last bit; a moment about a soft finger's normal is felt as it is."""
-        W = wrench_map(positions - self.at, frames)
-        if soft:
-            W = np.hstack([W, np.vstack([np.zeros((3, len(soft))), frames[list(soft)][:, :, 2].T])])
-        if self.fingers is not None:  # it does not carry the rest
-            W[:, 3 * self.fingers : 3 * len(positions)] = 0.0
-            W[:, 3 * len(positions) :][:, np.array(soft) >= self.fingers] = 0.0
+        W = wrench_map(at.positions - self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
+        W[:, 3 * at.of_fingers : 3 * at.n] = 0.0  # it does not carry the environment
+        W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_fingers] = 0.0
         E = W.T @ self.flexibility @ W
         return np.asarray((E + E.T) / 2)

@@ -7,14 +7,17 @@ It is the hand's squeeze that is bounded: contacts of the environment are not in
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import number
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.effects.limit import Limit
-from handlcp.grasp.scene import Scene
+from handlcp.check import Array, number
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.file_key import Above0, FileKey
+from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.scene import Scene
+from handlcp.words import NO_LENGTH, length
 
 __all__ = ["TotalForceBound"]
 
@@ -32,15 +35,14 @@ class TotalForceBound(Effect):
     in_file = "effects.total_force_bound_N = 6.0"
     brings = "1"
     source = "Ai & Li (2025), equations (14) to (16)"
+    order = 210
+    file_key = FileKey(
+        "total_force_bound_N", Above0, "a number > 0 (inf: no bound)", "the most that all normal forces may add up to"
+    )
 
     def __post_init__(self) -> None:
         """Check the limit."""
         object.__setattr__(self, "limit", number("TotalForceBound.limit", self.limit, above=0.0, finite=False))
-
-    @property
-    def opens(self) -> bool:
-        """Not without a bound."""
-        return bool(np.isfinite(self.limit))
 
     def why(self, scene: Scene) -> str:
         """Asked for."""
@@ -51,7 +53,18 @@ class TotalForceBound(Effect):
         if not np.isfinite(self.limit):
             return ()
         rows = np.zeros((1, scene.components))
-        rows[0, scene.normal_index] = 1.0
+        rows[0, scene.kind.normal_index] = 1.0
         if scene.fingers is not None:
             rows[0, 3 * scene.fingers :] = 0.0
         return (Limit("z̄", rows, np.array([self.limit])),)
+
+    def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
+        """Where it is reached."""
+        if (opened := float(extra.get("z̄", np.zeros(1))[0])) > NO_LENGTH:
+            yield f"the {self.title} is reached and gives way by {length(opened)}"
+
+    def shortfall(self, least_total: float | None) -> str | None:
+        """Where balance needs more."""
+        if least_total is None or not least_total > 1.001 * self.limit:  # so that the two numbers differ in print
+            return None
+        return f"the total normal force is bounded to {self.limit:.4g} N, and balance needs {least_total:.4g} N"

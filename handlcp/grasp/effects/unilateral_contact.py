@@ -7,9 +7,13 @@ d_N > 0 is an initial gap, d_N < 0 a preload.
 
 from __future__ import annotations
 
-from handlcp.grasp.effects.base import Effect
-from handlcp.grasp.scene import Scene
-from handlcp.grasp.system import System, Unknown
+from typing import Any
+
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
 from handlcp.tolerances import ACTIVE
 
 __all__ = ["UnilateralContact"]
@@ -25,19 +29,31 @@ class UnilateralContact(Effect):
     in_file = ""
     brings = "1 a contact"
     source = "Ai & Li (2025), equations (3) and (4)"
+    order = 20
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """Always."""
+        return _CONTACT
 
     def why(self, scene: Scene) -> str:
         """How many contacts, with what gap or preload."""
-        normal = scene.offset[:, 2]
+        normal = scene.offset[2 : 3 * scene.n : 3]
         nothing = ACTIVE * scene.units.motion
         gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
-        return f"{len(scene.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
+        return f"{len(scene.kind.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
+
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
+        """No grasp is without it."""
+        return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_N: (n_N,) normal forces."""
-        return (Unknown("r_N", len(scene.normal_index), False, "force", "motion"),)
+        return (Unknown("r_N", len(scene.kind.normal_index), False, "force", "motion"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial gaps."""
-        a = scene.natural
-        system.load("r_N", a.d[: a.split])
+        system.load("r_N", scene.natural.d[: len(scene.kind.normal_index)])
+
+
+_CONTACT = UnilateralContact()

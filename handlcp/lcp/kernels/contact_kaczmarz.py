@@ -6,69 +6,75 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.contact import Contacts, rows, work
-from handlcp.lcp.kernels.kaczmarz import Seeds, multiply_add, uniform
+from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
+from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row
 
 __all__ = ["contact_kaczmarz"]
 
 
 @kernel
 def contact_kaczmarz(
-    p: Contacts, M: Array, MT: Array, MMT: Array, x: Array, y: Array, state: Seeds, steps: int, tolerance: float
+    p: Contacts, MT: Array, MMT: Array, x: Array, y: Array, state: Seeds, steps: int, tolerance: float
 ) -> tuple[int, float]:
     """Greedy randomized Kaczmarz on the rows of F, as in `kaczmarz` ((20)–(22) of the paper); O(n) a step, in place.
 
-    M (n, n), its transpose and M Mᵀ are in the order of p. x and y (n,) belong together on entry and on return.
+    MT (n, n) is Mᵀ and MMT (n, n) is M Mᵀ. x and y (n,) belong together on entry and on return.
     Returns (steps taken, ‖F‖₂).
     """
     n = len(x)
-    F, g2, g = np.empty(n), np.empty(n), work(n)
-    unit, c, row, b = g.unit, g.c, g.row, g.b
+    F, p2, g2, g = np.empty(n), np.empty(n), np.empty(n), work(n)
     norm = np.inf
     for step in range(steps + 1):
-        if step % (4 * n) == 0 and step > 0:
-            multiply_add(M, x, p.q, y)
+        if step % (4 * n) == 0 and step > 0:  # y drifts by rounding
+            multiply_add(p.M, x, p.q, y)
         total = rows(p, x, y, F, g)
         norm = np.sqrt(total)
         frobenius, best = 0.0, 0.0
         for i in range(n):
-            d, e = row[i, 0], row[i, 1]
-            s = b[i, 0] * b[i, 0] * MMT[d, d] + b[i, 1] * b[i, 1] * MMT[e, e] + 2.0 * b[i, 0] * b[i, 1] * MMT[d, e]
-            for a in range(3):
-                k = unit[i, a]
-                s += 2.0 * c[i, a] * (b[i, 0] * M[d, k] + b[i, 1] * M[e, k])
-                for h in range(3):
-                    if unit[i, h] == k:
-                        s += c[i, a] * c[i, h]
-            g2[i] = s
-            frobenius += s
-            if F[i] * F[i] > best * s:
-                best = F[i] * F[i] / s if s > 0.0 else 0.0
+            p2[i], g2[i] = F[i] * F[i], _square(p.M, MMT, g, i)
+            frobenius += g2[i]
+            if p2[i] > best * g2[i]:
+                best = p2[i] / g2[i] if g2[i] > 0.0 else np.inf
         if not norm > tolerance or step == steps or not 0.0 < best < np.inf:
             return step, norm
-        bar = 0.5 * (best + total / frobenius) * (1.0 - 1e-12)
-        mass = 0.0
-        for i in range(n):
-            if F[i] * F[i] >= bar * g2[i] > 0.0:
-                mass += F[i] * F[i]
-        pick, chosen = uniform(state) * mass, -1
-        for i in range(n):
-            if F[i] * F[i] >= bar * g2[i] > 0.0:
-                pick -= F[i] * F[i]
-                chosen = i
-                if pick < 0.0:
-                    break
-        t = F[chosen] / g2[chosen]
-        for e in range(2):
-            f, d = t * b[chosen, e], row[chosen, e]
-            if f != 0.0:
-                for j in range(n):
-                    x[j] -= f * M[d, j]
-                    y[j] -= f * MMT[d, j]
-        for a in range(3):
-            f, k = t * c[chosen, a], unit[chosen, a]
-            if f != 0.0:
-                x[k] -= f
-                for j in range(n):
-                    y[j] -= f * MT[k, j]
+        i = greedy_row(p2, g2, best, total, frobenius, state)
+        _move(p.M, MT, MMT, g, i, F[i] / g2[i], x, y)
     return steps, norm
+
+
+@kernel
+def _square(M: Array, MMT: Array, g: Subgradient, i: int) -> float:
+    """|Σ c e_a + Σ b M_j|² of row i."""
+    total = 0.0
+    for e in range(3):
+        if g.b[i, e] == 0.0:
+            continue
+        for f in range(3):
+            total += g.b[i, e] * g.b[i, f] * MMT[g.row[i, e], g.row[i, f]]
+        for a in range(4):
+            total += 2.0 * g.b[i, e] * g.c[i, a] * M[g.row[i, e], g.unit[i, a]]
+    for a in range(4):
+        if g.c[i, a] == 0.0:
+            continue
+        for h in range(4):
+            if g.unit[i, h] == g.unit[i, a]:
+                total += g.c[i, a] * g.c[i, h]
+    return total
+
+
+@kernel
+def _move(M: Array, MT: Array, MMT: Array, g: Subgradient, i: int, t: float, x: Array, y: Array) -> None:
+    """Take t times the subgradient of row i from x, and y along with it."""
+    for e in range(3):
+        f, d = t * g.b[i, e], g.row[i, e]
+        if f != 0.0:
+            for j in range(len(x)):
+                x[j] -= f * M[d, j]
+                y[j] -= f * MMT[d, j]
+    for a in range(4):
+        f, k = t * g.c[i, a], g.unit[i, a]
+        if f != 0.0:
+            x[k] -= f
+            for j in range(len(x)):
+                y[j] -= f * MT[k, j]

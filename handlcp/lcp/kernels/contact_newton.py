@@ -4,39 +4,33 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
-from handlcp.lcp.kernels.arrow import multiply_arrow, room, solve_arrow
+from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.contact import Contacts, rows, work
+from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
+from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 
-__all__ = ["contact_newton", "stick"]
+__all__ = ["contact_newton", "hold"]
 
 _MEMORY = 8  # steps over which ‖F‖ may rise
 _SHORTEST = 1e-2  # step length at which the line search takes what it has
 
 
 @kernel
-def stick(p: Contacts, x: Array, rank_tolerance: float) -> None:
-    """X ← the solution of the linear problem in which every contact sticks that starts without a gap."""
+def hold(p: Contacts, apart: Bools, slippery: Bools, x: Array, rank_tolerance: float) -> None:
+    """Write into x (n,) the solution of the linear problem in which pairs stay at 0 where `apart` (n,), contacts carry
+    nothing along their tangents where `slippery` (k,), and every other contact sticks.
+    """
     n = len(x)
-    g, rhs = work(n), np.empty(n)
+    A, rhs, col = p.M.copy(), -p.q, np.empty(n, np.int64)
     for i in range(n):
-        g.unit[i, :], g.row[i, :], g.c[i, :] = i, i, 0.0
-        g.b[i, 0], g.b[i, 1], rhs[i] = 1.0, 0.0, -p.q[i]
-        if p.role[i] == 1 and p.q[i] > 0.0:
-            _nothing(i, g.c, g.b, rhs)
+        if p.role[i] == 1 and apart[i]:
+            A[i], A[i, i], rhs[i] = 0.0, 1.0, 0.0
     for k in range(len(p.blocks)):
-        if p.q[p.blocks[k, 0]] > 0.0:
-            for a in range(1, 3):
-                if p.blocks[k, a] >= 0:
-                    _nothing(p.blocks[k, a], g.c, g.b, rhs)
-    solve_arrow(p.M, g, rhs, x, room(p.M), rank_tolerance)
-
-
-@kernel
-def _nothing(i: int, c: Array, b: Array, rhs: Array) -> None:
-    """Row i becomes x_i = 0."""
-    c[i, 0], b[i, 0], rhs[i] = 1.0, 0.0, 0.0
+        if apart[p.blocks[k, 0]] or slippery[k]:
+            for i in p.blocks[k, 1:]:
+                if i >= 0:
+                    A[i], A[i, i], rhs[i] = 0.0, 1.0, 0.0
+    solve_ranked(A, rhs, x, col, rank_tolerance)
 
 
 @kernel
@@ -46,8 +40,8 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float, rank_tol
     """
     n = len(x)
     y, F, dx, x1, recent = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.zeros(_MEMORY)
-    g, R = work(n), room(p.M)
-    multiply_arrow(p.M, x, p.q, y)
+    g, J, col = work(n), np.empty((n, n)), np.empty(n, np.int64)
+    multiply_add(p.M, x, p.q, y)
     total, relative = rows(p, x, y, F, g), np.inf
     for step in range(steps + 1):
         size = 1.0
@@ -58,13 +52,14 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float, rank_tol
             return step, np.inf
         if relative <= tolerance or step == steps:
             return step, relative
-        solve_arrow(p.M, g, F, dx, R, rank_tolerance)
+        _jacobian(p.M, g, J)
+        solve_ranked(J, F, dx, col, rank_tolerance)
         recent[step % _MEMORY] = total
         ceiling, t = np.max(recent), 1.0
         while True:
             for i in range(n):
                 x1[i] = x[i] - t * dx[i]
-            multiply_arrow(p.M, x1, p.q, y)
+            multiply_add(p.M, x1, p.q, y)
             total = rows(p, x1, y, F, g)
             if total <= (1.0 - 1e-4 * t) * ceiling:
                 break
@@ -73,3 +68,20 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float, rank_tol
                 break
         x[:] = x1
     return steps, relative
+
+
+@kernel
+def _jacobian(M: Array, g: Subgradient, J: Array) -> None:
+    """Write the subgradients as the rows of J (n, n)."""
+    n = len(M)
+    for i in range(n):
+        b, d = g.b[i, 0], g.row[i, 0]
+        for j in range(n):
+            J[i, j] = b * M[d, j]
+        for e in range(1, 3):
+            b, d = g.b[i, e], g.row[i, e]
+            if b != 0.0:
+                for j in range(n):
+                    J[i, j] += b * M[d, j]
+        for a in range(4):
+            J[i, g.unit[i, a]] += g.c[i, a]

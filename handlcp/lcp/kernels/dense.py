@@ -1,42 +1,45 @@
-"""Dense linear algebra for the small systems of active sets: elimination that knows its rank."""
+"""Dense linear algebra for small systems: products, and elimination that knows its rank."""
 
 from __future__ import annotations
 
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["eliminate", "solve_ranked"]
+__all__ = ["multiply_add", "solve_ranked"]
+
+_NEAR = 0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
+
+
+@kernel
+def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
+    """Write M z + q into w (n,)."""
+    n = len(q)
+    for i in range(n):
+        w[i] = q[i]
+        for j in range(n):
+            w[i] += M[i, j] * z[j]
 
 
 @kernel
 def solve_ranked(A: Array, b: Array, x: Array, col: Ints, rank_tolerance: float) -> int:
-    """Solve A x = b as `eliminate` does; a pivot below this share of the largest entry of A is none."""
-    largest = 0.0
-    for i in range(len(b)):
-        for j in range(len(b)):
-            largest = max(largest, abs(A[i, j]))
-    return eliminate(A, b, x, col, rank_tolerance * largest)
+    """Solve A x = b by Gaussian elimination with threshold pivoting, complete pivoting once a column gives no pivot.
 
-
-@kernel
-def eliminate(A: Array, b: Array, x: Array, col: Ints, tiny: float) -> int:
-    """Solve A x = b by Gaussian elimination with partial pivoting, complete pivoting once a column gives no pivot.
-
-    A (k, k) and b (k,) are overwritten, col (k,) int is work. Unknowns without a pivot above `tiny` are set to zero:
-    for a consistent singular system that is one solution of many. Returns the rank.
+    A (k, k) and b (k,) are overwritten, col (k,) int is work. A pivot below this share of the largest entry of A is
+    none, and unknowns without a pivot are set to zero: for a consistent singular system that is one solution of many.
+    Returns the rank.
     """
-    k = len(b)
+    k, largest = len(b), 0.0
     for i in range(k):
         col[i] = i
-    rank = k
+        for j in range(k):
+            largest = max(largest, abs(A[i, j]))
+    tiny, rank = rank_tolerance * largest, k
     for s in range(k):
-        # partial pivoting in column s
         p, c, best = s, s, 0.0
         for i in range(s, k):
-            if abs(A[i, s]) > best:
-                best, p = abs(A[i, s]), i
+            best = max(best, abs(A[i, s]))
         if best <= tiny:
-            # no pivot here: look everywhere (rare, so its k² comparisons don't matter)
+            # No pivot in this column: look everywhere. That is rare, so its k² comparisons don't matter
             for i in range(s, k):
                 for j in range(s, k):
                     if abs(A[i, j]) > best:
@@ -47,6 +50,9 @@ def eliminate(A: Array, b: Array, x: Array, col: Ints, tiny: float) -> int:
             for i in range(k):
                 A[i, s], A[i, c] = A[i, c], A[i, s]
             col[s], col[c] = col[c], col[s]
+        else:
+            while abs(A[p, s]) < _NEAR * best:
+                p += 1
         if p != s:
             for j in range(s, k):
                 A[s, j], A[p, j] = A[p, j], A[s, j]

@@ -8,18 +8,21 @@ The analytic subgradient of row i is g_i = a e_i + b M_i with a = z_i/ρ - 1, b 
 
 changes z along row i of M, and w = M z + q by -t (a M e_i + b M Mᵀ e_i): with M Mᵀ in hand a step costs O(n).
 
-Two rules choose the row: the paper's greedy one, and for comparison the oldest randomized one, all rows alike.
+The row is chosen by the paper's greedy rule.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import multiply_add
 
-__all__ = ["Seeds", "greedy_row", "kaczmarz", "multiply_add", "uniform"]
+__all__ = ["Rows", "Seeds", "Slopes", "greedy_row", "kaczmarz", "linearise", "project", "slopes", "uniform"]
 
 Seeds = npt.NDArray[np.uint64]
 
@@ -39,16 +42,6 @@ def uniform(state: Seeds) -> float:
     x = (x ^ (x >> _S27)) * _MIX2
     x = x ^ (x >> _S31)
     return float(x >> _S11) * 1.1102230246251565e-16  # 53 bits
-
-
-@kernel
-def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
-    """W ← M z + q."""
-    n = len(q)
-    for i in range(n):
-        w[i] = q[i]
-        for j in range(n):
-            w[i] += M[i, j] * z[j]
 
 
 @kernel
@@ -74,100 +67,93 @@ def greedy_row(p2: Array, g2: Array, best: float, total: float, frobenius: float
     return chosen
 
 
-@kernel
-def any_row(p2: Array, g2: Array, state: Seeds) -> int:
-    """Any row with a residual and a subgradient, each as likely as the others; -1 where there is none."""
-    n, many = len(p2), 0
-    for i in range(n):
-        many += p2[i] > 0.0 and g2[i] > 0.0
-    pick, chosen = uniform(state) * many, -1
-    for i in range(n):
-        if p2[i] > 0.0 and g2[i] > 0.0:
-            pick -= 1.0
-            chosen = i
-            if pick < 0.0:
-                break
-    return chosen
+class Rows(NamedTuple):
+    """What every row needs of M (n, n): M, its transpose and M Mᵀ, all contiguous, so that every loop runs along a row;
+    q (n,) and free (n,) bool.
+    """
+
+    M: Array
+    MT: Array
+    MMT: Array
+    q: Array
+    free: Bools
+
+
+class Slopes(NamedTuple):
+    """Of every row i, (n,) each: φ, the subgradient a e_i + b M_i, φ² and |a e_i + b M_i|²."""
+
+    phi: Array
+    a: Array
+    b: Array
+    phi2: Array
+    g2: Array
 
 
 @kernel
-def linearise(
-    two_diagonal: Array, rows: Array, free: Bools, z: Array, w: Array, phi: Array, a: Array, b: Array, p2: Array,
-    g2: Array,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Write φ, a, b, φ² and |g|² of every row; (Σ φ², Σ |g|², max φ² / |g|²)."""
+def slopes(n: int) -> Slopes:
+    """Room for n rows."""
+    return Slopes(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+
+
+@kernel
+def linearise(p: Rows, z: Array, w: Array, s: Slopes) -> tuple[float, float, float]:
+    """Write `Slopes` at z and w (n,). Returns (Σ φ², Σ |g|², max φ² / |g|²)."""
     total, frobenius, best, best_size = 0.0, 0.0, 0.0, 1.0
     for i in range(len(z)):
-        if free[i]:
+        if p.free[i]:
             f, c, d = w[i], 0.0, 1.0
         else:
-            s, rho = z[i] + w[i], np.sqrt(z[i] * z[i] + w[i] * w[i])
+            sum_, rho = z[i] + w[i], np.sqrt(z[i] * z[i] + w[i] * w[i])
             if rho > 0.0:
-                # ρ - s, which cancels where z and w are both positive, equals -2 z w / (ρ + s)
-                f = -2.0 * z[i] * w[i] / (rho + s) if s > 0.0 else rho - s
+                # ρ - (z + w), which cancels where z and w are both positive, equals -2 z w / (ρ + z + w)
+                f = -2.0 * z[i] * w[i] / (rho + sum_) if sum_ > 0.0 else rho - sum_
                 c, d = z[i] / rho - 1.0, w[i] / rho - 1.0
             else:
                 f, c, d = 0.0, _CORNER, _CORNER
-        square, size = f * f, c * c + d * (two_diagonal[i] * c + d * rows[i])
+        square, size = f * f, c * c + d * (2.0 * p.M[i, i] * c + d * p.MMT[i, i])
         total += square
         frobenius += size
         if square * best_size > best * size:
             best, best_size = square, size
-        phi[i], a[i], b[i], p2[i], g2[i] = f, c, d, square, size
+        s.phi[i], s.a[i], s.b[i], s.phi2[i], s.g2[i] = f, c, d, square, size
     return total, frobenius, best / best_size
 
 
 @kernel
-def project(M: Array, MT: Array, MMT: Array, i: int, t: float, a: float, b: float, z: Array, w: Array) -> None:
-    """Z ← z - t (a e_i + b M_i), and w along with it."""
-    ta, tb = t * a, t * b
+def project(p: Rows, s: Slopes, i: int, z: Array, w: Array) -> None:
+    """Project z (n,) on the linearised row i, and move w (n,) along with it."""
+    t = s.phi[i] / s.g2[i]
+    ta, tb = t * s.a[i], t * s.b[i]
     for j in range(len(z)):
-        z[j] -= tb * M[i, j]
-        w[j] -= ta * MT[i, j] + tb * MMT[i, j]
+        z[j] -= tb * p.M[i, j]
+        w[j] -= ta * p.MT[i, j] + tb * p.MMT[i, j]
     z[i] -= ta
 
 
 @kernel
 def kaczmarz(
-    M: Array,
-    MT: Array,
-    MMT: Array,
-    q: Array,
-    free: Bools,
-    z: Array,
-    w: Array,
-    state: Seeds,
-    steps: int,
-    tolerance: float,
-    stride: int,
-    history: Array,
-    greedy: bool,
+    p: Rows, z: Array, w: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
 ) -> tuple[int, float, int]:
-    """Take up to `steps` steps in place, on rows of `greedy_row` or else of `any_row`; stop at ‖Φ(z)‖₂ ≤ tolerance.
+    """Take up to `steps` greedy steps in place; stop at ‖Φ(z)‖₂ ≤ tolerance.
 
-    MT (n, n) is Mᵀ and MMT (n, n) is M Mᵀ, all contiguous, so that every loop runs along a row; z and w (n,) belong
-    together on entry and on return. Every `stride` steps (0: never) a row (step, ‖Φ‖) goes into `history`.
-    Returns (steps taken, ‖Φ‖₂, rows of history written).
+    z and w (n,) belong together on entry and on return. Every `stride` steps (0: never) a row (step, ‖Φ‖) goes into
+    `history`. Returns (steps taken, ‖Φ‖₂, rows of history written).
     """
-    n = len(q)
-    a, b, p2, g2, phi = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    two_diagonal, rows = 2.0 * np.diag(M), np.diag(MMT).copy()
+    n, s = len(z), slopes(len(z))
     norm, written = np.inf, 0
     for step in range(steps + 1):
         if step % (4 * n) == 0 and step > 0:  # w drifts by rounding: renewed at O(n) a step in the mean
-            multiply_add(M, z, q, w)
-        total, frobenius, best = linearise(two_diagonal, rows, free, z, w, phi, a, b, p2, g2)
+            multiply_add(p.M, z, p.q, w)
+        total, frobenius, best = linearise(p, z, w, s)
         norm = np.sqrt(total)
         if stride > 0 and step % stride == 0 and written < len(history):
             history[written, 0], history[written, 1] = step, norm
             written += 1
         if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
-        if greedy:  # a row of zeros that no step can mend has them all
-            i = greedy_row(p2, g2, best, total, frobenius, state) if best < np.inf else -1
-        else:
-            i = any_row(p2, g2, state)
+        # a row of zeros that no step can mend has them all
+        i = greedy_row(s.phi2, s.g2, best, total, frobenius, state) if best < np.inf else -1
         if i < 0:
             return step, norm, written
-        project(M, MT, MMT, i, phi[i] / g2[i], a[i], b[i], z, w)
+        project(p, s, i, z, w)
     return steps, norm, written

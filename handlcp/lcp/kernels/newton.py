@@ -6,8 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import solve_ranked
-from handlcp.lcp.kernels.kaczmarz import multiply_add
+from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 
 __all__ = ["active_set", "damped_newton", "residual", "size"]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.contact import project
+from handlcp.lcp.kernels.projection import nearest
 
 __all__ = ["product", "recompute", "recompute_contact"]
 
@@ -48,10 +48,10 @@ def recompute(
 
 @kernel
 def recompute_contact(
-    M: Array, q: Array, role: Ints, blocks: Ints, limits: Array, faces: int, x: Array, growth: float
-) -> tuple[Array, float]:
-    """(y, residual) of a contact problem: the worst of |y_i| (free), |min(x_i, y_i)| (pairs), and for each block the
-    excess of x_T over its limit and the distance of x_T from the projection of x_T - y_T; over the size of x, clipped.
+    M: Array, q: Array, role: Ints, blocks: Ints, limits: Array, faces: int, normals: Array, x: Array
+) -> tuple[Array, float, float]:
+    """(y, worst, size) of a contact problem: the worst of |y_i| (free), |min(x_i, y_i)| (pairs), and for each block the
+    excess of x_T over its limit and the distance of x_T from the projection of x_T - y_T; and the largest of 1 and |x|.
     """
     n = len(q)
     y, size, worst = np.empty(n), 1.0, 0.0
@@ -61,19 +61,24 @@ def recompute_contact(
             total += M[i, j] * x[j]
         y[i] = total
         if not (abs(x[i]) < np.inf and abs(total) < np.inf):
-            return y, np.inf
+            return y, np.inf, 1.0
         size = max(size, abs(x[i]))
         if role[i] == 0:
             worst = max(worst, abs(total))
         elif role[i] == 1:
             worst = max(worst, abs(min(x[i], total)))
-    P, unused = np.empty(2), np.empty((2, 3))
+    s, P, unused = np.zeros(3), np.empty(3), np.empty((3, 4))
     for k in range(len(blocks)):
-        t, o = blocks[k, 1], blocks[k, 2]
-        a = limits[k] * max(x[blocks[k, 0]], 0.0)
-        side, slip = (0.0, 0.0) if o < 0 else (x[o], y[o])
-        project(x[t], side, a, 0.0, faces, P, unused)
-        worst = max(worst, np.hypot(x[t] - P[0], side - P[1]))
-        project(x[t] - y[t], side - slip, a, 0.0, faces, P, unused)
-        worst = max(worst, np.hypot(x[t] - P[0], side - P[1]))
-    return y, worst / min(size, growth)
+        a, tangents = limits[k] * max(x[blocks[k, 0]], 0.0), blocks[k, 1:]
+        for pull in (0.0, 1.0):
+            d, off = 0, 0.0
+            s[:] = 0.0
+            for i in tangents:
+                if i >= 0:
+                    s[d] = x[i] - pull * y[i]
+                    d += 1
+            nearest(s, d, a, 0.0, faces, normals, P, unused)
+            for m in range(d):
+                off += (x[tangents[m]] - P[m]) ** 2
+            worst = max(worst, np.sqrt(off))
+    return y, worst, size

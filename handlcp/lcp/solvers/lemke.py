@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, integer, number
-from handlcp.lcp.kernels.kaczmarz import multiply_add
+from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.lemke import RAY, SOLVED, lemke
 from handlcp.lcp.kernels.newton import active_set
 from handlcp.lcp.problem import Scaled

@@ -20,7 +20,7 @@ __all__ = ["SemismoothNewton"]
 @dataclass(frozen=True, slots=True)
 class SemismoothNewton:
     """Damped semismooth Newton on the Fischer–Burmeister equations (De Luca, Facchinei & Kanzow 1996), compiled; on
-    contact problems, cone or polygon, on the projection equations of Alart & Curnier (1991).
+    contact problems, with cones or faces, on the projection equations of Alart & Curnier (1991).
 
     tol : stop at a natural residual ≤ tol in natural units.
     max_iterations : Newton steps at most; a contact problem gets no more than 32.

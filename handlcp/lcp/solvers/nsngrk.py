@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from handlcp.check import Array, Bools, integer, number
-from handlcp.errors import InputError, Unsupported
+from handlcp.check import Array, integer, number
+from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.kaczmarz import Seeds, kaczmarz, multiply_add
+from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, kaczmarz
 from handlcp.lcp.kernels.newton import active_set, damped_newton, size
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
@@ -29,10 +29,9 @@ class NSNGRK:
     max_iterations : Kaczmarz steps at most.
     seed : of the row sampling; equal seeds give equal runs.
     polish : end with exact active-set and semismooth Newton steps, and go back to more Kaczmarz steps, twice as many
-        each time, when they don't help. False: the paper's method alone.
-    stride : record (step, ‖Φ‖) every so many steps in the result's `history`; 0: not at all.
-    sampling : "greedy", the paper's; "uniform": any row with a residual, all equally likely. That is there to be
-        compared with, by `study.convergence`, so it goes with polish=False only, and not with the exact cone.
+        each time, when they don't help. On contact problems Newton's method comes first. False: the paper's method
+        alone.
+    stride : record (step, ‖Φ‖) every so many steps in the result's `history`; 0: not at all. Plain problems only.
 
     The paper's analytic subgradient is used instead of forward differences (n times cheaper, and exact).
     """
@@ -42,7 +41,6 @@ class NSNGRK:
     seed: int = 0
     polish: bool = True
     stride: int = 0
-    sampling: Literal["greedy", "uniform"] = "greedy"
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -52,76 +50,52 @@ class NSNGRK:
             object.__setattr__(self, name, integer(name, getattr(self, name), 0))
         if not isinstance(self.polish, bool):
             raise InputError("polish", "True or False", repr(self.polish))
-        if self.sampling not in ("greedy", "uniform"):
-            raise InputError("sampling", '"greedy" or "uniform"', repr(self.sampling))
-        if self.sampling == "uniform" and self.polish:
-            raise InputError("sampling", '"greedy", or polish=False as well', repr(self.sampling))
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None."""
         M, n = problem.M, len(problem.q)
         z = np.zeros(n) if start is None else np.array(start, dtype=float)
         history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
-        MT, MMT = np.ascontiguousarray(M.T), M @ M.T
+        rows = Rows(M, np.ascontiguousarray(M.T), M @ M.T, problem.q, problem.free)
         state, most = np.full(1, self.seed, np.uint64), self.max_iterations
         if self.polish:
-            steps, ok, written = _polished(
-                M, MT, MMT, problem.q, problem.free, z, state, most, self.tol, self.stride, history, RANK
-            )
+            steps, solved, written = _polished(rows, z, state, most, self.tol, self.stride, history, RANK)
         else:
             w = np.empty(n)
             multiply_add(M, z, problem.q, w)
-            steps, norm, written = kaczmarz(
-                M, MT, MMT, problem.q, problem.free, z, w, state, most, self.tol, self.stride, history,
-                self.sampling == "greedy",
-            )  # fmt: skip
-            ok = norm <= self.tol
-        outcome = "converged" if ok else f"{steps} Kaczmarz steps spent"
-        return Proposal(z, steps, outcome, history[:written] if self.stride else None)
+            steps, norm, written = kaczmarz(rows, z, w, state, most, self.tol, self.stride, history)
+            solved = norm <= self.tol
+        words = "converged" if solved else f"{steps} Kaczmarz steps spent"
+        return Proposal(z, steps, words, history[:written] if self.stride else None)
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The same method on the rows of a contact problem, from `start` (n,); None: where every contact sticks."""
-        if self.sampling == "uniform":
-            raise Unsupported("uniform sampling is there for plain complementarity problems: greedy, or faces ≥ 3")
         return run_contact(problem, self.seed, self.max_iterations, self.polish, self.tol, start)
 
 
 @kernel
 def _polished(
-    M: Array,
-    MT: Array,
-    MMT: Array,
-    q: Array,
-    free: Bools,
-    z: Array,
-    state: Seeds,
-    most: int,
-    tolerance: float,
-    stride: int,
-    history: Array,
-    rank_tolerance: float,
+    p: Rows, z: Array, state: Seeds, most: int, tolerance: float, stride: int, history: Array, rank_tolerance: float
 ) -> tuple[int, bool, int]:
     """Kaczmarz steps in place, with Newton's in between. (steps, converged, history rows)."""
-    n = len(q)
+    n = len(z)
     w = np.empty(n)
-    multiply_add(M, z, q, w)
+    multiply_add(p.M, z, p.q, w)
     taken, written, batch = 0, 0, n
     zt, wt = np.empty(n), np.empty(n)
     best, best_z = np.inf, z.copy()
     while True:
-        done, _norm, rows = kaczmarz(
-            M, MT, MMT, q, free, z, w, state, min(batch, most - taken), tolerance, stride, history[written:], True
-        )
+        done, _norm, rows = kaczmarz(p, z, w, state, min(batch, most - taken), tolerance, stride, history[written:])
         for k in range(written, written + rows):
             history[k, 0] += taken
         taken, written = taken + done, written + rows
         zt[:], wt[:] = z, w
-        _, r = active_set(M, q, free, zt, wt, 16, tolerance, rank_tolerance)
+        _, r = active_set(p.M, p.q, p.free, zt, wt, 16, tolerance, rank_tolerance)
         if batch > n and not r <= tolerance * size(zt):
             zt[:], wt[:] = z, w
-            _, r = damped_newton(M, q, free, zt, wt, 30, tolerance, rank_tolerance)
+            _, r = damped_newton(p.M, p.q, p.free, zt, wt, 30, tolerance, rank_tolerance)
             if r > tolerance:
-                _, r = active_set(M, q, free, zt, wt, 4, tolerance, rank_tolerance)
+                _, r = active_set(p.M, p.q, p.free, zt, wt, 4, tolerance, rank_tolerance)
         if r < best:
             best = r
             best_z[:] = zt

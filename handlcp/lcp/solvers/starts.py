@@ -10,9 +10,8 @@ from handlcp.check import Array, integer
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
-from handlcp.lcp.solvers.contact_run import run_contact
+from handlcp.lcp.solvers.contact_run import FINE, converged, held, run_contact
 from handlcp.lcp.solvers.newton import SemismoothNewton
-from handlcp.lcp.solvers.variants import FINE, converged, held
 
 __all__ = ["OtherStarts"]
 

@@ -1,0 +1,157 @@
+"""What each effect of a grasp costs: its measured share of a solve.
+
+    share = 1 - T_without / T
+
+T is the time from the grasp's numbers to a certified answer: E put together, effects stamped, the solver started at
+the answer, the certifier. T_without is the same for the scene without the effect, under the load and with the offsets
+that make the old forces (without the friction, where that is left out) and the old motion its answer. Neither solver
+has anything left to find then, so that no share depends on how many steps a search happens to take. What a solution
+leaves free and its diagnosis are not counted. Times are the best of many, taken in turns.
+
+Shares don't add up to one: balance and contact have none, and effects that share a cost (all those that keep a scene
+off the compiled first stage) each show it only as far as leaving that one out would save it.
+"""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.analysis.explanation import ENVIRONMENT, Explanation, effects_on
+from handlcp.grasp.answer.make_solution import candidate_of
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.catalogue import stamped
+from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.build import build
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.solve.compiled_answer import solve_scene, start_from
+from handlcp.grasp.solve.force_iteration import force_dependent, under_forces
+from handlcp.grasp.verify.judge import judge
+from handlcp.lcp import proposals
+
+__all__ = ["best_times", "measured", "without"]
+
+_TURNS, _BURST, _MOST = 40, 3, 0.5  # turns of so many runs in a row, but no more [s] for all of them together
+
+Run = Callable[[], bool]
+Clock = Callable[[dict[int, Run]], dict[int, float]]
+
+
+def without(spec: GraspSpec, section: Section) -> Iterator[tuple[str, GraspSpec]]:
+    """(title, the grasp without that effect) for each that can be left out; balance and contact cannot."""
+    for e in effects_on(spec, build(spec), section):
+        if (changes := e.without(spec.contacts)) is not None:
+            dropped = {"effects": tuple(x for x in spec.effects if x is not e)}
+            yield e.title, spec.replace(**(changes or dropped))
+    if spec.n > spec.of_fingers and not spec.effects:  # what is asked for by name may count the contacts
+        yield ENVIRONMENT.title, spec.fingers_alone()
+
+
+def measured(
+    spec: GraspSpec, section: Section, explanation: Explanation, solution: GraspSolution, clock: Clock | None = None
+) -> Explanation:
+    """The explanation with `seconds` and the shares of its effects; as it was where there is no answer to start at.
+
+    solution : of the grasp. clock : times runs [s]; None: `best_times`. An effect has no share where the scene without
+    it does not have the answer described above (a given force that friction would not bear).
+    """
+    if not solution.held:
+        return explanation
+    if force_dependent(spec) and not isinstance(bent := under_forces(spec, solution.forces), str):
+        spec = bent
+    waiting, runs = list(without(spec, section)), {-1: _run(spec, build(spec), section, solution)}
+    for k, line in enumerate(explanation.effects):
+        at = next((i for i, (title, _) in enumerate(waiting) if line.on and title == line.title), None)
+        if at is not None:
+            less = waiting.pop(at)[1]
+            run = _run(less, _with_the_same_answer(less, solution), section, solution)
+            if run():
+                runs[k] = run
+    if not runs[-1]():
+        return explanation
+    times = (clock or best_times)(runs)
+    whole = times.pop(-1)
+    lines = tuple(
+        replace(line, share=1.0 - times[k] / whole if k in times else None)
+        for k, line in enumerate(explanation.effects)
+    )
+    return replace(explanation, effects=lines, seconds=whole)
+
+
+def _with_the_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
+    """The scene of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v,
+    those of the contacts that it has: the first.
+    """
+    scene = build(less)
+    r, u = _forces(scene, solution), candidate_of(scene, _first(solution, scene.n)).twist
+    v = np.column_stack([solution.slip, solution.gap])[: scene.n].reshape(-1)
+    if scene.soft:
+        assert solution.spin is not None  # soft in `less`, soft in the grasp
+        v = np.append(v, solution.spin[list(scene.soft)])
+    G = scene.geometry.grasp_matrix
+    d = scene.physical(v) - G.T @ u - scene.flexibility @ r  # motions scale as forces do, the other way round
+    load, centre = -G @ r, scene.units.centre
+    moment = load[3:] + cross_rows(centre, load[:3])
+    return replace(scene, force=read_only(load[:3]), moment=read_only(moment), offset=read_only(d))
+
+
+def _first(solution: GraspSolution, n: int) -> GraspSolution:
+    """With the forces of its first n contacts alone."""
+    torsion = None if solution.torsion is None else solution.torsion[:n]
+    return replace(solution, forces=solution.forces[:n], torsion=torsion)
+
+
+def _forces(scene: Scene, solution: GraspSolution) -> Array:
+    """(c,) the solution's forces as this scene bears them: without friction, where it has none."""
+    r = candidate_of(scene, _first(solution, scene.n)).forces.copy()
+    for own, free, t in zip(scene.kind.contact_components, scene.governed, scene.kind.tangents, strict=True):
+        if free and t == 0:
+            r[own[0] - 2 : own[0]] = 0.0
+    return r
+
+
+def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolution) -> Run:
+    """The work that is timed, ending with the solve of `answered`; whether it ends in an answer."""
+    asked, start = stamped(spec.effects), start_from(_first(solution, spec.n), answered)
+
+    def run() -> bool:
+        build(spec)
+        scene = replace(answered)  # anew: nothing is kept from the run before
+        if not asked:
+            return solve_scene(scene, section, 0, start).passes
+        problem = assemble_contact(scene, section, asked)
+        begin = problem.natural(candidate_of(scene, _first(solution, spec.n)))
+        for _, proposal in proposals(problem, None, begin):
+            if judge(scene, problem.effects, section, problem.candidate(proposal.z)).residuals.passes:
+                return True
+        return False
+
+    return run
+
+
+def best_times(runs: dict[int, Run]) -> dict[int, float]:
+    """Best time of each run [s], in turns, the collector off meanwhile."""
+    best, clock, on = dict.fromkeys(runs, np.inf), time.perf_counter, gc.isenabled()
+    end = clock() + _MOST
+    gc.disable()
+    try:
+        for turn in range(_TURNS):
+            for k, run in runs.items():
+                for _ in range(_BURST):
+                    start = clock()
+                    run()
+                    best[k] = min(best[k], clock() - start)
+            if turn and clock() > end:
+                break
+    finally:
+        if on:
+            gc.enable()
+    return best

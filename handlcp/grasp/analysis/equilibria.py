@@ -1,0 +1,229 @@
+"""All the equilibria of a grasp, as far as they can be found: with Coulomb friction there may be several.
+
+Without friction there are no others (`Uniqueness`). On a pyramid, and in a plane, every choice of contact modes, and of
+limits that give way, is solved where that is affordable. The exact cone has a continuum of modes: there, and beyond
+what is affordable, Newton's method starts from all equilibria of coarser pyramids and from other seeds, which proves
+nothing.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.catalogue import stamped
+from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.friction import Pyramid, Section
+from handlcp.grasp.model.build import build
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
+from handlcp.grasp.search.nearby import first_certified, only_limits_move
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.verify.judge import judge
+from handlcp.grasp.verify.limit_load import overload
+from handlcp.lcp import NSNGRK, Auto, Status, proposals
+from handlcp.lcp.kernels.lemke import lemke
+from handlcp.lcp.reduce import reduce
+from handlcp.tolerances import ACTIVE, PIVOT
+
+__all__ = ["Equilibria", "equilibria", "seeded"]
+
+_COARSER = (12, 8, 6, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
+_RUNS = 8  # other seeds and starts
+_APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
+
+
+@dataclass(frozen=True, slots=True)
+class Equilibria:
+    """The equilibria of a grasp, every one certified: `for solution in equilibria`, `len(equilibria)`.
+
+    found : smallest forces first; their `uniqueness.others` says whether others exist. Members of one family of
+        undetermined forces count as one, which gives its smallest.
+    complete : whether it is proven that there are no others.
+    why : what proves it, or why that is open.
+    seconds : wall time.
+    """
+
+    found: tuple[GraspSolution, ...]
+    complete: bool
+    why: str
+    seconds: float
+
+    def __len__(self) -> int:
+        """How many were found."""
+        return len(self.found)
+
+    def __iter__(self) -> Iterator[GraspSolution]:
+        """Smallest forces first."""
+        return iter(self.found)
+
+    def __str__(self) -> str:
+        k = len(self.found)
+        if not k:
+            return f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}"
+        proof = f"{'proven' if self.complete else 'not proven'}: {self.why}"
+        if k == 1:
+            head = "one equilibrium and no other" if self.complete else "one equilibrium found; others may exist"
+            return f"{head} ({proof})\n  {_line(self.found[0])}"
+        head = f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"
+        lines = [f"  {i}. {_line(s)}" for i, s in enumerate(self.found, 1)]
+        which = "  in which of them the hand ends up depends on how it gets there: friction remembers the way"
+        return "\n".join([head, *lines, which])
+
+
+def _line(s: GraspSolution) -> str:
+    noise = ACTIVE * s.residuals.force_scale  # below this a contact is said not to push
+    forces = ", ".join("0" if abs(f) <= noise else f"{f:.3g}" for f in s.normal_force)
+    return f"normal forces ({forces}) N, {replace(s, uniqueness=None).diagnosis}"
+
+
+def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
+    """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more."""
+    run = _Listing(spec, section, time.monotonic())
+    first = solve_spec(spec, section, Auto(search_seconds=0.0), scene=run.scene)
+    if first.status is Status.NOT_HOLDABLE:
+        return run.result(True, "no forces within friction balance the load")
+    if first.held:
+        run.found.append(first)
+    elif overload(run.scene, section, spec.effects) is not None:
+        return run.result(True, "no forces within friction and limits balance the load")
+    if run.scene.soft:
+        run.from_other_seeds(run.start + seconds)
+        return run.result(False, "contact modes know no moments about normals")
+    if first.held and not len(run.problem.blocks):
+        return run.result(True, "without friction the laws are monotone")
+    table = mode_table(run.problem) if only_limits_move(run.problem) else None
+    complete, why, end = False, _open(run.problem, table), run.start + seconds
+    if table is not None and table.choices <= PER_SECOND * seconds:
+        candidates, every = table.visit()
+        end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
+        passed = [first_certified(run.problem, [c]) if c is not None else None for c in _until(end, candidates)]
+        late, known = time.monotonic() > end, [c for c in passed if c is not None]
+        complete = every and not late and len(known) == len(passed) and run.has_the_first(known)
+        why = f"all {table.choices:,.0f} choices of contact modes were solved"
+        if not complete:
+            why = "the time was too short" if late else "some are degenerate"
+        run.add(known)
+    if not complete:
+        starts = _starts(run.problem, end)
+        run.add(c for start in starts if (c := first_certified(run.problem, [start])) is not None)
+    return run.result(complete, why)
+
+
+class _Listing:
+    """Equilibria of one grasp, as they are found."""
+
+    def __init__(self, spec: GraspSpec, section: Section, start: float) -> None:
+        self.spec, self.section, self.start, self.scene = spec, section, start, build(spec)
+        self.problem = assemble_contact(self.scene, section, stamped(spec.effects))
+        self.found: list[GraspSolution] = []
+        self.noise = _APART * self.scene.units.force
+
+    def from_other_seeds(self, end: float) -> None:
+        """What the chain of stages ends at with other seeds."""
+        for seed in range(1, _RUNS + 1):
+            if time.monotonic() > end:
+                return
+            for _, p in proposals(self.problem, Auto(seed=seed)):
+                candidate = self.problem.candidate(p.z)
+                if judge(self.scene, self.problem.effects, self.section, candidate).residuals.passes:
+                    self.add([candidate])
+
+    def has_the_first(self, candidates: list[Candidate]) -> bool:
+        """Whether the answer that is known is among them, as it must be; of a family any member may be."""
+        if not self.found or not _determined(self.found[0]):
+            return True
+        return any(self._close(self._forces(c), self.found[0].forces) for c in candidates)
+
+    def add(self, candidates: Iterable[Candidate]) -> None:
+        """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
+        there is an equilibrium as well (what one choice of modes allows is convex).
+        """
+        for c in candidates:
+            if any(self._close(self._forces(c), s.forces) for s in self.found):
+                continue
+            effects = self.problem.effects
+            judged = Judged(c, judge(self.scene, effects, self.section, c), 0)
+            made = make_solution(self.spec, self.scene, self.section, effects, judged, ("another equilibrium",))
+            if not any(self._close(made.forces, s.forces) or self._one_family(made, s) for s in self.found):
+                self.found.append(made)
+
+    def result(self, complete: bool, why: str) -> Equilibria:
+        """Smallest forces first, each told whether there are others."""
+        others = len(self.found) > 1 or (False if complete else None)
+        known = [replace(s, uniqueness=replace(s.uniqueness, others=others)) for s in self.found if s.uniqueness]
+        known.sort(key=lambda s: float((s.forces**2).sum()))
+        return Equilibria(tuple(known), complete, why, time.monotonic() - self.start)
+
+    def _forces(self, c: Candidate) -> Array:
+        """(n, 3) in contact axes."""
+        return self.scene.physical(c.forces)[: 3 * self.scene.n].reshape(-1, 3)
+
+    def _close(self, a: Array, b: Array) -> bool:
+        """Within the noise, too: where no force is needed, what rounding leaves of it differs by all of its size."""
+        return float(abs(a - b).max()) <= max(_APART * float(abs(a).max()), _APART * float(abs(b).max()), self.noise)
+
+    def _one_family(self, a: GraspSolution, b: GraspSolution) -> bool:
+        if _determined(a) and _determined(b):
+            return False
+        one, other = candidate_of(self.scene, a), candidate_of(self.scene, b)
+        extra = {name: 0.5 * (a.extra[name] + b.extra[name]) for name in a.extra}
+        between = Candidate(0.5 * (one.forces + other.forces), 0.5 * (one.twist + other.twist), extra)
+        return judge(self.scene, self.problem.effects, self.section, between).residuals.passes
+
+
+def _determined(s: GraspSolution) -> bool:
+    return s.uniqueness is None or s.uniqueness.forces_determined
+
+
+def _open(problem: GraspContact, table: Table | None) -> str:
+    """Why contact modes prove nothing, where they don't."""
+    if not only_limits_move(problem):
+        return "an effect moves the contacts, so their modes do not describe them"
+    if not problem.faces:
+        return "the exact cone has a continuum of slip directions"
+    if table is None:
+        return "forces of rigid fingers are not determined where they stick"
+    return f"{table.choices:.2g} choices of contact modes are too many for the time"
+
+
+def _starts(problem: GraspContact, end: float) -> Iterator[Candidate]:
+    """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
+    for faces in _COARSER if only_limits_move(problem) and problem.faces != 2 else ():
+        if faces == problem.faces:
+            continue
+        table = mode_table(assemble_contact(problem.scene, Pyramid(faces), problem.asked))
+        if table is not None and table.choices <= 0.5 * PER_SECOND * (end - time.monotonic()):
+            yield from (c for c in _until(end, table.visit()[0]) if c is not None)
+    yield from _until(end, seeded(problem, _RUNS))  # type: ignore[misc]
+
+
+def _until(end: float, candidates: Iterator[Candidate | None]) -> Iterator[Candidate | None]:
+    for candidate in candidates:
+        yield candidate
+        if time.monotonic() > end:
+            return
+
+
+def seeded(problem: GraspContact, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
+    """Candidates of NSNGRK from other starts with other seeds, and of Lemke's method with other covering vectors (on
+    the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
+    """
+    rng, method = np.random.default_rng(seed), NSNGRK(max_iterations=16 * problem.n)
+    assert problem.pyramid is not None  # an assembled problem has them
+    lcp, back = problem.pyramid(problem.faces if problem.faces > 2 else 8)
+    r = reduce(lcp.scaled)
+    for k in range(runs):
+        start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
+        start[problem.role == 1] = abs(start[problem.role == 1])
+        yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
+        _, _, v = lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
+        yield problem.candidate(method.propose_contact(problem, back(r.restore(v))).z)

@@ -1,0 +1,173 @@
+"""Which effects a grasp has, why, and what each costs in unknowns; and the words of what is no effect of its own."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from handlcp.grasp.assembly.catalogue import called_for
+from handlcp.grasp.assembly.problem import GraspProblem, assemble
+from handlcp.grasp.effects import Effect, effect_kinds
+from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
+from handlcp.grasp.friction import Cone, Section
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.words import listed
+
+__all__ = ["ENVIRONMENT", "Description", "EffectLine", "Explanation", "describe_effect", "effects_on", "explain"]
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """An effect in words, or something else that a grasp can be made of; the page of effects is made of these.
+
+    title, equation : as in `Effect`. when : who wants it, in one sentence. in_python : keyword arguments that ask for
+    it, as Python; "": every grasp has it. in_file : the same as lines of a scene file (TOML); "": no scene file can.
+    brings : its unknowns. source : where its law is from. module : dotted name of the module that holds it.
+    """
+
+    title: str
+    equation: str
+    when: str
+    in_python: str
+    in_file: str
+    brings: str
+    source: str
+    module: str
+
+    @property
+    def in_short(self) -> str:
+        """In Python, without what a mapping holds."""
+        return re.sub(r"{.*}", "{…}", self.in_python)
+
+    @property
+    def file_keys(self) -> tuple[str, ...]:
+        """What a scene file has for it: dotted keys, or a table with brackets about its name."""
+        if self.in_file.startswith("["):
+            return (self.in_file.partition("\n")[0],)
+        return tuple(line.partition(" = ")[0] for line in self.in_file.splitlines())
+
+
+def describe_effect(kind: type[Effect]) -> Description:
+    """That of an effect, read off its class."""
+    return Description(
+        kind.title, kind.equation, kind.when, kind.in_python, kind.in_file, kind.brings, kind.source, kind.__module__
+    )
+
+
+ENVIRONMENT = Description(
+    title="environment contacts",
+    equation="E = blkdiag(E_fingers, E_environment),  J_environment = 0",
+    when="The object rests on a table, leans on a wall or sits in a fixture.",
+    in_python="environment=Table((0, 0, 0.104), normal=(0, 0, -1))",
+    in_file="environment = [{ point_m = [0, 0, 0.104], normal = [0, 0, -1] }]",
+    brings="a contact's for each",
+    source="contacts as any other: Ai & Li (2025), equations (3) and (4)",
+    module="handlcp.grasp.model.environment",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class EffectLine:
+    """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …).
+
+    share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
+        nothing to measure: an effect that is off, or that no scene is without.
+    """
+
+    title: str
+    equation: str
+    on: bool
+    why: str
+    unknowns: tuple[tuple[str, int, bool], ...] = ()
+    share: float | None = None
+
+    @property
+    def cost(self) -> int:
+        """How many unknowns."""
+        return sum(count for _, count, _ in self.unknowns)
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """All effects, on and off, and the size of the problem that comes of them.
+
+    unknowns : of all effects together. eliminated : how many of them never reach the solver.
+    rcond : reciprocal condition estimate of the free block, which decided about elimination; None for the exact cone,
+        where nothing is eliminated.
+    seconds : what a solve takes from its answer on [s], which the shares are of; None: not measured.
+    """
+
+    effects: tuple[EffectLine, ...]
+    unknowns: int
+    eliminated: int
+    rcond: float | None
+    seconds: float | None = None
+
+    @property
+    def size(self) -> int:
+        """Unknowns the solver sees."""
+        return self.unknowns - self.eliminated
+
+    def __str__(self) -> str:
+        lines = []
+        for e in self.effects:
+            brings = (
+                ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
+                or "no unknowns"
+            )
+            takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
+            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}" + (f" [{brings}{takes}]" if e.on else ""))
+        what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
+        if self.rcond is not None:
+            what += f" (rcond of their block {self.rcond:.1e})"
+        lines.append(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}")
+        if self.seconds is not None:
+            lines.append(f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer")
+        return "\n".join(lines)
+
+
+def effects_on(spec: GraspSpec, scene: Scene, section: Section) -> tuple[Effect, ...]:
+    """All effects that a grasp has: those that its data call for, then those asked for."""
+    return (*called_for(scene, section, multipliers=not isinstance(section, Cone)), *spec.effects)
+
+
+def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
+    """What is on comes first; the sizes are those of the assembled problem."""
+    on = effects_on(spec, scene, section)
+    lines = [
+        EffectLine(e.title, e.equation, True, e.why(scene), tuple((u.name, u.count, u.free) for u in e.unknowns(scene)))
+        for e in on
+    ]
+    present = {type(e) for e in on}
+    for kind in effect_kinds():
+        if kind not in present and (why := kind.absent(scene, section)) is not None:
+            lines.append(EffectLine(kind.title, kind.equation, False, why))
+    lines = [_fingers_own(line, spec) if line.title == FingerFlexibility.title else line for line in lines]
+    lines.append(_environment_line(spec))
+    problem = assemble(scene, section, tuple(e for e in spec.effects if e.stamps))
+    total = sum(g.count for g in problem.groups)
+    rcond = problem.rcond if isinstance(problem, GraspProblem) else None
+    return Explanation(tuple(sorted(lines, key=lambda line: not line.on)), total, total - problem.n, rcond)
+
+
+def _fingers_own(line: EffectLine, spec: GraspSpec) -> EffectLine:
+    """That of fingers is told apart from what compliances asked for add to E."""
+    k = 3 * spec.of_fingers
+    own = spec.flexibility[:k, :k]
+    if not line.on:
+        return line
+    if not own.any():
+        return replace(line, on=False, why="E of the fingers is zero: rigid fingers", unknowns=())
+    return replace(line, why=f"E is not zero (mean {own.trace() / k:.3g} m/N)")
+
+
+def _environment_line(spec: GraspSpec) -> EffectLine:
+    """Its unknowns are counted with contact and friction."""
+    m = spec.n - spec.of_fingers
+    if not m:
+        return EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, False, "none given")
+    block = spec.flexibility[-3 * m :, -3 * m :]
+    soft = f"{block.trace() / (3 * m):.3g} m/N in the mean" if block.any() else "rigid"
+    why = f"{m} of the {spec.n} contacts: {listed(spec.names[-m:])}; {soft}"
+    return EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, True, why)

@@ -1,0 +1,185 @@
+"""How much squeeze, or how much friction, it takes: the smallest common value that holds, found by certified solves.
+
+Whether a grasp holds need not be monotone in either: more squeeze can push a finger off, more friction can let an
+equilibrium vanish. So the search goes upwards from the least that could hold, doubling its steps, stops at the first
+value that holds and closes in on it from below. What comes back holds; the value a tolerance below it does not. A
+narrower window further down may have been stepped over.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from handlcp.check import number
+from handlcp.errors import InputError
+from handlcp.grasp.assembly.catalogue import stamped
+from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.build import build
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.compiled_answer import solve_scene
+from handlcp.grasp.solve.force_iteration import force_dependent
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.verify.holdable import escaping_twist
+from handlcp.grasp.verify.judge import judge
+from handlcp.grasp.verify.limit_load import overload
+from handlcp.lcp import Auto, proposals
+
+__all__ = ["Holds", "Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
+
+Holds = Callable[[GraspSpec], bool]
+
+_FIRST = 2.0**-10  # of the natural size: the first step upwards
+_LIMIT_FRICTION = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Required:
+    """The smallest common value that holds.
+
+    value : it holds (certified); 0 when nothing more is needed; None when nothing up to `limit` was found to hold.
+    fails : the largest value tried below `value` that does not hold, value - fails ≤ tolerance · value or, for a
+        tolerance finer than that, one rounding step; None when value is 0.
+    proven : whether below `value` nothing can hold, because no force in the friction cones balances the load there
+        (or, where value is None, at any value). Otherwise `fails` only means that no solver found an equilibrium.
+    unit : "m" of squeeze or "" for a friction coefficient. limit : largest value tried. tolerance : relative.
+    checked : ((value, whether it holds), …) in the order tried.
+    hint : what to change instead where value is None, "" if nothing is known.
+    """
+
+    value: float | None
+    fails: float | None
+    proven: bool
+    unit: str
+    limit: float
+    tolerance: float
+    checked: tuple[tuple[float, bool], ...] = field(repr=False)
+    hint: str = ""
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        if self.value is None:
+            if self.proven:
+                return "no value found that holds: no force within friction and limits balances the load"
+            return f"no value up to {self.limit:.3g}{unit} found that holds" + (f": {self.hint}" if self.hint else "")
+        if self.value == 0.0:
+            return "holds with nothing added" if self.unit else "holds without friction"
+        less = "" if self.fails is None else f", {self.fails:.4g}{unit} does not"
+        return f"{self.value:.4g}{unit} holds{less}"
+
+
+def required_preload(
+    spec: GraspSpec, section: Section, holds: Holds, tolerance: float = 1e-3, limit: float | None = None
+) -> Required:
+    """The smallest squeeze [m] that, added to every finger whose force is not prescribed, makes the grasp hold.
+
+    holds : whether a grasp holds. limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean
+        deflection under the load (rigid fingers: the size of the grasp).
+
+    Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
+    """
+    tolerance, size = _tolerance(tolerance), build(spec).units.motion
+    most = 1e4 * size if limit is None else number("limit", limit, above=0.0)
+    if _escapes(spec, section):
+        return Required(None, None, True, "m", most, tolerance, ())
+    return smallest(lambda x: holds(spec.squeezed(x)), 0.0, _FIRST * size, most, tolerance, "m")
+
+
+def required_friction(
+    spec: GraspSpec, section: Section, holds: Holds, tolerance: float = 1e-3, limit: float | None = None
+) -> Required:
+    """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds.
+
+    holds : whether a grasp holds. limit : largest coefficient tried, 10 when None.
+
+    Friction cones grow with μ, so whether some force balances the load is monotone: bisection on that gives a lower
+    bound that is proven, and the search for an equilibrium starts there.
+    """
+    tolerance = _tolerance(tolerance)
+    most = _LIMIT_FRICTION if limit is None else number("limit", limit, above=0.0)
+    if _escapes(with_friction(spec, most), section):
+        return Required(None, None, True, "", most, tolerance, ())
+    low, high = 0.0, most
+    if not _escapes(with_friction(spec, 0.0), section):
+        high = 0.0
+    while high - low > 0.25 * tolerance * high:
+        middle = math.sqrt(low * high) if low > 0.0 else (high / 16 if high > 1e-9 else 0.0)
+        if not low < middle < high:  # a tolerance finer than floats can be halved
+            break
+        low, high = (middle, high) if _escapes(with_friction(spec, middle), section) else (low, middle)
+    step = max(0.25 * tolerance * high, 1e-6)
+    found = smallest(lambda x: holds(with_friction(spec, x)), high, step, most, tolerance, "")
+    if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
+        return Required(high, low, True, "", most, tolerance, found.checked)
+    if found.value is None and (build(spec).offset[2 : 3 * spec.n : 3][spec.free_fingers] >= 0.0).all():
+        return replace(found, hint="no finger carries preload; required_preload() says how much would do")
+    return found
+
+
+def smallest(
+    test: Callable[[float], bool], start: float, step: float, limit: float, tolerance: float, unit: str
+) -> Required:
+    """The first value that holds, going from `start` upwards in steps that double, then bisected from below.
+
+    The result's tolerance is relative to its value: value - fails ≤ tolerance · value, or one rounding step.
+    """
+    checked: list[tuple[float, bool]] = []
+
+    def ok(x: float) -> bool:
+        checked.append((x, bool(test(x))))
+        return checked[-1][1]
+
+    if ok(start):  # nothing below it was tried
+        return Required(start, None, False, unit, limit, tolerance, tuple(checked))
+    low, high = start, start
+    while True:
+        if high >= limit:
+            return Required(None, high, False, unit, limit, tolerance, tuple(checked))
+        low, high, step = high, min(high + step, limit), 2.0 * step
+        if ok(high):
+            break
+    while high - low > tolerance * high:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:  # neighbouring floats: a finer tolerance would never be met
+            break
+        low, high = (low, middle) if ok(middle) else (middle, high)
+    return Required(high, low, False, unit, limit, tolerance, tuple(checked))
+
+
+def holds(spec: GraspSpec, section: Section) -> bool:
+    """Whether the solver chain finds an equilibrium that the certifier passes; no exhaustive search is made."""
+    if force_dependent(spec):
+        return solve_spec(spec, section, Auto(search_seconds=0.0)).held
+    scene, asked, first = build(spec), stamped(spec.effects), None
+    if not asked:
+        found = solve_scene(scene, section, 0)
+        if found.passes:
+            return True
+        first = found.proposal
+    problem = assemble_contact(scene, section, asked)
+    return any(
+        judge(scene, problem.effects, section, problem.candidate(p.z)).residuals.passes
+        for _, p in proposals(problem, Auto(), None, first)
+    )
+
+
+def with_friction(spec: GraspSpec, mu: float) -> GraspSpec:
+    """The same grasp with the coefficient `mu` at every contact that has friction; a law with several keeps their
+    ratios, and `mu` is the one it calls so.
+    """
+    return spec.with_laws(tuple([c.friction.with_mu(mu) if c.mu > 0 else c.friction for c in spec.contacts]))
+
+
+def _escapes(spec: GraspSpec, section: Section) -> bool:
+    """Whether it is proven that no force within friction, and within what effects limit, balances the load."""
+    scene = build(spec)
+    return escaping_twist(scene, section) is not None or overload(scene, section, spec.effects) is not None
+
+
+def _tolerance(value: float) -> float:
+    tolerance = number("tolerance", value, above=0.0)
+    if tolerance >= 1.0:
+        raise InputError("tolerance", "a relative tolerance below 1", value)
+    return tolerance

@@ -1,0 +1,145 @@
+"""Effects left out that would change the answer: each evaluated once, from the answer on.
+
+    change = max |r_with - r| / max |r|,    r_with from one solve that starts at r
+
+What needs numbers that nobody gave (a soft surface, a bound), or does not go with what is on, cannot be judged, and is
+listed as such.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects import Effect, effect_kinds
+from handlcp.grasp.friction import Cone, Pyramid, Section
+from handlcp.grasp.model.build import build
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.compiled_answer import start_from
+from handlcp.grasp.solve.stages import solve_built
+from handlcp.lcp import Auto
+
+__all__ = ["Suggestion", "Suggestions", "force_change", "suggest"]
+
+
+@dataclass(frozen=True, slots=True)
+class Suggestion:
+    """One effect that the grasp leaves out.
+
+    effect : its title. change : the largest change that it makes, as a share of the largest force (or torque, as
+    `words` say); infinite where there is no equilibrium with it. words : what changes. ask : how to ask for it.
+    """
+
+    effect: str
+    change: float
+    words: str
+    ask: str
+
+    def __str__(self) -> str:
+        return f"{self.effect}: {self.words} ({self.ask})"
+
+
+@dataclass(frozen=True, slots=True)
+class Suggestions:
+    """What `Grasp.suggest` found, the largest change first.
+
+    found : those above `least`. small : (title, change) of those below. unjudged : titles of effects that need numbers,
+    or a hand, or do not go with those that are on.
+    """
+
+    found: tuple[Suggestion, ...]
+    small: tuple[tuple[str, float], ...]
+    unjudged: tuple[str, ...]
+    least: float
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    def __iter__(self) -> Iterator[Suggestion]:
+        return iter(self.found)
+
+    def __str__(self) -> str:
+        lines = [str(s) for s in self.found] or [f"nothing that is judged changes the answer by {_percent(self.least)}"]
+        if self.small:
+            lines.append("small: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
+        if self.unjudged:
+            lines.append("not judged (no numbers given, or not beside what is on): " + ", ".join(self.unjudged))
+        return "\n".join(lines)
+
+
+def suggest(spec: GraspSpec, section: Section, solution: GraspSolution, least: float) -> Suggestions:
+    """Which effects that are left out would change the solution, an answer with this section, by more than `least`."""
+    every = sorted(_every(spec, section, solution), key=lambda s: -s.change)
+    found = tuple(s for s in every if s.change >= least)
+    small = tuple((s.effect, s.change) for s in every if s.change < least)
+    done = {e.title for e in spec.effects} | {s.effect for s in every}
+    unjudged = tuple(kind.title for kind in effect_kinds() if kind.file_key is not None and kind.title not in done)
+    return Suggestions(found, small, unjudged, least)
+
+
+def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterator[Suggestion]:
+    """The exact cone, and every effect that can be tried."""
+    if build(spec).frictional and isinstance(section, Pyramid):
+        yield _changed_by(spec, Cone(), solution, "exact friction cone", 'faces="cone"')
+    on = {type(e) for e in spec.effects}
+    torque = getattr(solution, "torques", np.zeros(0))
+    for kind in effect_kinds():
+        trial = None if kind in on else kind.trial(spec, spec.effects, solution.forces, torque)
+        if trial is None:
+            continue
+        ask = kind.in_python
+        if trial.effect is None:
+            yield Suggestion(kind.title, trial.change, trial.words, ask)
+            continue
+        s = _changed_by(_with(spec, trial.effect), section, solution, kind.title, ask)
+        if trial.instead:
+            yield s if trial.change <= s.change else replace(s, change=trial.change, words=trial.words)
+        elif trial.change:
+            yield replace(s, change=max(s.change, trial.change), words=f"{trial.words}: {s.words}")
+        else:
+            yield replace(s, words=trial.words) if math.isinf(s.change) else s
+
+
+def _with(spec: GraspSpec, effect: Effect) -> GraspSpec:
+    return spec.replace(effects=(*spec.effects, effect))
+
+
+def _changed_by(other: GraspSpec, section: Section, solution: GraspSolution, effect: str, ask: str) -> Suggestion:
+    """What the other grasp's answer, from this one's on, is different by."""
+    share = _shares(other, section, solution)
+    if share is None:
+        return Suggestion(effect, math.inf, "no equilibrium is found with it", ask)
+    k = int(share.argmax())
+    name = other.names[k]
+    whose = f"{name}'" if name.endswith("s") else f"{name}'s"
+    return Suggestion(effect, float(share[k]), f"{_percent(share[k])} of {whose} force", ask)
+
+
+def _shares(other: GraspSpec, section: Section, solution: GraspSolution) -> Array | None:
+    """(n,) |Δr_i| over the largest |r|, of the other grasp solved once from the solution on; None: no answer."""
+    scene = build(other)
+    again = solve_built(other, scene, section, Auto(search_seconds=0.0), start_from(solution, scene))
+    if not again.held:
+        return None
+    size = float(np.sqrt((solution.forces**2).sum(axis=1)).max()) or 1.0
+    return np.asarray(np.sqrt(((again.forces - solution.forces) ** 2).sum(axis=1)) / size)
+
+
+def force_change(spec: GraspSpec, section: Section, solution: GraspSolution, effect: Effect) -> Array:
+    """(n,) by how much an effect that depends on forces would change each finger's, as a share of the largest: from one
+    correction at this solution. Infinite where it allows no answer.
+    """
+    others = tuple(e for e in spec.effects if type(e) is not type(effect))
+    there = effect.under(spec, solution.forces, others)
+    share = None if isinstance(there, str) else _shares(spec.replace(effects=(*others, there)), section, solution)
+    return np.full(spec.n, np.inf) if share is None else share
+
+
+def _percent(share: float) -> str:
+    """In two digits."""
+    return f"{100 * share:.2g} %"

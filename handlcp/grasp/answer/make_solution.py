@@ -1,0 +1,113 @@
+"""From a judged candidate to what a designer gets: status, states, uniqueness, the smallest motion, all in SI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.answer.active_conditions import free_branches
+from handlcp.grasp.answer.contact_states import classify, names_of
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.uniqueness import Uniqueness, describe, minimum_norm
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import shifted
+from handlcp.grasp.verify.contact_laws import in_world
+from handlcp.grasp.verify.holdable import escaping_twist
+from handlcp.grasp.verify.judge import Residuals, Verdict, judge
+from handlcp.lcp import Status
+
+__all__ = ["Judged", "candidate_of", "make_solution", "solution_of", "without_numbers"]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A candidate, what the certifier says of it, and how many steps of the method it took."""
+
+    candidate: Candidate
+    verdict: Verdict
+    iterations: int
+
+
+def make_solution(
+    spec: GraspSpec, scene: Scene, section: Section, effects: tuple[Effect, ...], judged: Judged, trace: tuple[str, ...]
+) -> GraspSolution:
+    """The solution that the certifier's verdict allows; where it allows none, the proof that nothing holds, if any.
+
+    effects : all that were stamped.
+    """
+    candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
+    if not verdict.residuals.passes:
+        made = without_numbers(spec, scene, verdict.residuals, judged.iterations, trace)
+        if (twist := escaping_twist(scene, section)) is not None:
+            made = replace(made, status=Status.NOT_HOLDABLE, certificate=read_only(shifted(twist, arm)))
+        return made
+    states = classify(scene, section, candidate, verdict)
+    if free := free_branches(scene, effects, section, states, candidate):
+        smallest = minimum_norm(scene, effects, section, states, candidate, verdict, free)
+        if (checked := judge(scene, effects, section, smallest)).residuals.passes:
+            judged = Judged(smallest, checked, judged.iterations)
+            states = classify(scene, section, smallest, checked)
+    return solution_of(spec, scene, judged, names_of(states.kind), describe(scene, free, arm), trace, arm)
+
+
+def solution_of(
+    spec: GraspSpec, scene: Scene, judged: Judged, states: tuple[str, ...], uniqueness: Uniqueness | None,
+    trace: tuple[str, ...], arm: Array,
+) -> GraspSolution:  # fmt: skip
+    """A SOLVED solution with these numbers, and with what moves the fingers reads off it; arm (3,) [m] leads from the
+    point that the candidate's twist refers to to the grasp's reference.
+    """
+    candidate, n = judged.candidate, scene.n
+    forces, motion = scene.physical(candidate.forces), scene.lawful(judged.verdict.motion)
+    points = motion[: 3 * n].reshape(-1, 3)
+    if not all(scene.governed):  # no law makes a finger under force control keep a gap or a slip
+        points = np.where(scene.governed_mask[:, None], points, 0.0)
+    made = GraspSolution(
+        Status.SOLVED,
+        spec.names,
+        read_only(forces[: 3 * n].reshape(-1, 3)),
+        read_only(in_world(scene.frames, candidate.forces)),
+        read_only(points[:, 2]),
+        read_only(points[:, :2]),
+        read_only(shifted(candidate.twist, arm)),
+        states,
+        judged.verdict.residuals,
+        uniqueness,
+        None,
+        judged.iterations,
+        trace,
+        candidate.extra,
+        torsion=scene.by_contact(forces[3 * n :]),
+        spin=scene.by_contact(motion[3 * n :]),
+        scene=scene,
+        reference=spec.reference,
+    )
+
+    return made if spec.mechanism is None else spec.mechanism.read(scene, spec.effects, made)
+
+
+def without_numbers(
+    spec: GraspSpec, scene: Scene, residuals: Residuals, iterations: int, trace: tuple[str, ...]
+) -> GraspSolution:
+    """UNDECIDED, without numbers that anybody could use."""
+    nothing = np.full(scene.components, np.nan)
+    judged = Judged(Candidate(nothing, np.full(6, np.nan), {}), Verdict(nothing, residuals), iterations)
+    made = solution_of(spec, scene, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
+    return replace(made, status=Status.UNDECIDED)
+
+
+def candidate_of(scene: Scene, solution: GraspSolution) -> Candidate:
+    """The candidate that certifies to this solution."""
+    assert solution.reference is not None  # an answer has one
+    forces = solution.forces.reshape(-1)
+    if scene.soft:
+        torsion = np.zeros(scene.n) if solution.torsion is None else solution.torsion
+        forces = np.append(forces, torsion[list(scene.soft)])
+    twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
+    return Candidate(scene.lawful(forces), twist, solution.extra)

@@ -1,0 +1,136 @@
+"""What a designer gets back: forces, slips, gaps, the object's motion, and how far each can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from handlcp.check import Array
+from handlcp.grasp.answer.accuracy import Accuracy
+from handlcp.grasp.answer.diagnosis import diagnose
+from handlcp.grasp.answer.uniqueness import Uniqueness
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.verify.judge import Residuals
+from handlcp.lcp.status import Status
+
+__all__ = ["GraspSolution"]
+
+
+@dataclass(frozen=True)
+class GraspSolution:
+    """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
+
+    status : the certifier's verdict.
+    names : (n,) finger names, then those of the environment's contacts, which come last in every array.
+    forces : (n, 3) N, force of each finger on the object in its contact axes (x, y tangents, z normal).
+    forces_world : (n, 3) N, the same in world axes.
+    gap : (n,) m between object and fingertip, ≥ 0.
+    slip : (n, 2) m, tangential motion of the object relative to the fingertip, contact axes.
+    object_displacement : (6,) m and rad, small motion (linear, angular) of the object about the grasp's reference.
+    contact_state : (n,) "separated" | "sticking" | "sliding". A contact whose force is prescribed follows the object:
+        no gap, no slip, "sticking".
+    residuals : how far each law is missed, relative and SI.
+    uniqueness : which object motions and forces the solution leaves free, and whether other equilibria exist, as far
+        as that is known; None where there is no solution.
+    certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes; for NO_EQUILIBRIUM
+        where limits on the forces are what forbids it, the motion in which the object escapes while these give way.
+    iterations : steps of the method that gave the answer. trace : one line per stage that ran.
+    extra : unknowns of further effects by name, SI.
+    torsion : (n,) N·m, moment of each finger on the object about its normal. spin : (n,) rad, how the object turns on
+        the fingertip about it. Both zero but for soft fingers, and None where there are none.
+    bounds : for NO_EQUILIBRIUM the forces [N] and motions [m] up to which it was proven; None otherwise. cause : what
+        stands in the way, in words, where it is known. yielding : with a certificate, how far each limit gives way, by
+        name, SI.
+    accuracy : what was asked for with `solve(accuracy=...)`, and what was reached; None otherwise.
+    required_preload : for NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one was found.
+    scene, reference : what was solved, for `diagnosis`.
+    """
+
+    status: Status
+    names: tuple[str, ...]
+    forces: Array
+    forces_world: Array
+    gap: Array
+    slip: Array
+    object_displacement: Array
+    contact_state: tuple[str, ...]
+    residuals: Residuals
+    uniqueness: Uniqueness | None
+    certificate: Array | None
+    iterations: int
+    trace: tuple[str, ...]
+    extra: dict[str, Array] = field(default_factory=dict)
+    bounds: tuple[float, float] | None = None
+    cause: str = ""
+    yielding: dict[str, Array] = field(default_factory=dict)
+    required_preload: float | None = None
+    accuracy: Accuracy | None = None
+    torsion: Array | None = None
+    spin: Array | None = None
+    scene: Scene | None = field(default=None, repr=False, compare=False)
+    reference: Array | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def held(self) -> bool:
+        """Whether a certified equilibrium exists. A hand's joints may not bear it: `torque_check` says so."""
+        return self.status is Status.SOLVED
+
+    @cached_property
+    def diagnosis(self) -> str:
+        """One sentence with the fingers' names: what slides, what is loose, how the object escapes, what would help."""
+        if self.scene is None or self.reference is None:
+            return self.status.meaning
+        free = self.uniqueness
+        return diagnose(
+            self.status,
+            self.names,
+            self.scene.positions,
+            reference=self.reference,
+            forces=self.forces,
+            states=self.contact_state,
+            offset=self.scene.offset[: 3 * self.scene.n].reshape(-1, 3),
+            escape=self.certificate,
+            loose=None if free is None else free.directions,
+            forces_determined=free is None or free.forces_determined,
+            others=free is not None and free.others is True,
+            required_preload=self.required_preload,
+            bounds=self.bounds,
+            cause=self.cause,
+            environment=self.scene.environment,
+        )
+
+    @property
+    def normal_force(self) -> Array:
+        """(n,) N."""
+        return self.forces[:, 2]
+
+    @property
+    def tangential_force(self) -> Array:
+        """(n, 2) N, contact axes x, y."""
+        return self.forces[:, :2]
+
+    def __str__(self) -> str:
+        lines = [self.status.meaning]
+        if self.held:
+            lines += [
+                f"  {name}: {state:9s}  normal {f[2]:9.4g} N  tangential ({f[0]:9.4g}, {f[1]:9.4g}) N  "
+                f"slip ({s[0]:9.3g}, {s[1]:9.3g}) m  gap {g:9.3g} m"
+                for name, state, f, s, g in zip(
+                    self.names, self.contact_state, self.forces, self.slip, self.gap, strict=True
+                )
+            ]
+            if self.torsion is not None and self.spin is not None:
+                lines += [
+                    f"  {name}: moment {1e3 * m:.4g} mN·m about its normal, spin {a:.3g} rad"
+                    for name, m, a in zip(self.names, self.torsion, self.spin, strict=True)
+                    if m or a
+                ]
+            u = self.object_displacement
+            lines.append(
+                f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"
+            )
+            lines.append(f"  {self.uniqueness}; worst relative residual {self.residuals.worst:.1e}")
+            if self.accuracy is not None:
+                lines.append(f"  {self.accuracy}")
+        lines.append(f"  {self.diagnosis}")
+        return "\n".join(lines)

@@ -1,0 +1,69 @@
+"""A solver's answer as mechanics, and the way back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.model.grasp_matrix import Posed
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["Candidate", "decode", "encode", "in_si"]
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """SI, in the coordinates of the scene's friction laws: forces (c,) [N], all force components; twist (6,) about the
+    contacts' centre; the unknowns of further effects by group name.
+    """
+
+    forces: Array
+    twist: Array
+    extra: dict[str, Array]
+
+
+def decode(scene: Scene, system: System, x: Array) -> Candidate:
+    """Forces, motion and further unknowns from x (N,), all unknowns of the system in natural units."""
+    kind, normal = scene.kind, system.at.get("r_N")
+    at = 0 if normal is None else normal.start, system.tangential, system.at["u"].start
+    forces, free = in_si(x, kind.normal_index, kind.tangent_index, at, scene.given.prescribed, scene.geometry, kind.dof)
+    extra = {g.name: x[system.at[g.name]] * g.sizes(scene)[0] for g in system.layout.extra}
+    return Candidate(forces, free @ scene.freedom, extra)
+
+
+def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
+    """(N,) natural units, from forces, motion and unknowns of further effects, as far as given; zero for the others."""
+    x, at, forces = np.zeros(len(system.q)), system.at, candidate.forces / scene.units.force
+    if "r_N" in at:
+        x[at["r_N"]] = forces[scene.kind.normal_index]
+    tangential = forces[scene.kind.tangent_index]
+    x[system.tangential : system.tangential + len(tangential)] = tangential
+    x[at["u"]] = scene.natural_twist(candidate.twist)
+    for g in system.layout.extra:
+        if g.name in candidate.extra:
+            x[at[g.name]] = candidate.extra[g.name] / g.sizes(scene)[0]
+    return x
+
+
+@kernel
+def in_si(
+    x: Array, normal: Ints, tangent: Ints, at: tuple[int, int, int], prescribed: Array, p: Posed, dof: int
+) -> tuple[Array, Array]:
+    """Forces (c,) [N] and (dof,) motion [m, rad] from the unknowns x. normal, tangent : which components are unknown;
+    at : where normal forces, tangential forces and the motion begin among the unknowns.
+    """
+    f, u = prescribed.copy(), np.empty(dof)
+    for k in range(len(normal)):
+        f[normal[k]] = x[at[0] + k] * p.force
+    for k in range(len(tangent)):
+        f[tangent[k]] = x[at[1] + k] * p.force
+    lengths = 3 if dof == 6 else 2
+    for k in range(dof):
+        u[k] = x[at[2] + k] * p.motion
+        if k >= lengths:
+            u[k] /= p.length
+    return f, u

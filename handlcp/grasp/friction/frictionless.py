@@ -1,0 +1,27 @@
+"""No friction: the contact pushes along its normal only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from handlcp.grasp.friction.coulomb import Coulomb
+from handlcp.grasp.friction.law import FrictionLaw
+
+__all__ = ["Frictionless"]
+
+
+@dataclass(frozen=True, slots=True)
+class Frictionless(FrictionLaw):
+    """No tangential force, and therefore no tangential unknowns at all."""
+
+    call: ClassVar[str] = "Frictionless()"
+
+    @property
+    def mu(self) -> float:  # type: ignore[override]
+        """Zero: the coefficient of a contact without friction [-]."""
+        return 0.0
+
+    def with_mu(self, mu: float) -> Coulomb:
+        """Coulomb's law with this coefficient."""
+        return Coulomb(mu)

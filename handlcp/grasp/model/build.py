@@ -1,0 +1,105 @@
+"""From what was asked to the arrays of a scene, in the coordinates of its friction laws (`friction.law`).
+
+    r = S r̂,    R̂ = R S,  Ê = S E S,  d̂ = S d,  v̂ = S v
+
+Balance, compatibility and power look the same in r̂ and v̂ as they do in r and v, so that solvers, certifier and search
+know one friction law: a ball. Where S = 1, in nearly all scenes, nothing is done.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.kind import kind_of
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
+
+__all__ = ["build"]
+
+
+def build(spec: GraspSpec) -> Scene:
+    """The scene of a grasp, what its effects add included."""
+    contacts, planar = spec.contacts, spec.plane is not None
+    known = {i: f for e in spec.effects for i, f in e.prescribed().items()} if spec.effects else {}
+    governed = tuple([i not in known for i in range(len(contacts))])
+    mu = np.array([c.mu for c in contacts])
+    scale: Array | None = None
+    plain = all([c.plain for c in contacts])
+    if plain:
+        tangents = tuple([0 if c.mu == 0.0 else 1 if planar else 2 for c in contacts])
+    elif planar:
+        tangents = tuple([int(c.mu > 0.0) for c in contacts])
+        mu = np.array([_along(c, R[:, 0]) for c, R in zip(contacts, spec.frames, strict=True)])
+    else:
+        tangents = tuple([0 if c.mu == 0.0 else 3 if c.friction.lever > 0.0 else 2 for c in contacts])
+    if known:
+        tangents = tuple([t if free else 0 for t, free in zip(tangents, governed, strict=True)])
+    soft = tuple([i for i, t in enumerate(tangents) if t == 3]) if 3 in tangents else ()
+    E, d = _with_turns(spec, soft)
+    held: Array | None = None
+    for e in spec.effects:
+        if (torque := e.added_torque()) is not None:
+            held = torque if held is None else held + torque
+        if (more := e.added_flexibility(spec, soft)) is not None and more.any():
+            E = E + (_in_plane(more) if planar else more)
+        if (shift := e.added_offset(spec, soft)) is not None and shift.any():
+            d = d + (_in_plane(shift) if planar else shift)
+    frames = spec.frames
+    if not planar and not plain and (scale := _scales(contacts, soft)) is not None:
+        rows = scale[: 3 * len(contacts)].reshape(-1, 3)
+        frames, E, d = frames * rows[:, None, :], E * scale[:, None] * scale, d * scale
+    given = None
+    if known:
+        given = np.zeros(len(d))
+        for i, force in known.items():
+            given[3 * i : 3 * i + 3] = force if scale is None else force / scale[3 * i : 3 * i + 3]
+    force = spec.wrench[:3]
+    return Scene(
+        spec.positions, read_only(frames), read_only(mu), read_only(E), read_only(d), force,
+        read_only(spec.wrench[3:] + cross_rows(spec.reference, force)), spec.plane,
+        kind_of(governed, tangents, planar, bool(E.any())), spec.fingers, given, scale, spec.mechanism, held,
+    )  # fmt: skip
+
+
+def _along(contact: Contact, direction: Array) -> float:
+    """The coefficient along a direction (3,) of the contact's tangent plane."""
+    x, y, _ = contact.rotation.T @ direction
+    return contact.mu if contact.friction.plain else contact.friction.toward(float(x), float(y))
+
+
+def _with_turns(spec: GraspSpec, soft: tuple[int, ...]) -> tuple[Array, Array]:
+    """Flexibility (c, c) and offset (c,) of the points and of the turns about the normals of the soft contacts: pads
+    turn, and joints turn the fingertip under its moment. Points that don't give way have joints that don't.
+    """
+    d = spec.offset.reshape(-1)
+    if not soft:
+        return spec.flexibility, d
+    n = len(d)
+    E = np.zeros((n + len(soft), n + len(soft)))
+    if spec.mechanism is not None and spec.flexibility.any():
+        E += spec.mechanism.compliance(spec.mechanism.rows(soft))
+    E[:n, :n] = spec.flexibility
+    for at, i in enumerate(soft, n):
+        E[at, at] += spec.contacts[i].friction.pad_torsion
+    return E, np.append(d, np.zeros(len(soft)))
+
+
+def _scales(contacts: tuple[Contact, ...], soft: tuple[int, ...]) -> Array | None:
+    """(c,) diagonal of S; None: all one."""
+    rows = np.ones((len(contacts), 3))
+    for row, c in zip(rows, contacts, strict=True):
+        row[:2] = c.friction.scale
+    scale = np.append(rows.ravel(), [contacts[i].friction.lever for i in soft])
+    return None if not soft and (scale == 1.0).all() else read_only(scale)
+
+
+def _in_plane(added: Array) -> Array:
+    """Without what acts or moves across the plane: there is no force across it, and motion across it opens no gap."""
+    out = added.copy()
+    out[1::3] = 0.0
+    if out.ndim == 2:
+        out[:, 1::3] = 0.0
+    return out

@@ -1,0 +1,232 @@
+"""What an effect is: what it adds to a grasp, its words, and how its own law is checked.
+
+An effect is one class in one file of `handlcp.grasp.effects`, found by its class: no other file lists it. It may
+
+    add flexibility or an offset to the grasp   `added_flexibility`, `added_offset`, `prescribed`
+    bring unknowns and stamp their rows         `limits`, or `unknowns` with `stamp`, `opening` and `residual`
+    depend on the forces of the answer          `depends_on_forces`, `under`
+    read something off an answer                `read`
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from handlcp.check import Array
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.file_key import FileKey
+from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.mechanism import JointReading
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
+
+__all__ = ["Effect", "Trial", "effect_kinds"]
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """An effect to try, if there is need to: None where `words` say all. change : what it makes of the answer at least,
+    as a share. instead : whether `words` stand instead of those on the forces, or before them.
+    """
+
+    effect: Effect | None
+    change: float = 0.0
+    words: str = ""
+    instead: bool = False
+
+
+_MOST = 16  # effects whose limits a scene keeps: a grasp has few, and who tries many others on it piles up nothing
+_KINDS: dict[tuple[str, str], type[Effect]] = {}
+
+
+class Effect:
+    """One physical effect; subclasses override what they need.
+
+    title : what `explain()` calls it. equation : its law in one line. when : who wants it. in_python, in_file : how to
+    ask for it. brings : its unknowns. source : where the law is from.
+    order : place in lists, and among the effects that a scene's data call for the place in which they are stamped.
+    file_key : the key of a scene file's [effects] that asks for it; None: no key does.
+    needs_joints : whether only the grasp of a hand can have it.
+    depends_on_forces : whether what it adds to the grasp depends on the forces of the answer.
+    """
+
+    title: ClassVar[str] = ""
+    equation: ClassVar[str]
+    when: ClassVar[str]
+    in_python: ClassVar[str]
+    in_file: ClassVar[str]
+    brings: ClassVar[str]
+    source: ClassVar[str]
+    order: ClassVar[int] = 1000
+    file_key: ClassVar[FileKey | None] = None
+    needs_joints: ClassVar[bool] = False
+    depends_on_forces: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        if cls.title:  # what has no title is a base of others
+            # By name: dataclass(slots=True) makes a class a second time
+            _KINDS[cls.__module__, cls.__qualname__] = cls
+
+    # ---- whether a scene has it
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+        """The effect where the scene's own data call for it; None where it has to be asked for by name.
+
+        multipliers : friction as a linear problem, with one multiplier a face; otherwise as a set that the solver
+        projects on (always so for the exact cone).
+        """
+        return None
+
+    @classmethod
+    def absent(cls, scene: Scene, section: Section) -> str | None:
+        """Why a scene is without it, for `explain()`; None: not worth a line."""
+        return "not asked for"
+
+    @property
+    def key(self) -> object:
+        """A grasp has one effect of each key: of its kind, unless a kind says otherwise."""
+        return type(self)
+
+    def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
+        """Raises InputError where the effect, called `argument`, does not fit the grasp or its other effects."""
+
+    @classmethod
+    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
+        """The effects that a scene file asks for with `value` at `file_key`; `key` is its full name, for refusals.
+
+        value : as `FileKey.holds` says; tables are mappings. fingers : names of the contacts, in order.
+        """
+        yield cls(value)  # type: ignore[call-arg]
+
+    def why(self, scene: Scene) -> str:
+        """Why the scene has this effect, for `explain()`."""
+        raise NotImplementedError
+
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
+        """Changes of the grasp's specification, by field, that leave the effect out; {}: dropping it from the effects
+        asked for does; None: no grasp is without it. contacts : those of the specification.
+        """
+        return {}
+
+    @classmethod
+    def trial(cls, at: Placement, others: tuple[Effect, ...], forces: Array, torque: Array) -> Trial | None:
+        """The effect as it would be beside others at an answer without it, to see what it would change; None: that
+        takes numbers that nobody gave. forces (n, 3) [N] in contact axes; torque (nv,) [N·m], of a hand.
+        """
+        return None
+
+    # ---- what it adds to the grasp
+    def prescribed(self) -> dict[int, Array]:
+        """Forces (3,) [N] in contact axes that are known, by contact: such a contact has no unknowns and no laws."""
+        return {}
+
+    def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
+        """(c, c) flexibility in contact axes [m/N], symmetric, that it adds; soft : contacts that bear a moment."""
+        return None
+
+    def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
+        """(c,) motion of the object relative to the tips before any load, contact axes [m, rad], that it adds."""
+        return None
+
+    def added_torque(self) -> Array | None:
+        """(nv,) [N·m] that the joints hold besides that of the contact forces."""
+        return None
+
+    def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:
+        """The effect beside others as it is while the fingers push with forces (n, 3) [N], contact axes; or, in words,
+        why there is none.
+        """
+        return self
+
+    # ---- its unknowns and rows
+    @property
+    def stamps(self) -> bool:
+        """Whether it has rows or a law of its own, so that a solve takes the general path."""
+        kind = type(self)
+        return any(getattr(kind, name) is not getattr(Effect, name) for name in ("limits", "stamp", "residual"))
+
+    def limits(self, scene: Scene) -> tuple[Limit, ...]:
+        """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying.
+
+        Asked once a scene; everyone else reads `present`.
+        """
+        return ()
+
+    def present(self, scene: Scene) -> tuple[Limit, ...]:
+        """The limits, without groups of none."""
+        if type(self).limits is Effect.limits:
+            return ()
+        known: tuple[Limit, ...]
+        for effect, known in scene.made:
+            if effect is self:
+                return known
+        known = tuple([limit for limit in self.limits(scene) if len(limit.room)])
+        if len(scene.made) >= _MOST:
+            scene.made.clear()
+        scene.made.append((self, known))
+        return known
+
+    def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
+        """The groups this effect brings."""
+        return tuple([limit.unknown for limit in self.present(scene)])
+
+    def stamp(self, scene: Scene, system: System) -> None:
+        """Add this effect's blocks."""
+        for limit in self.present(scene):
+            limit.stamp(scene, system)
+
+    def opening(self, scene: Scene, extra: dict[str, Array]) -> Array | None:
+        """(c,) motion between object and fingertips that this effect adds to Gᵀu + E r + d [m], over the scene's
+        components.
+
+        `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
+        none is left out. None: nothing.
+        """
+        total = None
+        for limit in self.present(scene):
+            part = limit.opening(extra)
+            total = part if total is None else total + part
+        return total
+
+    def residual(
+        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
+    ) -> float:
+        """How far a candidate misses this effect's own law, relative; forces (c,) N, the scene's components.
+
+        The laws of balance, contact and friction are recomputed by the certifier itself.
+        """
+        worst = 0.0
+        for limit in self.present(scene):
+            part = limit.residual(scene, forces, extra, force_size, motion_size)
+            worst = part if not part <= worst else worst  # NaN stays
+        return worst
+
+    # ---- what it says of an answer
+    def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
+        """What it changes in what the joints do at an answer; forces (n, 3) [N] in contact axes, extra as above."""
+        return joints
+
+    def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
+        """What a verdict says of it at an answer, in parts of a sentence; names (n,) of the contacts."""
+        return ()
+
+    @property
+    def called(self) -> str:
+        """What it is called where it leaves no forces that balance the load."""
+        return self.title
+
+    def shortfall(self, least_total: float | None) -> str | None:
+        """Why no forces within it balance the load, where it alone can tell; least_total [N]: the least sum of normal
+        forces that would, None where none do.
+        """
+        return None
+
+
+def effect_kinds() -> tuple[type[Effect], ...]:
+    """All effects there are, in order."""
+    return tuple(sorted(_KINDS.values(), key=lambda kind: kind.order))

@@ -1,0 +1,164 @@
+"""Compiled geometry of a grasp: natural units, the grasp matrix, and the blocks that effects stamp, in those units.
+
+The c = 3n + k force components are the contacts' x, y and z and then the moments of the k soft contacts about their
+normals (over a lever, so that they are forces).
+
+    w + G r = 0,    v = Gᵀ u + E r + d,    G = [R; skew(p - centre) R | 0; lever n]          (model, "Contacts")
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["Blocks", "Given", "Posed", "pose", "wrench_map"]
+
+
+class Given(NamedTuple):
+    """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), force and moment
+    (3,) of the load about the world's origin, freedom (dof, 6) of the object, forces (c,) that are prescribed, spin
+    (3, k) moments that one of each torsional component stands for.
+    """
+
+    positions: Array
+    frames: Array
+    flexibility: Array
+    offset: Array
+    force: Array
+    moment: Array
+    freedom: Array
+    prescribed: Array
+    spin: Array
+
+
+class Blocks(NamedTuple):
+    """In natural units, over the unknown force components, normal ones first: G (dof, m), E (m, m), d (m,); the load
+    w (dof,); and `every` (dof, c), G over all components. Prescribed forces are part of w and d.
+    """
+
+    G: Array
+    every: Array
+    E: Array
+    d: Array
+    w: Array
+
+
+class Posed(NamedTuple):
+    """Natural units of force [N], length and motion [m]; centre (3,) of the contacts [m]; arms (n, 3) from there [m];
+    wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
+    """
+
+    force: float
+    length: float
+    motion: float
+    centre: Array
+    arms: Array
+    wrench: Array
+    grasp_matrix: Array
+
+
+@kernel
+def pose(g: Given, index: Ints) -> tuple[Posed, Blocks]:
+    """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
+    force, length, motion, centre = _sizes(g)
+    wrench = np.empty(6)
+    wrench[:3] = g.force
+    wrench[3] = g.moment[0] - centre[1] * g.force[2] + centre[2] * g.force[1]
+    wrench[4] = g.moment[1] - centre[2] * g.force[0] + centre[0] * g.force[2]
+    wrench[5] = g.moment[2] - centre[0] * g.force[1] + centre[1] * g.force[0]
+    arms = g.positions - centre
+    posed = Posed(force, length, motion, centre, arms, wrench, wrench_map(arms, g.frames, g.spin))
+    return posed, _blocks(g, posed, index)
+
+
+@kernel
+def _sizes(g: Given) -> tuple[float, float, float, Array]:
+    """(force, length, motion, centre): force is the size of the load plus that of the squeeze, length the rms distance
+    of the contacts from their centre, motion = force × the mean flexibility.
+    """
+    n = len(g.positions)
+    centre = np.zeros(3)
+    for i in range(n):
+        centre += g.positions[i] / n
+    spread, travel, softness = 0.0, 0.0, 0.0
+    for i in range(n):
+        for k in range(3):
+            spread += (g.positions[i, k] - centre[k]) ** 2 / n
+            if k < 2 or g.offset[3 * i + k] < 0.0:  # a gap loads nothing, however wide
+                travel += g.offset[3 * i + k] ** 2 / n
+            softness += g.flexibility[3 * i + k, 3 * i + k] / (3 * n)
+    length, away = np.sqrt(spread), np.sqrt(np.sum(centre * centre))
+    if length <= 1e-12 * away:  # all at one point: what is left is rounding, no size
+        length = away
+    if length == 0.0:
+        length = 1.0
+    m = g.moment - np.array(
+        [
+            centre[1] * g.force[2] - centre[2] * g.force[1],
+            centre[2] * g.force[0] - centre[0] * g.force[2],
+            centre[0] * g.force[1] - centre[1] * g.force[0],
+        ]
+    )
+    load = np.sqrt(np.sum(g.force * g.force) + np.sum(m * m) / length**2)
+    travel = np.sqrt(travel)
+    size = load + (travel / softness if softness > 0.0 else 0.0)
+    if size == 0.0:
+        size = 1.0
+    motion = softness * size
+    if motion == 0.0:
+        motion = travel if travel > 0.0 else length
+    return size, length, motion, centre
+
+
+@kernel
+def wrench_map(arms: Array, frames: Array, spin: Array) -> Array:
+    """(6, 3n + k) G: columns [R; skew(a) R] for arms (n, 3) and frames (n, 3, 3), then [0; spin] for spin (3, k)."""
+    n, k = len(arms), spin.shape[1]
+    G = np.zeros((6, 3 * n + k))
+    for i in range(n):
+        ax, ay, az = arms[i, 0], arms[i, 1], arms[i, 2]
+        for a in range(3):
+            x, y, z = frames[i, 0, a], frames[i, 1, a], frames[i, 2, a]
+            c = 3 * i + a
+            G[0, c], G[1, c], G[2, c] = x, y, z
+            G[3, c], G[4, c], G[5, c] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+    for j in range(k):
+        for a in range(3):
+            G[3 + a, 3 * n + j] = spin[a, j]
+    return G
+
+
+@kernel
+def _blocks(g: Given, p: Posed, index: Ints) -> Blocks:
+    """`freedom` projects G and w on what the object is free to do."""
+    dof, columns, m = g.freedom.shape[0], p.grasp_matrix.shape[1], len(index)
+    every, w = np.zeros((dof, columns)), np.zeros(dof)
+    for i in range(dof):
+        for j in range(6):
+            f = g.freedom[i, j]
+            if f != 0.0:
+                if j >= 3:
+                    f /= p.length
+                w[i] += f * p.wrench[j] / p.force
+                for c in range(columns):
+                    every[i, c] += f * p.grasp_matrix[j, c]
+    G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
+    softness = p.force / p.motion
+    for a in range(m):
+        d[a] = g.offset[index[a]] / p.motion
+        for i in range(dof):
+            G[i, a] = every[i, index[a]]
+        for b in range(m):
+            E[a, b] = g.flexibility[index[a], index[b]] * softness
+    for c in range(columns):
+        r = g.prescribed[c] / p.force
+        if r != 0.0:
+            for i in range(dof):
+                w[i] += every[i, c] * r
+            for a in range(m):
+                d[a] += g.flexibility[index[a], c] * softness * r
+    return Blocks(G, every, E, d, w)

@@ -1,0 +1,90 @@
+"""Which unknowns a grasp has, and where they stand among its force components."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from handlcp.check import Ints
+from handlcp.lazy import lazy
+
+__all__ = ["Kind", "kind_of"]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What decides which unknowns a scene has, whatever its numbers.
+
+    governed (n,): contacts whose force is not prescribed. tangents (n,): how many tangential forces a contact has, 0
+    without friction, 1 in a plane, 2, or 3 with the moment of a soft finger; 0 where its force is prescribed.
+    planar, flexible : whether the scene lies in a plane, and whether any finger gives way. The index arrays below count
+    the c = 3n + k force components: the contacts' x, y, z, then the moments of the k soft contacts.
+    """
+
+    governed: tuple[bool, ...]
+    tangents: tuple[int, ...]
+    planar: bool
+    flexible: bool
+
+    @property
+    def n(self) -> int:
+        """Contacts."""
+        return len(self.governed)
+
+    @property
+    def dof(self) -> int:
+        """Unknown components of the object's motion: 6, or 3 in a plane."""
+        return 3 if self.planar else 6
+
+    @lazy
+    def soft(self) -> tuple[int, ...]:
+        """(k,) contacts that bear a moment about their normal."""
+        return tuple(i for i, t in enumerate(self.tangents) if t == 3)
+
+    @lazy
+    def rough(self) -> tuple[int, ...]:
+        """Contacts with friction but no moment."""
+        return tuple(i for i, t in enumerate(self.tangents) if t in (1, 2))
+
+    @property
+    def components(self) -> int:
+        """c, the force components."""
+        return 3 * self.n + len(self.soft)
+
+    @lazy
+    def contact_components(self) -> Ints:
+        """(n, 4) of each contact whose force is unknown: its normal component and its tangential ones, padded by -1."""
+        out = np.full((self.n, 4), -1, dtype=np.int64)
+        for i, (free, t) in enumerate(zip(self.governed, self.tangents, strict=True)):
+            if free:
+                moment = [3 * self.n + self.soft.index(i)] if t == 3 else []
+                own = [3 * i + 2, 3 * i, 3 * i + 1][: 1 + min(t, 2)] + moment
+                out[i, : len(own)] = own
+        return out
+
+    @lazy
+    def normal_index(self) -> Ints:
+        """(m,) unknown normal components."""
+        return self.contact_components[np.array(self.governed), 0]
+
+    @lazy
+    def tangent_index(self) -> Ints:
+        """Unknown tangential components, of `rough` contacts first, then of `soft` ones."""
+        own = self.contact_components[[*self.rough, *self.soft], 1:]
+        return own[own >= 0]
+
+    @lazy
+    def index(self) -> Ints:
+        """All unknown components, normal ones first."""
+        return np.concatenate([self.normal_index, self.tangent_index])
+
+    def rows_of(self, contacts: tuple[int, ...]) -> Ints:
+        """Which of the unknown normal forces are these contacts' own."""
+        place = np.cumsum(self.governed) - 1
+        return np.asarray(place[list(contacts)], dtype=np.int64)
+
+
+# A hand in many postures, or a sweep, meets the same few kinds again and again, and each makes its index arrays once
+kind_of = lru_cache(maxsize=1024)(Kind)

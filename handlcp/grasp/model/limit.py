@@ -1,0 +1,89 @@
+"""Limits on the contact forces, and what gives way at them: the common form of bounds and of joints that yield.
+
+    0 ≤ s ⟂ b - A r ≥ 0,    ε += Aᵀ s
+
+A row of A says what is limited (a normal force, a sum of them, a joint's torque Jᵀr), b how much of it there may be.
+While a limit gives way, the contacts move by Aᵀ s. It dissipates only there: A r = b, and the work is bᵀ s.
+Source: model, table of effects ("total normal-force bound", "per-finger force bound", "torque saturation"); the paper,
+equations (14) to (16), has the first of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.unknowns import System, Unknown
+from handlcp.lazy import lazy
+
+__all__ = ["Limit"]
+
+
+@dataclass(frozen=True, eq=False)
+class Limit:
+    """k limits of one kind, SI.
+
+    name : of the group of unknowns s. rows : (k, c) A over the scene's force components; zero for contacts whose force
+    is prescribed. room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the
+    lengths that turn them into a force and a motion, for natural units; None for forces.
+    """
+
+    name: str
+    rows: Array
+    room: Array
+    levers: Array | None = None
+
+    def __post_init__(self) -> None:
+        """Read-only: a scene keeps its limits."""
+        for array in (self.rows, self.room, self.levers):
+            if array is not None:
+                array.flags.writeable = False
+
+    @lazy
+    def unknown(self) -> Unknown:
+        """The group of the s."""
+        if self.levers is None:
+            return Unknown(self.name, len(self.room), False, "motion", "force")
+        return Unknown(self.name, len(self.room), False, "angle", "torque", tuple(self.levers.tolist()))
+
+    @lazy
+    def natural_rows(self) -> Array:
+        """(k, c) A in natural units."""
+        return self.rows if self.levers is None else self.rows / self.levers[:, None]
+
+    def natural_room(self, scene: Scene) -> Array:
+        """(k,) b in natural units."""
+        return self.room / (scene.units.force if self.levers is None else scene.units.force * self.levers)
+
+    def natural_motion(self, scene: Scene, extra: dict[str, Array]) -> Array:
+        """(k,) s in natural units; `extra` as in `Effect.opening`."""
+        s = extra[self.name] / scene.units.motion
+        return s if self.levers is None else s * self.levers
+
+    def natural_slack(self, scene: Scene, forces: Array) -> Array:
+        """(k,) b - A r in natural units, from force components (c,) N."""
+        return self.natural_room(scene) - self.natural_rows @ (forces / scene.units.force)
+
+    def stamp(self, scene: Scene, system: System) -> None:
+        """Slack, and the motion of the contacts that goes with it."""
+        if self.name in system.at:
+            system.couple_forces(self.name, self.natural_rows[:, scene.kind.index])
+        system.load(self.name, self.natural_room(scene))
+
+    def opening(self, extra: dict[str, Array]) -> Array:
+        """(c,) Aᵀ s [m]."""
+        s = extra[self.name]
+        if not np.isfinite(s).all():
+            return np.full(self.rows.shape[1], np.nan)  # which never passes
+        return np.asarray(s @ self.rows)
+
+    def residual(
+        self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
+    ) -> float:
+        """Worst |min(s, b - A r)|, relative."""
+        s = self.natural_motion(scene, extra) * (scene.units.motion / motion_size)
+        slack = self.natural_slack(scene, forces) * (scene.units.force / force_size)
+        return float(abs(np.minimum(s, slack)).max(initial=0.0))

@@ -1,0 +1,69 @@
+"""What moves the fingers of a grasp, as far as the mechanics need to know it. This room knows no robots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+
+from handlcp.check import Array
+
+__all__ = ["JointReading", "Mechanism"]
+
+S = TypeVar("S")
+
+
+@dataclass(frozen=True, slots=True)
+class JointReading:
+    """What the joints do at an answer, (nv,) each: torque that the actuators hold [N·m], deflection from where the
+    joints are commanded to be [rad], and how far joints at their limit are driven back beyond that [rad].
+    """
+
+    torque: Array
+    deflection: Array
+    yielded: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """nv independent joints that carry the fingers of n contacts; contacts of the environment are carried by none.
+
+    names : (nv,). jacobian : (3n, nv) velocity of the contact points in contact axes [m/rad, m/m].
+    root : (nv, m) A of the joints' compliance K⁻¹ = A Aᵀ [rad/(N·m)].
+    limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
+    """
+
+    names: tuple[str, ...]
+    jacobian: Array
+    root: Array
+    limits: Array
+
+    def turning(self, contacts: tuple[int, ...]) -> Array:
+        """(k, nv) how fast the fingertips of these contacts turn about their normals [rad/rad]."""
+        raise NotImplementedError
+
+    def hessian(self) -> Array:
+        """(3n, nv, nv) ∂J/∂q [m/rad²] of contact points that move with their fingers, in contact axes that don't."""
+        raise NotImplementedError
+
+    def weight(self) -> Array | None:
+        """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
+        return None
+
+    def rows(self, soft: tuple[int, ...]) -> Array:
+        """(3n + k, nv) [J; T]: the Jacobian of the points, then of the turns of the k contacts in `soft`."""
+        return np.concatenate([self.jacobian, self.turning(soft)]) if soft else self.jacobian
+
+    def compliance(self, rows: Array) -> Array:
+        """Rows K⁻¹ rowsᵀ, symmetric to the last bit."""
+        B = rows @ self.root
+        return np.asarray(B @ B.T)
+
+    def deflection(self, torque: Array) -> Array:
+        """(nv,) K⁻¹ τ [rad]."""
+        return np.asarray(self.root @ (torque @ self.root))
+
+    def read(self, scene: Any, effects: Any, solution: S) -> S:
+        """The solution with what the joints do for it, given the scene that was solved and its effects."""
+        raise NotImplementedError

@@ -1,0 +1,77 @@
+"""What was asked of a grasp, as data."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from handlcp.check import Array, read_only, sealed
+from handlcp.grasp.friction import FrictionLaw
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.vectors import cross_rows
+
+__all__ = ["GraspSpec", "wrench_about"]
+
+
+@dataclass(frozen=True, eq=False)
+class GraspSpec(Placement):
+    """A grasp before it is built: sound arrays, read-only, SI. Immutable; `build` makes a `Scene` of it.
+
+    Besides what `Placement` says: wrench (6,) force and torque about reference (3,) that the world applies to the
+    object. flexibility (3n, 3n) of fingers and environment in contact axes, and offset (n, 3) of the object relative to
+    them before any load, both without what the effects add. effects : those asked for by name.
+    """
+
+    wrench: Array
+    reference: Array
+    flexibility: Array
+    offset: Array
+    effects: tuple[Effect, ...] = ()
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with other values of some fields."""
+        return dataclasses.replace(self, **changes)
+
+    def with_laws(self, laws: tuple[FrictionLaw, ...]) -> Self:
+        """The same with other friction, a law for each contact."""
+        return self.replace(contacts=tuple([c.with_friction(f) for c, f in zip(self.contacts, laws, strict=True)]))
+
+    def squeezed(self, extra: float) -> Self:
+        """The same with `extra` [m] more squeeze of every finger whose force is not prescribed."""
+        offset = self.offset.copy()
+        offset[self.free_fingers, 2] -= extra
+        return self.replace(offset=read_only(offset))
+
+    @property
+    def free_fingers(self) -> list[int]:
+        """Numbers of the fingers whose force is not prescribed: those that a squeeze acts on."""
+        known = {i for e in self.effects for i in e.prescribed()}
+        return [i for i in range(self.of_fingers) if i not in known]
+
+    def fingers_alone(self) -> Self:
+        """The same without the environment."""
+        k, mechanism = self.of_fingers, self.mechanism
+        if mechanism is not None:
+            mechanism = dataclasses.replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
+        return self.replace(
+            contacts=self.contacts[:k], positions=self.positions[:k], frames=self.frames[:k], offset=self.offset[:k],
+            flexibility=read_only(self.flexibility[: 3 * k, : 3 * k].copy()), fingers=None, mechanism=mechanism,
+        )  # fmt: skip
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
+        return tuple([c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts)])
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """After pickling, read-only again."""
+        self.__dict__.update(sealed(state))
+
+
+def wrench_about(point: Array, force: Array, moment: Array) -> Array:
+    """(6,) the wrench about a point (3,) from its force and its moment about the world's origin, (3,) each."""
+    return read_only(np.append(force, moment - cross_rows(point, force)))

@@ -1,0 +1,180 @@
+"""Named groups of unknowns, and the system w = M x + q into which effects stamp the blocks between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.model.scene import Scene
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["Layout", "Measure", "System", "Unknown", "layout"]
+
+Measure: TypeAlias = Literal["force", "motion", "twist", "wrench", "angle", "torque"]
+
+_SI: dict[Measure, str] = {
+    "force": "N",
+    "motion": "m",
+    "twist": "m, rad",
+    "wrench": "N, N·m",
+    "angle": "rad",
+    "torque": "N·m",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A group of unknowns that an effect brings, each with a row of its own.
+
+    name : of the group ("r_N", "u", …); blocks are addressed by it.
+    count : how many.
+    free : rows are equations and the unknowns have no sign; otherwise 0 ≤ x ⟂ w ≥ 0.
+    measure, row_measure : what x and its row w measure, and therefore their natural units.
+    levers : (count,) [m] of angles and torques: what makes a motion of one, and a force of the other.
+    """
+
+    name: str
+    count: int
+    free: bool
+    measure: Measure
+    row_measure: Measure
+    levers: tuple[float, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit of x, for people."""
+        return _SI[self.measure]
+
+    @property
+    def row_unit(self) -> str:
+        """SI unit of w, for people."""
+        return _SI[self.row_measure]
+
+    def sizes(self, scene: Scene) -> tuple[float | Array, float | Array]:
+        """SI sizes of one natural unit of x and of w, one or one each."""
+        if self.levers:
+            levers = np.array(self.levers)
+            return scene.units.motion / levers, scene.units.force * levers
+        return scene.size(self.measure), scene.size(self.row_measure)
+
+
+_MECHANICS = ("r_N", "r_T", "r_S", "λ", "λ_S", "u")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where the unknowns go: complementary groups first, free groups last.
+
+    groups : in that order. at : the slice of each. free_from : where the free groups begin. size : unknowns in all.
+    extra : groups other than forces, friction multipliers and object motion.
+    """
+
+    groups: tuple[Unknown, ...]
+    at: dict[str, slice]
+    free_from: int
+    size: int
+    extra: tuple[Unknown, ...]
+
+    @property
+    def tangential(self) -> int:
+        """Where the tangential unknowns begin: those of points, then those of soft contacts; 0: there are none."""
+        first = self.at.get("r_T") or self.at.get("r_S")
+        return 0 if first is None else first.start
+
+    @staticmethod
+    def labels(groups: tuple[Unknown, ...]) -> tuple[str, ...]:
+        """A name for every unknown of these groups, such as "r_T[2]"."""
+        return tuple(f"{g.name}[{k}]" for g in groups for k in range(g.count))
+
+
+def layout(unknowns: Iterable[Unknown]) -> Layout:
+    """The layout of these groups; empty ones are left out."""
+    present = [u for u in unknowns if u.count]
+    groups = tuple(sorted(present, key=lambda u: u.free))
+    ends = np.cumsum([g.count for g in groups]).tolist()
+    at = {g.name: slice(end - g.count, end) for g, end in zip(groups, ends, strict=True)}
+    extra = tuple(g for g in groups if g.name not in _MECHANICS)
+    return Layout(groups, at, sum(g.count for g in groups if not g.free), ends[-1] if ends else 0, extra)
+
+
+class System:
+    """M (N, N) and q (N,) in natural units, as a `Layout` orders the unknowns."""
+
+    __slots__ = ("M", "at", "layout", "q")
+
+    def __init__(self, where: Layout) -> None:
+        self.layout, self.at = where, where.at
+        self.M, self.q = np.zeros((where.size, where.size)), np.zeros(where.size)
+
+    def add(self, row: str, column: str, block: Array | float) -> None:
+        """M[row, column] += block, when the scene has both groups."""
+        if row in self.at and column in self.at:
+            self.M[self.at[row], self.at[column]] += block
+
+    def load(self, row: str, values: Array | float) -> None:
+        """q[row] += values, when the scene has that group."""
+        if row in self.at:
+            self.q[self.at[row]] += values
+
+    def load_tangents(self, name: str, scene: Scene) -> None:
+        """q[name] += the offsets along these tangential unknowns."""
+        at, d = self.at[name], scene.natural.d
+        first = len(scene.kind.normal_index) + at.start - self.tangential
+        self.q[at] += d[first : first + at.stop - at.start]
+
+    def couple_forces(self, row: str, block: Array) -> None:
+        """Add -block (rows, k) from the force components, normals first, to the rows of a group, and its transpose to
+        the components' rows.
+        """
+        couple(self.M, self.at[row].start, self._forces(block), block, -1.0)
+
+    def add_between_forces(self, block: Array) -> None:
+        """Add block (k, k) between all unknown force components, normals first."""
+        add_at(self.M, self._forces(block), block)
+
+    def couple_motion(self, block: Array) -> None:
+        """Add block (dof, k) from the force components, normals first, to the rows of u, and its transpose back."""
+        couple(self.M, self.at["u"].start, self._forces(block), block, 1.0)
+
+    @property
+    def tangential(self) -> int:
+        """Where the tangential unknowns begin."""
+        return self.layout.tangential
+
+    def _forces(self, block: Array) -> tuple[int, int, int]:
+        """(start of r_N, how many, start of the tangential unknowns)."""
+        normal = self.at.get("r_N")
+        count = 0 if normal is None else normal.stop - normal.start
+        return 0 if normal is None else normal.start, count, self.tangential
+
+    def sizes(self, scene: Scene) -> tuple[Array, Array]:
+        """(N,) SI sizes of one natural unit of every x and every w."""
+        x, w = np.empty(len(self.q)), np.empty(len(self.q))
+        for g in self.layout.groups:
+            x[self.at[g.name]], w[self.at[g.name]] = g.sizes(scene)
+        return x, w
+
+
+@kernel
+def add_at(M: Array, forces: tuple[int, int, int], block: Array) -> None:
+    """M += block between force components; `forces` as in `System._forces`."""
+    normal, count, tangential = forces
+    for a in range(block.shape[0]):
+        i = normal + a if a < count else tangential + a - count
+        for b in range(block.shape[1]):
+            M[i, normal + b if b < count else tangential + b - count] += block[a, b]
+
+
+@kernel
+def couple(M: Array, row: int, forces: tuple[int, int, int], block: Array, sign: float) -> None:
+    """M += sign · block in rows row, row + 1, … and block' in their columns."""
+    normal, count, tangential = forces
+    for b in range(block.shape[1]):
+        j = normal + b if b < count else tangential + b - count
+        for a in range(block.shape[0]):
+            M[row + a, j] += sign * block[a, b]
+            M[j, row + a] += block[a, b]

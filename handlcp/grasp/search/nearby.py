@@ -1,0 +1,33 @@
+"""From a candidate that a search found, not exact to the last digit, to one that the certifier passes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.verify.judge import judge
+from handlcp.lcp import SemismoothNewton
+
+__all__ = ["first_certified", "only_limits_move"]
+
+_NEWTON = SemismoothNewton()
+
+
+def first_certified(problem: GraspContact, candidates: Iterable[Candidate]) -> Candidate | None:
+    """The first that the certifier passes, as it is or after Newton's method from there."""
+    for candidate in candidates:
+        for c in (candidate, _refined(problem, candidate)):
+            if judge(problem.scene, problem.effects, problem.section, c).residuals.passes:
+                return c
+    return None
+
+
+def _refined(problem: GraspContact, candidate: Candidate) -> Candidate:
+    return problem.candidate(_NEWTON.propose_contact(problem, problem.natural(candidate)).z)
+
+
+def only_limits_move(problem: GraspContact) -> bool:
+    """Whether contact modes describe the scene: no effect moves the contacts but by limits that give way."""
+    return all(type(e).opening is Effect.opening for e in problem.effects)

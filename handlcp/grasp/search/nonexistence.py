@@ -1,0 +1,157 @@
+"""Where the solvers fail on a grasp that could be held: an exact search, for an answer or the proof of none.
+
+limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
+pyramids, a plane      every choice of contact modes (`mode_walk`) where they are few enough, else the active sets
+of the LCP with a multiplier a face (`lcp.search`)
+the cone               every choice of modes on a pyramid of four faces, whose equilibria are places to start from,
+then the mixed-integer program over cells that enclose the cone (`cone_modes`)
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.problem import assemble_contact, assemble_lcp
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.friction import Pyramid, Section
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.search.cone_modes import Program
+from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
+from handlcp.grasp.search.nearby import first_certified, only_limits_move
+from handlcp.grasp.verify.holdable import jammed, least_total
+from handlcp.grasp.verify.judge import judge
+from handlcp.grasp.verify.limit_load import overload
+from handlcp.lcp.search import search
+from handlcp.tolerances import ACTIVE
+
+__all__ = ["Outcome", "search_equilibrium"]
+
+_COARSE = 4  # faces of the pyramid that is searched before the cone
+_WIDE = 1e3  # of the box in which nothing is proven to exist, times 1 + max|d̂|
+_CUTS = 8  # choices of modes that the certifier refuses before the search gives up
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a search established; words : for the trace.
+
+    candidate : a certified one, or None. bounds : forces [N] and motions [m] up to which there is proven to be none, or
+    None; cause : of that, where it is known. escape (dof,), yielding : where limits on the forces are the cause, the
+    motion in natural units and by how much each limit gives way, by name, SI.
+    """
+
+    words: str
+    candidate: Candidate | None = None
+    bounds: tuple[float, float] | None = None
+    cause: str = ""
+    escape: Array | None = None
+    yielding: dict[str, Array] = field(default_factory=dict)
+
+
+def search_equilibrium(problem: GraspContact, seconds: float) -> Outcome:
+    """Search for an equilibrium of a grasp that could be held. Of the seconds half as much again may pass."""
+    scene, effects, section = problem.scene, problem.effects, problem.section
+    if not only_limits_move(problem):
+        return Outcome("impossible, an effect moves the contacts by more than limits that give way")
+    if (proof := overload(scene, section, effects)) is not None:
+        return _overloaded(scene, section, effects, proof)
+    found = _on_cone(problem, seconds) if not section.faces else _on_faces(problem, seconds)
+    if found.bounds is not None and not any(e.present(scene) for e in effects) and jammed(scene):
+        return Outcome(found.words, bounds=found.bounds, cause="rigid fingers cannot give way to the squeeze")
+    return found
+
+
+def _wide(scene: Scene) -> tuple[float, float]:
+    """Bounds [N, m] that are stated of proofs, which for some of them is as far beyond any answer as rounding could
+    hide one.
+    """
+    size = _WIDE * (1.0 + float(abs(scene.offset).max(initial=0.0)) / scene.units.motion)
+    return size * scene.units.force, size * scene.units.motion
+
+
+def _overloaded(scene: Scene, section: Section, effects: tuple[Effect, ...], proof: Array) -> Outcome:
+    """Which limits stand in the way of any equilibrium, and how the object escapes while they give way."""
+    t, moves = np.split(proof, [scene.dof])
+    yielding, parts, at, least = {}, [], 0, None
+    for e in effects:
+        taking_part = False
+        for limit in e.present(scene):
+            own = moves[at : at + len(limit.room)]
+            at += len(own)
+            taking_part |= bool((own > ACTIVE * moves.max(initial=0.0)).any())
+            yielding[limit.name] = own * limit.unknown.sizes(scene)[0]
+        if taking_part:
+            parts.append(e.called)
+            least = e.shortfall(least_total(scene, section)) or least
+    verb = "together leave" if len(parts) > 1 else "leave" if parts[0].endswith("s") else "leaves"
+    cause = least or f"the {' and the '.join(parts)} {verb} no force that balances it"
+    return Outcome("limits on the forces, none", None, _wide(scene), cause, t, yielding)
+
+
+def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
+    """By all choices of contact modes where they are few and leave no doubt, else by the active sets of the LCP."""
+    table, end = mode_table(problem), time.monotonic() + seconds
+    if table is not None and table.choices <= PER_SECOND * seconds:
+        candidates, every = table.visit()
+        # The walk counts by its choices, not by the clock: it may have been compiled first
+        end = time.monotonic() + seconds - table.choices / PER_SECOND
+        words, doubtful = f"all {table.choices:,.0f} choices of contact modes,", not every
+        for c in candidates:
+            if c is not None:
+                if (candidate := first_certified(problem, [c])) is not None:
+                    return Outcome(f"{words} solution", candidate)
+                doubtful = True
+            if time.monotonic() > end:
+                doubtful = True
+                break
+        if not doubtful:
+            return Outcome(f"{words} none", bounds=_wide(problem.scene))
+        end = max(end, time.monotonic() + 0.5 * seconds)
+    return _on_active_sets(problem, max(end - time.monotonic(), 0.5 * seconds))
+
+
+def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
+    """By the active sets of the LCP with a multiplier a face."""
+    scene, effects, section = problem.scene, problem.effects, problem.section
+    lcp = assemble_lcp(scene, section, problem.asked)
+
+    def passes(z: Array) -> bool:
+        return judge(scene, effects, section, lcp.candidate(z)).residuals.passes
+
+    result = search(lcp, seconds=seconds, accept=passes)
+    words = f"over active sets, {result.outcome}"
+    if result.z is not None:
+        return Outcome(words, lcp.candidate(result.z))
+    size = float(result.bound_z[~lcp.free].max(initial=0.0))
+    bounds = size * scene.units.force, size * scene.units.motion
+    return Outcome(words, bounds=bounds if result.none_exists else None)
+
+
+def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
+    """From all equilibria of a coarse pyramid, then by the mixed-integer program."""
+    end = time.monotonic() + seconds
+    if (candidate := first_certified(problem, _coarse(problem, 0.5 * seconds))) is not None:
+        return Outcome(f"from the pyramid of {_COARSE} faces, solution", candidate)
+    program, bounds = Program(problem), _wide(problem.scene)
+    b = bounds[0] / problem.scene.units.force
+    cuts = 0
+    for points in program.visit(b, max(end, time.monotonic() + 0.5 * seconds), _CUTS):
+        if (candidate := first_certified(problem, points)) is not None:
+            return Outcome("over contact modes, solution", candidate)
+        cuts += 1
+    none = program.exhausted and not cuts
+    return Outcome(f"over contact modes, {'none' if none else 'unknown'}", bounds=bounds if none else None)
+
+
+def _coarse(problem: GraspContact, seconds: float) -> Iterator[Candidate]:
+    """Equilibria of the coarse pyramid, as far as they can be listed in time."""
+    table = mode_table(assemble_contact(problem.scene, Pyramid(_COARSE), problem.asked))
+    if table is not None and table.choices <= PER_SECOND * seconds:
+        yield from (c for c in table.visit()[0] if c is not None)

@@ -1,0 +1,181 @@
+"""Scenes as rows of numbers for `compiled_solve`, and what their answers say."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.answer.contact_states import face_normals, names_of
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import design, outward
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.kind import Kind
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.solve.compiled_solve import HEAD, ScenePattern, answer_width, scene_width, solve_scenes
+from handlcp.grasp.verify.contact_laws import Misses
+from handlcp.grasp.verify.judge import Residuals, Verdict
+from handlcp.lcp import Proposal
+from handlcp.lcp.contact import NO_NORMALS
+from handlcp.lcp.solvers.contact_run import outcome
+from handlcp.tolerances import CERTIFY, SOLVE
+
+__all__ = ["NOWHERE", "CompiledAnswer", "CompiledKind", "compiled_kind", "pack", "solve_scene", "start_from"]
+
+NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
+
+
+class CompiledKind:
+    """Scenes that differ in numbers alone: their effects and layout, the same for compiled code, widths of rows."""
+
+    __slots__ = ("answer_width", "design", "kind", "pattern", "scene_width")
+
+    def __init__(self, scene: Scene, section: Section) -> None:
+        kind, self.design = scene.kind, design(scene, section, ())
+        where, roles, soft = self.design.layout, self.design.pattern, len(scene.soft)
+        normal = where.at.get("r_N", slice(0, 0))
+        self.kind: Kind = kind
+        self.scene_width, self.answer_width = (
+            scene_width(kind.n, soft, kind.dof),
+            answer_width(kind.n, soft, where.size),
+        )
+        self.pattern = ScenePattern(
+            kind.contact_components, kind.normal_index, kind.tangent_index, kind.index, roles.role, roles.order,
+            roles.blocks, np.array([*kind.rough, *kind.soft], dtype=np.int64), section.faces,
+            outward(section) if soft and section.faces else NO_NORMALS, face_normals(section, soft > 0), kind.flexible,
+            kind.dof, (normal.start, normal.stop - normal.start, where.tangential, where.at["u"].start, where.size),
+            soft,
+        )  # fmt: skip
+
+
+_KINDS: dict[tuple[Section, Kind], CompiledKind] = {}
+_MOST_KINDS = 1024
+
+
+def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
+    """The kind of a scene whose effects follow from its data, with these cones; few are met again and again."""
+    key = (section, scene.kind)
+    if (known := _KINDS.get(key)) is None:
+        if len(_KINDS) >= _MOST_KINDS:
+            _KINDS.clear()
+        known = _KINDS[key] = CompiledKind(scene, section)
+    return known
+
+
+def pack(scene: Scene, section: Section, row: Array) -> None:
+    """Write the scene's numbers into a row, in the order in which `solve_scenes` reads them."""
+    g, at = scene.given, 0
+    parts = (g.positions, g.frames, g.flexibility, g.offset, g.prescribed, g.spin, g.force, g.moment)
+    for part in (*parts, scene.limits(section), g.freedom):
+        row[at : at + part.size] = part.reshape(-1)
+        at += part.size
+
+
+def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
+    """The first stage's answer, certified or not; start as in `start_from`."""
+    kind = compiled_kind(scene, section)
+    numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
+    pack(scene, section, numbers[0])
+    solve_scenes(read_only(numbers), kind.pattern, start, seed, rows)
+    return CompiledAnswer(kind, rows[0])
+
+
+def start_from(value: Any, scene: Scene) -> Array:
+    """(c + 9,) where to start, from a `GraspSolution` (or a stream's update) of as many contacts: forces in the laws'
+    coordinates [N], twist (6,) and the point (3,) that it refers to. Empty for None, or one without an answer.
+    """
+    if value is None:
+        return NOWHERE
+    n = scene.n
+    if not all(hasattr(value, part) for part in ("held", "forces", "object_displacement", "reference")):
+        raise InputError("start", f"a GraspSolution of {n} contacts, or None", repr(value)[:80])
+    if len(value.forces) != n:
+        raise InputError("start", f"a GraspSolution of {n} contacts", f"one of {len(value.forces)}")
+    if not value.held or value.reference is None:
+        return NOWHERE
+    torsion = getattr(value, "torsion", None)
+    moments = np.zeros(len(scene.soft)) if torsion is None else torsion[list(scene.soft)]
+    forces = scene.lawful(np.concatenate([value.forces.reshape(-1), moments]))
+    return read_only(np.concatenate([forces, value.object_displacement, value.reference]))
+
+
+class CompiledAnswer:
+    """An answer's row, read: SI, in the coordinates of the scene's friction laws, read-only."""
+
+    __slots__ = ("kind", "row")
+
+    def __init__(self, kind: CompiledKind, row: Array) -> None:
+        row.flags.writeable = False
+        self.kind, self.row = kind, row
+
+    @property
+    def passes(self) -> bool:
+        """Whether the certifier calls it an answer; NaN never is."""
+        balance, normal, cone, slip = self.row[5:9].tolist()
+        return bool(balance <= CERTIFY and normal <= CERTIFY and cone <= CERTIFY and slip <= CERTIFY)
+
+    @property
+    def unique(self) -> bool:
+        """Whether it is an answer that leaves nothing free."""
+        return bool(self.row[11] == 1.0)
+
+    @property
+    def residuals(self) -> Residuals:
+        """How far it misses each law."""
+        misses = Misses(*self.row[3:11].tolist())
+        return Residuals.of(misses, 0.0 * misses.force_size)  # no further effects; NaN where the answer is no number
+
+    @property
+    def iterations(self) -> int:
+        """Kaczmarz steps."""
+        return int(self.row[0])
+
+    @property
+    def forces(self) -> Array:
+        """(c,) N."""
+        return self.row[HEAD : HEAD + self.kind.kind.components]
+
+    @property
+    def twist(self) -> Array:
+        """(6,) about `centre`."""
+        return self.start[-9:-3]
+
+    @property
+    def centre(self) -> Array:
+        """(3,) of the contacts [m], world axes."""
+        return self.start[-3:]
+
+    @property
+    def start(self) -> Array:
+        """Where the solve of a nearby scene may start."""
+        return self.row[HEAD : HEAD + self.kind.kind.components + 9]
+
+    @property
+    def motion(self) -> Array:
+        """(c,) object minus fingertip [m]."""
+        c = self.kind.kind.components
+        return self.row[HEAD + c + 9 : HEAD + 2 * c + 9]
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """For each contact "separated", "sticking" or "sliding", where it is an answer."""
+        at, n = HEAD + 2 * self.kind.kind.components + 9, self.kind.kind.n
+        return names_of(self.row[at : at + n].astype(np.int64))
+
+    @property
+    def candidate(self) -> Candidate:
+        """Forces and motion."""
+        return Candidate(self.forces, self.twist, {})
+
+    @property
+    def verdict(self) -> Verdict:
+        """The certifier's."""
+        return Verdict(self.motion, self.residuals)
+
+    @property
+    def proposal(self) -> Proposal:
+        """The same in natural units, as the solver says it."""
+        words = outcome(bool(self.row[2] <= SOLVE), self.iterations, int(self.row[1]))
+        return Proposal(self.row[-self.kind.design.layout.size :], self.iterations, words)

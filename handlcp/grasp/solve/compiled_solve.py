@@ -1,0 +1,203 @@
+"""The whole way from a scene to its certified answer in one compiled call, for scenes whose effects follow from data.
+
+It calls the very kernels that the single steps call (natural units and blocks, stamps, solver, certifier, contact
+states, what is left free), in the same order; what it saves is the way in and out of compiled code. A scene is a row of
+numbers and so is its answer: many of them are two matrices, and an answer is where the next one may start.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.answer.active_conditions import active_system
+from handlcp.grasp.answer.contact_states import RESTING, FaceNormals, States, find_states
+from handlcp.grasp.assembly.candidate import in_si
+from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
+from handlcp.grasp.model.unknowns import add_at, couple
+from handlcp.grasp.verify.contact_laws import Friction, examine
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.contact_rows import in_order
+from handlcp.lcp.kernels.contact_run import contact_run
+from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, RANK, SOLVE
+
+__all__ = ["HEAD", "ScenePattern", "answer_width", "scene_width", "solve_scenes"]
+
+
+class ScenePattern(NamedTuple):
+    """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.
+
+    contacts (n, 4), normal, tangent : of the force components, as in `Kind`; index : the last two. role, order (N,),
+    blocks (k, 4) : as in `lcp.Pattern`. rough (k,) : the contact of each block. faces, normals : of the sets.
+    outward : normals for contact states. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
+    at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many soft contacts there are.
+    """
+
+    contacts: Ints
+    normal: Ints
+    tangent: Ints
+    index: Ints
+    role: Ints
+    order: Ints
+    blocks: Ints
+    rough: Ints
+    faces: int
+    normals: Array
+    outward: FaceNormals
+    flexible: bool
+    dof: int
+    at: tuple[int, int, int, int, int]
+    torsional: int
+
+
+# An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `Misses`; one where
+# the answer is locally unique. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c),
+# contact states (n), unknowns (N).
+HEAD = 12
+
+
+def scene_width(n: int, soft: int, dof: int) -> int:
+    """Numbers of a scene, in the order in which `_read` takes them."""
+    c = 3 * n + soft
+    return 12 * n + c * c + 2 * c + 3 * soft + 6 + n + 6 * dof
+
+
+def answer_width(n: int, soft: int, unknowns: int) -> int:
+    """Numbers of an answer."""
+    return HEAD + 2 * (3 * n + soft) + 9 + n + unknowns
+
+
+@kernel
+def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: Array) -> None:
+    """Write the answer to each row of scenes (m, `scene_width`) into rows (m, `answer_width`).
+
+    start (c + 9) : forces, twist and centre of an answer nearby. Where that is empty or leads nowhere, a solve begins
+    where every contact sticks.
+    """
+    n = len(p.contacts)
+    for k in range(len(scenes)):
+        row = rows[k]
+        g, limits = _read(scenes[k], n, p.torsional, p.dof)
+        posed, blocks = pose(g, p.index)
+        x = np.zeros(p.at[4])
+        row[0], row[1], row[2] = _solved(p, blocks, limits, start, posed, g.freedom, seed, x)
+        at = p.at[0], p.at[2], p.at[3]
+        forces, free = in_si(x, p.normal, p.tangent, at, g.prescribed, posed, p.dof)
+        twist = np.dot(free, g.freedom)
+        friction = Friction(limits, p.faces, p.normals)
+        v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+        row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
+        row[11] = 0.0
+        end = _put(row, HEAD, forces)
+        end = _put(row, end, twist)
+        end = _put(row, end, posed.centre)
+        end = _put(row, end, v)
+        if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
+            slow = ACTIVE * max(m.motion_size, posed.motion)
+            states = find_states(p.contacts, limits, p.outward, forces, v, ACTIVE * m.force_size, slow)
+            row[11] = _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
+            for i in range(n):
+                row[end + i] = states.kind[i]
+        _put(row, end + n, x)
+
+
+@kernel
+def _read(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
+    """The arrays of a scene, and its limits (n,), as views of its row."""
+    c = 3 * n + soft
+    a = 12 * n
+    b = a + c * c
+    d = b + 2 * c
+    e = d + 3 * soft
+    f = e + 6 + n
+    return (
+        Given(
+            scene[: 3 * n].reshape(n, 3),
+            scene[3 * n : a].reshape(n, 3, 3),
+            scene[a:b].reshape(c, c),
+            scene[b : b + c],
+            scene[e : e + 3],
+            scene[e + 3 : e + 6],
+            scene[f:].reshape(dof, 6),
+            scene[b + c : d],
+            scene[d:e].reshape(3, soft),
+        ),
+        scene[e + 6 : f],
+    )
+
+
+@kernel
+def _solved(
+    p: ScenePattern, blocks: Blocks, limits: Array, start: Array, posed: Posed, freedom: Array, seed: int, x: Array
+) -> tuple[int, int, float]:
+    """Write the answer's unknowns into x (N,); returns (Kaczmarz steps, Newton steps, residual)."""
+    M, q = _stamped(p, blocks)
+    problem = in_order(M, q, p.role, p.blocks, p.order, limits[p.rough], p.faces, p.normals)
+    y, newton, r = np.zeros(len(x)), 0, np.inf
+    if len(start) > 0:
+        _begin(x, start, p, freedom, posed)
+        y[:] = x[p.order]
+        _, newton, r = contact_run(problem, y, False, seed, 0, True, SOLVE * 1e-2, RANK)
+    steps = 0
+    if not r <= SOLVE:
+        y[:] = 0.0
+        steps, more, r = contact_run(problem, y, True, seed, len(x), True, SOLVE * 1e-2, RANK)
+        newton += more
+    x[p.order] = y
+    return steps, newton, r
+
+
+@kernel
+def _stamped(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
+    """M and q: balance, gaps, tangential offsets and flexibility, as the effects stamp them."""
+    normal, count, tangent, u, size = p.at
+    M, q = np.zeros((size, size)), np.zeros(size)
+    couple(M, u, (normal, count, tangent), blocks.G, 1.0)
+    q[u : u + p.dof] += blocks.w
+    q[normal : normal + count] += blocks.d[:count]
+    q[tangent : tangent + len(p.tangent)] += blocks.d[count:]
+    if p.flexible:
+        add_at(M, (normal, count, tangent), blocks.E)
+    return M, q
+
+
+@kernel
+def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed) -> None:
+    """Write the start into x, in natural units: its forces, and its twist seen at this scene's centre."""
+    normal, _, tangent, u, _ = p.at
+    c = len(start) - 9
+    for k in range(len(p.normal)):
+        x[normal + k] = start[p.normal[k]] / posed.force
+    for k in range(len(p.tangent)):
+        x[tangent + k] = start[p.tangent[k]] / posed.force
+    t, old = start[c : c + 6].copy(), start[c + 6 :]
+    ax, ay, az = posed.centre[0] - old[0], posed.centre[1] - old[1], posed.centre[2] - old[2]
+    t[0] += t[4] * az - t[5] * ay
+    t[1] += t[5] * ax - t[3] * az
+    t[2] += t[3] * ay - t[4] * ax
+    for i in range(p.dof):
+        total = 0.0
+        for j in range(6):
+            total += freedom[i, j] * t[j]
+        turns = i >= (3 if p.dof == 6 else 2)
+        x[u + i] = total / posed.motion * (posed.length if turns else 1.0)
+
+
+@kernel
+def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> float:
+    """One where the active conditions leave nothing free; zero where they do, or where contacts rest."""
+    for k in states.kind:
+        if k == RESTING:
+            return 0.0
+    A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
+    return 1.0 if rank == len(A) else 0.0
+
+
+@kernel
+def _put(row: Array, at: int, values: Array) -> int:
+    """Write an array into the row; returns where the next one goes."""
+    for k in range(len(values)):
+        row[at + k] = values[k]
+    return at + len(values)

@@ -1,0 +1,170 @@
+"""Compiled contact physics for the certifier, from positions, frames and flexibility: no matrix of the solver.
+
+Arrays over the c force components are in the coordinates of the friction laws, where every law is a ball, a polygon or
+a polyhedron about the origin of its tangents. `contacts` (n, 4) lists each contact's normal component and its tangents,
+padded by -1; a contact whose force is prescribed has none.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.model.grasp_matrix import Given, Posed
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.projection import nearest
+
+__all__ = ["Friction", "Misses", "examine", "in_world"]
+
+
+class Friction(NamedTuple):
+    """limits (n,) radius of each contact's friction set, or distance of its faces, per newton of normal force; faces
+    and normals (f, 3) as in `ContactProblem`.
+    """
+
+    limits: Array
+    faces: int
+    normals: Array
+
+
+class Misses(NamedTuple):
+    """By how much a candidate misses each law: force [N] and moment [N·m] that balance lacks, and relative to
+    force_size [N] and each contact's own motion: balance, normal, cone, slip. motion_size [m]: of the largest motion.
+    """
+
+    lost_force: float
+    lost_moment: float
+    balance: float
+    normal: float
+    cone: float
+    slip: float
+    force_size: float
+    motion_size: float
+
+
+@kernel
+def examine(
+    g: Given, p: Posed, contacts: Ints, f: Friction, offset: Array, forces: Array, twist: Array, growth: float
+) -> tuple[Array, Misses]:
+    """(v, misses): v (c,) object minus fingertip, v = Gᵀ u + E r + d, of forces (c,) and the twist (6,) u.
+
+    offset (c,) : d, with what effects open. growth : see `_sizes`. NaN throughout where a force or the twist is not
+    finite.
+    """
+    if not (np.isfinite(forces).all() and np.isfinite(twist).all()):
+        nan = np.nan
+        return np.full(len(forces), nan), Misses(nan, nan, nan, nan, nan, nan, nan, nan)
+    v, own = _motions(p.grasp_matrix, g.flexibility, offset, forces, twist)
+    lost = p.wrench.copy()
+    for k in range(6):
+        for j in range(len(forces)):
+            lost[k] += p.grasp_matrix[k, j] * forces[j]
+    lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
+    lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
+    F, V = _sizes(g, p, contacts, offset, forces, own, growth)
+    normal, cone, slip = _laws(contacts, f, forces, v, F, V)
+    balance = np.sqrt(lost_force**2 + (lost_moment / p.length) ** 2) / F
+    return v, Misses(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
+
+
+@kernel
+def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array]:
+    """V (c,), and the largest term of each sum (c,)."""
+    c = len(forces)
+    v, own = np.empty(c), np.empty(c)
+    for i in range(c):
+        move, retreat = 0.0, 0.0
+        for k in range(6):
+            move += G[k, i] * twist[k]
+        for j in range(c):
+            retreat += E[i, j] * forces[j]
+        v[i] = move + retreat + offset[i]
+        own[i] = max(abs(move), abs(retreat), abs(offset[i]))
+    return v, own
+
+
+@kernel
+def _sizes(
+    g: Given, p: Posed, contacts: Ints, offset: Array, forces: Array, own: Array, growth: float
+) -> tuple[float, Array]:
+    """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
+
+    F is the largest force of the candidate, at least the load's size (the natural unit where there is no load) and at
+    most `growth` times that. V is the largest term of the contact's own motions, at least its retreat under F.
+    """
+    load = 0.0
+    for k in range(6):
+        load += (p.wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
+    load = np.sqrt(load)
+    if load == 0.0:
+        load = p.force
+    F = min(max(np.max(np.abs(forces)), load), growth * load)
+    V = np.empty(len(contacts))
+    for i in range(len(contacts)):
+        softness, largest, shift = 0.0, 0.0, 0.0
+        count = 4 if contacts[i, 3] >= 0 else 3
+        for a in range(count):
+            j = 3 * i + a if a < 3 else contacts[i, 3]
+            softness += g.flexibility[j, j] / count
+            largest, shift = max(largest, own[j]), max(shift, abs(offset[j]))
+        # A long slide excuses no overlap: beyond `growth` times what the finger itself can give way, no more allowance
+        retreat = softness * F
+        give = max(retreat, shift)
+        V[i] = max(min(largest, growth * give) if give > 0.0 else largest, retreat, 1e-12 * p.motion)
+    return F, V
+
+
+@kernel
+def _laws(contacts: Ints, f: Friction, forces: Array, v: Array, F: float, V: Array) -> tuple[float, float, float]:
+    """Worst (normal, cone, slip) residual, each relative to F [N] and V (n,) [m].
+
+    normal: |min(r_N / F, v_N / V)|. cone: excess of r_T over the set of radius limit · r_N, and any force along what is
+    no tangent, / F. slip: distance of r_T / F from the projection of r_T / F - v_T / V on that set; zero exactly when
+    the contact sticks, or slides against a force on the limit (maximum dissipation).
+    """
+    normal, cone, slip = 0.0, 0.0, 0.0
+    r, s, P, D = np.zeros(3), np.zeros(3), np.empty(3), np.empty((3, 4))
+    for i in range(len(contacts)):
+        if contacts[i, 0] < 0:
+            continue
+        push = forces[3 * i + 2] / F
+        normal = max(normal, abs(min(push, v[3 * i + 2] / V[i])))
+        tangents, outside = 0, 0.0
+        r[:], s[:] = 0.0, 0.0
+        while tangents < 3 and contacts[i, tangents + 1] >= 0:
+            j = contacts[i, tangents + 1]
+            r[tangents], s[tangents] = forces[j] / F, v[j] / V[i]
+            tangents += 1
+        for a in range(min(tangents, 2), 2):
+            outside += (forces[3 * i + a] / F) ** 2
+        if tangents == 0:
+            cone = max(cone, np.sqrt(outside))
+            continue
+        a = f.limits[i] * max(push, 0.0)
+        nearest(r, tangents, a, 0.0, f.faces, f.normals, P, D)
+        for k in range(tangents):
+            outside += (r[k] - P[k]) ** 2
+        cone = max(cone, np.sqrt(outside))
+        nearest(r - s, tangents, a, 0.0, f.faces, f.normals, P, D)
+        missed = 0.0
+        for k in range(tangents):
+            missed += (r[k] - P[k]) ** 2
+        slip = max(slip, np.sqrt(missed))
+    return normal, cone, slip
+
+
+@kernel
+def in_world(frames: Array, forces: Array) -> Array:
+    """(n, 3) world axes from force components (≥ 3n,) and the frames (n, 3, 3) that they are measured in."""
+    n = len(frames)
+    out = np.empty((n, 3))
+    for i in range(n):
+        for k in range(3):
+            out[i, k] = (
+                frames[i, k, 0] * forces[3 * i]
+                + frames[i, k, 1] * forces[3 * i + 1]
+                + frames[i, k, 2] * forces[3 * i + 2]
+            )
+    return out

@@ -1,0 +1,102 @@
+"""Holdability: is there any contact force within friction that balances the load? Compliance plays no part.
+
+If not, a twist t proves it (Farkas): every force the contacts can exert does work ≥ 0 on t, and so does the load, > 0.
+The object escapes along t, and no contact resists.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.friction import Section, limit_set
+from handlcp.grasp.model.scene import Scene
+from handlcp.tolerances import CERTIFY
+
+__all__ = ["escaping_twist", "generators", "is_escape", "jammed", "least_total"]
+
+
+def escaping_twist(scene: Scene, section: Section) -> Array | None:
+    """(6,) certified motion about the contacts' centre in which the object escapes, for one metre of travel.
+
+    None: some force in the friction pyramids balances the load.
+
+    t = load + W a with the a ≥ 0 that makes it smallest: what is left of the load when the fingers do all they can. By
+    the optimality of a, Wᵀt ≥ 0 and load·t = |t|², so t is the proof as well as the direction in which the object
+    goes. The point is then checked by its signs alone.
+    """
+    from scipy.optimize import linprog, nnls  # half a second of import that only a failed solve should pay
+
+    _, W = generators(scene, section)
+    load = scene.natural.w
+    if not W.size:
+        W = np.zeros((scene.dof, 1))
+    t = load + W @ nnls(W, -load)[0]
+    if not is_escape(scene, section, t):
+        # Generators that depend on each other can stop nnls early; the vertex of a linear program is exact, if crooked
+        lp = linprog(-load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
+        if lp.x is None or not is_escape(scene, section, lp.x):
+            return None
+        t = lp.x
+    size = float(np.sqrt(t @ t))
+    return read_only(scene.twist(t / size) / scene.units.motion)
+
+
+def is_escape(scene: Scene, section: Section, twist: Array) -> bool:
+    """Whether twist (dof,), natural units, proves that nothing balances the load: signs recomputed, no solver involved.
+
+    The gain must exceed what the resisting work could hide: forces of a thousand times the load.
+    """
+    _, W = generators(scene, section)
+    load = scene.natural.w
+    if not np.isfinite(twist).all():
+        return False
+    resisting = float(np.minimum(W.T @ twist, 0.0).sum()) if W.size else 0.0
+    size = float(np.sqrt(load @ load) * np.sqrt(twist @ twist))
+    return float(load @ twist) > CERTIFY * size and float(load @ twist) > -1e3 * resisting
+
+
+def least_total(scene: Scene, section: Section) -> float | None:
+    """Least sum of the fingers' unknown normal forces [N] with which forces within friction balance the load; None
+    where none do.
+    """
+    from scipy.optimize import linprog
+
+    F, W = generators(scene, section)
+    if not W.size:
+        return None
+    normals = F[2 : 3 * (scene.n - scene.environment) : 3]  # each generator has a normal force of one, its finger's
+    lp = linprog(normals.sum(axis=0), A_eq=W, b_eq=-scene.natural.w, method="highs")
+    return None if lp.x is None else float(lp.fun) * scene.units.force
+
+
+def jammed(scene: Scene) -> bool:
+    """Whether rigid fingers overlap the object wherever it goes: no small motion of it opens all gaps."""
+    m = len(scene.kind.normal_index)
+    if scene.kind.flexible or not m:
+        return False
+    from scipy.optimize import linprog
+
+    G, d = scene.natural.G[:, :m], scene.natural.d[:m]
+    # The widest least gap g: gaps Gᵀu + d ≥ g
+    A = np.column_stack([-G.T, np.ones(len(d))])
+    size = float(abs(d).max())
+    free: list[tuple[float | None, float | None]] = [(None, None)] * scene.dof
+    lp = linprog(np.append(np.zeros(scene.dof), -1.0), A_ub=A, b_ub=d, bounds=[*free, (None, size)], method="highs")
+    return lp.x is not None and float(lp.x[-1]) < -CERTIFY * size
+
+
+def generators(scene: Scene, section: Section) -> tuple[Array, Array]:
+    """(c, g) forces along the edges of all friction pyramids (the normals where there is no friction), each with a
+    normal force of one; and their (dof, g) wrenches.
+    """
+    limits, parts = scene.limits(section), []
+    for own, tangents, limit in zip(scene.kind.contact_components, scene.kind.tangents, limits, strict=True):
+        if own[0] < 0:
+            continue
+        edges = limit * limit_set(section, tangents).vertices if tangents else np.zeros((0, 1))
+        part = np.zeros((scene.components, edges.shape[1]))
+        part[own[1 : 1 + tangents]], part[own[0]] = edges, 1.0
+        parts.append(part)
+    forces = np.hstack(parts) if parts else np.zeros((scene.components, 0))
+    return forces, scene.natural.every @ forces

@@ -1,0 +1,172 @@
+"""Frictional contact as equations, and their subgradients.
+
+Unknowns x with y = M x + q. Three kinds of rows, ρ_i > 0 a scale:
+
+    free            F_i = y_i
+    pair            F_i = x_i where x_i ≤ ρ_i y_i, else ρ_i y_i                   (natural residual, times ρ)
+    friction block  F_T = x_T - P(x_T - ρ y_T; μ max(x_N, 0))
+
+P is the projection of `kernels.projection` on the set of the block's one, two or three tangents. F = 0 says: stick, or
+slide against a force on the limit (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). The size of the problem
+does not depend on the faces.
+
+The subgradient of row i is Σ c e_a + Σ b M_j with at most four unit vectors and three rows of M.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Bools, Ints
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.projection import nearest
+
+__all__ = ["Contacts", "Subgradient", "contact_order", "in_order", "roles", "row_scales", "rows", "work"]
+
+
+class Contacts(NamedTuple):
+    """A contact problem for kernels, its unknowns in `contact_order`: M (n, n), q (n,), role (n,) of `roles`, rho (n,)
+    of `row_scales`, blocks (k, 4), limits (k,), faces, normals (f, 3) as in `ContactProblem`.
+    """
+
+    M: Array
+    q: Array
+    role: Ints
+    rho: Array
+    blocks: Ints
+    limits: Array
+    faces: int
+    normals: Array
+
+
+class Subgradient(NamedTuple):
+    """Rows Σ c[i, a] e_unit[i, a] + Σ b[i, e] M[row[i, e]]; unit, c (n, 4); row, b (n, 3)."""
+
+    unit: Ints
+    c: Array
+    row: Ints
+    b: Array
+
+
+@kernel
+def roles(free: Bools, blocks: Ints) -> Ints:
+    """(n,) 0 free, 1 pair, 2 tangent of a friction block."""
+    role = np.ones(len(free), np.int64)
+    for i in range(len(free)):
+        if free[i]:
+            role[i] = 0
+    for k in range(len(blocks)):
+        for a in range(1, 4):
+            if blocks[k, a] >= 0:
+                role[blocks[k, a]] = 2
+    return role
+
+
+@kernel
+def row_scales(M: Array, blocks: Ints) -> Array:
+    """(n,) ρ that makes ρ y comparable with x: one over the flexibility that each contact sees, its mean in a block."""
+    n = len(M)
+    own, largest = np.empty(n), 0.0
+    for i in range(n):
+        own[i] = abs(M[i, i])
+        largest = max(largest, own[i])
+    for k in range(len(blocks)):
+        total, count = 0.0, 0
+        for i in blocks[k]:
+            if i >= 0:
+                total += own[i]
+                count += 1
+        for i in blocks[k]:
+            if i >= 0:
+                own[i] = total / count
+    for i in range(n):
+        own[i] = 1.0 / max(own[i], 1e-6 * largest) if own[i] > 0.0 else 1.0
+    return own
+
+
+@kernel
+def contact_order(role: Ints, blocks: Ints) -> Ints:
+    """(n,) the unknowns contact by contact, then single pairs, then the free ones. A finger's rows meet few columns but
+    its own and the object's, so that elimination in this order finds most multipliers zero.
+    """
+    n = len(role)
+    order, taken, at = np.empty(n, np.int64), np.zeros(n, np.bool_), 0
+    for k in range(len(blocks)):
+        for i in blocks[k]:
+            if i >= 0:
+                order[at], taken[i] = i, True
+                at += 1
+    for kind in (1, 2, 0):
+        for i in range(n):
+            if role[i] == kind and not taken[i]:
+                order[at] = i
+                at += 1
+    return order
+
+
+@kernel
+def in_order(
+    M: Array, q: Array, role: Ints, blocks: Ints, order: Ints, limits: Array, faces: int, normals: Array
+) -> Contacts:
+    """The problem with its unknowns in this order."""
+    n = len(q)
+    moved, place, there = np.empty((n, n)), np.empty(n + 1, np.int64), blocks.copy()
+    place[n] = -1  # no such tangent stays none
+    for s in range(n):
+        place[order[s]] = s
+        for t in range(n):
+            moved[s, t] = M[order[s], order[t]]
+    for k in range(len(blocks)):
+        for a in range(4):
+            there[k, a] = place[blocks[k, a]]
+    return Contacts(moved, q[order], role[order], row_scales(M, blocks)[order], there, limits, faces, normals)
+
+
+@kernel
+def work(n: int) -> Subgradient:
+    """Room for n rows."""
+    return Subgradient(np.empty((n, 4), np.int64), np.empty((n, 4)), np.empty((n, 3), np.int64), np.empty((n, 3)))
+
+
+@kernel
+def rows(p: Contacts, x: Array, y: Array, F: Array, g: Subgradient) -> float:
+    """Write F (n,) and its subgradients g at x and y = M x + q. Returns ‖F‖²."""
+    unit, c, row, b = g.unit, g.c, g.row, g.b
+    for i in range(len(x)):
+        if p.role[i] == 2:
+            continue
+        unit[i, :], row[i, :], c[i, :], b[i, :] = i, i, 0.0, 0.0
+        if p.role[i] == 0:
+            F[i], b[i, 0] = y[i], 1.0
+        elif x[i] > p.rho[i] * y[i]:
+            F[i], b[i, 0] = p.rho[i] * y[i], p.rho[i]
+        else:
+            F[i], c[i, 0] = x[i], 1.0
+    s, P, D = np.zeros(3), np.empty(3), np.empty((3, 4))
+    for k in range(len(p.blocks)):
+        n, tangents = p.blocks[k, 0], 1
+        while tangents < 3 and p.blocks[k, tangents + 1] >= 0:
+            tangents += 1
+        for a in range(3):
+            s[a] = 0.0
+        for a in range(tangents):
+            i = p.blocks[k, 1 + a]
+            s[a] = x[i] - p.rho[i] * y[i]
+        radius, slope = (p.limits[k] * x[n], p.limits[k]) if x[n] > 0.0 else (0.0, 0.0)
+        nearest(s, tangents, radius, slope, p.faces, p.normals, P, D)
+        for a in range(tangents):
+            i = p.blocks[k, 1 + a]
+            F[i] = x[i] - P[a]
+            unit[i, :], row[i, :], c[i, :], b[i, :] = n, i, 0.0, 0.0
+            for e in range(tangents):
+                j = p.blocks[k, 1 + e]
+                unit[i, e], c[i, e] = j, -D[a, e]
+                row[i, e], b[i, e] = j, p.rho[j] * D[a, e]
+            c[i, a] += 1.0
+            c[i, 3] = -D[a, 3]
+    total = 0.0
+    for i in range(len(x)):
+        total += F[i] * F[i]
+    return total
