@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, UnknownName
 from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "integer",
     "nothing",
     "number",
+    "per_name",
     "psd",
     "read_only",
     "sealed",
@@ -122,6 +123,14 @@ def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int
     if not whole or not least <= int(value) <= most:
         raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", _show(value))
     return int(value)
+
+
+def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:
+    """The mapping with its keys checked against `names`. Raises UnknownName, listing them."""
+    unknown = [str(key) for key in values if key not in names]
+    if unknown:
+        raise UnknownName(argument, kind, unknown, names)
+    return dict(values)
 
 
 def unit(argument: str, value: Any, *shapes: tuple[int, ...]) -> Array:

@@ -1,16 +1,17 @@
 """The robot: a hand from a URDF, its postures, objects to grasp, contact detection and joint torques. Imports grasp."""
 
-from handlcp.hand.audit import Audit, Doubt, audit_urdf
+from handlcp.hand.elasticity.synergies import Synergies
+from handlcp.hand.elasticity.tendons import Tendons
 from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.hand import Hand
 from handlcp.hand.library import HANDS, example_hand
-from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.hand.objects.table import Table
+from handlcp.hand.robot.audit import Audit, Doubt, audit_urdf
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.state import HandState
 from handlcp.hand.stream import GraspStream
-from handlcp.hand.synergies import Synergies
-from handlcp.hand.table import Table
-from handlcp.hand.tendons import Tendons
 from handlcp.hand.torques import TorqueCheck, TorqueRow
 from handlcp.hand.update import GraspUpdate
 

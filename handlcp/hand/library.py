@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
@@ -15,13 +14,47 @@ __all__ = ["HANDS", "SHIPPED", "allegro", "example_hand", "psyonic", "urdf"]
 SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
 HANDS = (*SHIPPED, "allegro", "psyonic")
 
+_SHARED: dict[str, Any] = {"joint_stiffness": 1.0, "pad_flexibility": 1e-4, "tip_radius": 0.008}
+_OWN: dict[str, dict[str, Any]] = {
+    "allegro": {
+        # The URDF says 15 N·m for every joint, a placeholder; the real hand stays below 1 N·m. 0.7 N·m is usually
+        # quoted for the V4, but in no data sheet: pass the torques of your own hand.
+        "torque_limits": 0.7,
+        "tip_radius": 0.012,
+        "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"],
+    },
+    "psyonic": {
+        "base": "LeftPsyonicAbilityBaseLink",
+        "fingertips": [f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")],
+    },
+}
+
+
+def example_hand(name: str, **overrides: Any) -> Hand:
+    """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
+
+    joint stiffness : 1 N·m/rad, of the right order of magnitude but not measured. pad flexibility : 1e-4 m/N.
+    tip radius : 8 mm; Allegro 12 mm, as in its URDF.
+    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m (an assumption); psyonic as in its URDF.
+
+    Raises UnknownName, and what `Hand.from_urdf` raises.
+    """
+    if not isinstance(name, str) or name not in HANDS:
+        raise UnknownName("name", "an example hand", [str(name)], HANDS)
+    given = _SHARED | _OWN.get(name, {})
+    if name in SHIPPED:
+        file = urdf(name)
+    else:
+        file, given["package_dirs"] = allegro() if name == "allegro" else psyonic()
+    return Hand.from_urdf(file, **(given | overrides))
+
 
 def urdf(name: str) -> Path:
     """The URDF file of a hand in `SHIPPED`. Raises UnknownName."""
     if not isinstance(name, str) or name not in SHIPPED:
         raise UnknownName("name", "a shipped hand", [str(name)], SHIPPED)
     package = Path(str(resources.files("handlcp.hand"))).parent
-    places = [package / "urdf", package.parent / "urdf"]  # installed, or the checkout's
+    places = [package / "urdf", package.parent / "urdf"]  # of an installed package, and of a checkout
     for place in places:
         if (file := place / f"{name}.urdf").is_file():
             return file
@@ -36,62 +69,19 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
 
 
 def psyonic() -> tuple[Path, Path]:
-    """URDF file and package folder of the Alex robot that wears the psyonic hands: cut it at
+    """URDF file and package folder of the Alex robot, which has two psyonic hands: their `base` is
     "LeftPsyonicAbilityBaseLink" or "RightPsyonicAbilityBaseLink". Raises URDFError.
     """
     return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
 
 
-def example_hand(name: str, **overrides: Any) -> Hand:
-    """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
-
-    joint stiffness : 1 N·m/rad, a number of the right size and no measurement. pad flexibility : 1e-4 m/N.
-    tip radius : 8 mm; Allegro 12 mm, as in its URDF.
-    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m (an assumption); psyonic as in its URDF.
-
-    Raises
-        UnknownName.
-    """
-    if not isinstance(name, str) or name not in HANDS:
-        raise UnknownName("name", "an example hand", [str(name)], HANDS)
-    source, defaults = _EXAMPLES.get(name, lambda: (urdf(name), {"tip_radius": 0.008}))()
-    return Hand.from_urdf(source, **{"joint_stiffness": 1.0, "pad_flexibility": 1e-4, **defaults, **overrides})
-
-
-def _allegro() -> tuple[Path, dict[str, Any]]:
-    file, share = allegro()
-    # The URDF says 15 N·m for every joint, a placeholder; the real hand stays below 1 N·m. 0.7 N·m is the figure
-    # usually
-    # quoted for the V4, taken on trust and from no data sheet: pass the torques of your own hand.
-    return file, {
-        "package_dirs": share,
-        "torque_limits": 0.7,
-        "tip_radius": 0.012,
-        "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"],
-    }
-
-
-def _psyonic() -> tuple[Path, dict[str, Any]]:
-    file, share = psyonic()
-    return file, {
-        "package_dirs": share,
-        "base": "LeftPsyonicAbilityBaseLink",
-        "tip_radius": 0.008,
-        "fingertips": [f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")],
-    }
-
-
-_EXAMPLES: dict[str, Callable[[], tuple[Path, dict[str, Any]]]] = {"allegro": _allegro, "psyonic": _psyonic}
-
-
 def _robot_data(path: str) -> tuple[Path, Path]:
-    """A file of example-robot-data and its share folder; no loader package is needed."""
+    """A file of example-robot-data and its share folder, without the package's loader."""
     try:
         share = Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
     except metadata.PackageNotFoundError:
-        raise URDFError(
-            "name", "the package example-robot-data (pip install example-robot-data)", "it is not installed"
-        ) from None
+        expected = "the package example-robot-data (pip install example-robot-data)"
+        raise URDFError("name", expected, "it is not installed") from None
     file = share / "example-robot-data" / "robots" / path
     if not file.is_file():
         raise URDFError("name", "a file of example-robot-data", f"{str(file)!r}, which does not exist")

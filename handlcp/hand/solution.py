@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from handlcp.check import Array
-from handlcp.grasp.solution import GraspSolution
-from handlcp.hand.elasticity import Effort
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.torques import TorqueCheck
 
 __all__ = ["HandGraspSolution"]

@@ -145,6 +145,7 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
             lines.append(EffectLine(kind.title, kind.equation, False, why))
     lines = [_fingers_own(line, spec) if line.title == FingerFlexibility.title else line for line in lines]
     lines.append(_environment_line(spec))
+    lines += [EffectLine(*line) for line in (() if spec.mechanism is None else spec.mechanism.lines())]
     problem = assemble(scene, section, tuple(e for e in spec.effects if e.stamps))
     total = sum(g.count for g in problem.groups)
     rcond = problem.rcond if isinstance(problem, GraspProblem) else None

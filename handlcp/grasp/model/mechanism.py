@@ -8,10 +8,30 @@ from typing import Any, TypeVar
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["JointReading", "Mechanism"]
+__all__ = ["JointReading", "Mechanism", "joint_flexibility"]
 
 S = TypeVar("S")
+
+
+@kernel
+def joint_flexibility(rows: Array, root: Array) -> Array:
+    """E = J K⁻¹ Jᵀ = (J A)(J A)ᵀ, symmetric to the last bit; rows (m, nv) of J, and of turns; root (nv, k) A."""
+    m, nv, k = len(rows), root.shape[0], root.shape[1]
+    B, E = np.zeros((m, k)), np.empty((m, m))
+    for i in range(m):
+        for j in range(nv):
+            x = rows[i, j]
+            if x != 0.0:  # a finger's joints move no other finger
+                for a in range(k):
+                    B[i, a] += x * root[j, a]
+        for j in range(i + 1):
+            total = 0.0
+            for a in range(k):
+                total += B[i, a] * B[j, a]
+            E[i, j] = E[j, i] = total
+    return E
 
 
 @dataclass(frozen=True, slots=True)

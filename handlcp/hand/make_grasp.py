@@ -3,34 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
-from handlcp.grasp import arguments
-from handlcp.grasp.contact import Contact
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.environment import beside
-from handlcp.grasp.friction import LAW, LAWS, Coulomb, Friction
-from handlcp.hand.command import read_command
-from handlcp.hand.detect import touching
-from handlcp.hand.grasp import HandGrasp
-from handlcp.hand.objects import Object
-from handlcp.hand.stiffness import per_name
-from handlcp.hand.table import surrounding
-from handlcp.hand.told import joints_of
-from handlcp.hand.weight import FingerWeight, read_weight, tip_motion
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.friction import Coulomb, FrictionLaw, law_words
+from handlcp.grasp.grasp import as_asked
+from handlcp.grasp.model import validate
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.environment import beside
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.command import read_joint_offset
+from handlcp.hand.hand_grasp import HandGrasp
+from handlcp.hand.mechanism import finger_flexibility, mechanism_of
+from handlcp.hand.objects.detect import touching
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.table import surrounding
+from handlcp.hand.robot.posture import Posture
 
-if TYPE_CHECKING:
-    from handlcp.hand.state import HandState
+__all__ = ["WeightGiven", "make_grasp"]
 
-__all__ = ["grasp"]
+WeightGiven: TypeAlias = bool | Literal["torques"]
 
 
-def grasp(
-    state: HandState,
+def make_grasp(
+    state: Posture,
     target: Any,
     friction: Any = None,
     wrench: Any = None,
@@ -42,7 +44,7 @@ def grasp(
     fingers: Sequence[str] | None = None,
     max_gap: Any = 1e-3,
     effects: Iterable[Any] = (),
-    finger_weight: FingerWeight = False,
+    finger_weight: WeightGiven = False,
     plane: Any = None,
     joint_offset: Any = None,
     environment: Any = None,
@@ -72,88 +74,66 @@ def grasp(
 
     Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
     """
-    hand = state.hand
-    heavy = read_weight(finger_weight)
+    hand, heavy = state.hand, _weight_given(finger_weight)
     obj = target if isinstance(target, Object) else None
+    gaps: Array | None = None
     if obj is not None:
         tips = hand.tip_numbers("fingers", fingers)
         laws = _frictions(friction, [hand.fingertips[i] for i in tips])
         contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
     else:
         tips, contacts = _given(state, target, fingers, friction)
-        gaps = None
-    n, around, own = len(contacts), None, None
-    if environment is not None:
-        around, own = surrounding(environment, obj), n
-        contacts = arguments.contacts((*contacts, *around.contacts))
-    positions, frames, normal = arguments.placed(plane, contacts)
-    turned, points = frames.transpose(0, 2, 1), positions
+    k, around = len(contacts), None if environment is None else surrounding(environment, obj)
     if around is not None:
-        turned, points = turned[:n], positions[:n]
-    jacobian = (turned @ state.jacobian_at(points, tips)).reshape(3 * n, hand.nv)
-    flexibility = hand.stiffness.compliance(jacobian)
-    rotations = state.tip_rotations if tips is hand.tips.every else state.tip_rotations[list(tips)]
-    hand.pads.add_to(flexibility, turned @ rotations, tips)
-    shift = arguments.offset(offset, preload, n)
+        contacts = validate.contacts((*contacts, *around.contacts))
+    positions, frames, normal = validate.placed(plane, contacts)
+    positions, frames, g = read_only(positions), read_only(frames), array("gravity", gravity, (3,))
+    mechanism = mechanism_of(state, tips, positions[:k], frames[:k], obj, g)
+    flexibility, shift = finger_flexibility(mechanism), validate.offset(offset, preload, k)
     if gaps is not None:
-        shift = shift + np.concatenate([np.zeros((n, 2)), gaps[:, None]], axis=1)
+        shift = shift + np.concatenate([np.zeros((k, 2)), gaps[:, None]], axis=1)
     if around is not None:
-        m = len(around.contacts)
-        jacobian = np.concatenate([jacobian, np.zeros((3 * m, hand.nv))])
+        mechanism = mechanism.beside(len(around.contacts))
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
-    g = array("gravity", gravity, (3,))
     if reference is None:
         point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
     else:
-        point = arguments.reference(reference, normal, positions)
-    load = arguments.wrench(wrench, normal, arguments.lift(positions, point, normal))
+        point = validate.reference(reference, normal, positions)
+    load = validate.wrench(wrench, normal, validate.lift(positions, point, normal))
     load = _with_weight(load, obj, g, point, positions, normal)
-    weigh = read_only(hand.kinematics.gravity_torque(state.q, g) if heavy else np.zeros(hand.nv))
-    sag = read_only(hand.stiffness.deflection(weigh) if heavy is True else np.zeros(hand.nv))
-    command = read_command(joint_offset, hand.joint_names)
-    if heavy is True or joint_offset is not None:
-        shift = shift + tip_motion(jacobian, sag - command, normal is not None)
-    jacobian = read_only(jacobian)
-    asked: tuple[Effect, ...] = ()
-    if not isinstance(effects, tuple) or effects:
-        known = joints_of(state, tips, contacts, frames, jacobian, weigh, normal is not None)
-        asked = arguments.effects(effects, len(contacts), known, own)
-    made = HandGrasp.__new__(HandGrasp)
-    made.jacobian, made.sag, made.joint_offset = jacobian, sag, command
-    made.state, made.target = state, obj
-    made.fingertips = hand.fingertips if tips is hand.tips.every else tuple(hand.fingertips[i] for i in tips)
-    made._place(
-        contacts,
-        positions,
-        frames,
-        load,
-        point,
-        read_only(flexibility),
-        read_only(shift),
-        asked,
-        normal,
-        own,
-    )
-    made.finger_weight, made.gravity, made.given_gravity = heavy, g if heavy else _WEIGHTLESS, g
-    made.gravity_torque = weigh
-    return made
+    own: list[Effect] = []
+    if heavy:
+        own.append(FingerWeight(read_only(hand.kinematics.gravity_torque(state.q, g)), heavy is True))
+    command = read_joint_offset(joint_offset, hand.joint_names)
+    if command.any():
+        own.append(JointOffset(command))
+    spec = GraspSpec(
+        contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, flexibility,
+        read_only(shift), tuple(own),
+    )  # fmt: skip
+    return HandGrasp(as_asked(spec, effects))
 
 
-_WEIGHTLESS = read_only(np.zeros(3))
+def _weight_given(value: Any) -> WeightGiven:
+    """False, True or "torques". Raises InputError."""
+    if isinstance(value, bool) or (isinstance(value, str) and value == "torques"):
+        return True if value is True else "torques" if value else False
+    raise InputError("finger_weight", 'True, False or "torques"', repr(value))
 
 
-def _frictions(friction: Any, names: list[str]) -> list[Friction]:
+def _frictions(friction: Any, names: list[str]) -> list[FrictionLaw]:
     laws: list[Any] = [Coulomb(0.6) if friction is None else friction] * len(names)
     if isinstance(friction, Mapping):
         laws = [per_name("friction", friction, names, "a fingertip").get(name, Coulomb(0.6)) for name in names]
     for name, law in zip(names, laws, strict=True):
-        if not isinstance(law, LAWS):
+        if not isinstance(law, FrictionLaw):
             where = f"friction[{name!r}]" if isinstance(friction, Mapping) else "friction"
-            raise InputError(where, f"{LAW}, or a mapping of fingertips to them", repr(law))
+            raise InputError(where, f"{law_words()}, or a mapping of fingertips to them", repr(law))
     return laws
 
 
-def _given(state: HandState, target: Any, fingers: Any, friction: Any) -> tuple[tuple[int, ...], tuple[Contact, ...]]:
+def _given(state: Posture, target: Any, fingers: Any, friction: Any) -> tuple[tuple[int, ...], tuple[Contact, ...]]:
+    """Fingertips and their contacts, which bear the fingertips' names."""
     hand = state.hand
     if friction is not None:
         raise InputError("friction", "None when contacts are given (each Contact has its own)", repr(friction))
@@ -164,16 +144,17 @@ def _given(state: HandState, target: Any, fingers: Any, friction: Any) -> tuple[
         tips = hand.tip_numbers("fingers", fingers)
         if missing := [name for name in fingers if name not in target]:
             raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
-        return tips, arguments.contacts(target[name] for name in fingers)
-    if not isinstance(target, Iterable) or isinstance(target, (str, bytes)):
+        contacts = validate.contacts(target[name] for name in fingers)
+    elif not isinstance(target, Iterable) or isinstance(target, (str, bytes)):
         raise InputError(
             "target", "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts", repr(target)
         )
-    tips, contacts = hand.tip_numbers("fingers", fingers), arguments.contacts(target)
+    else:
+        tips, contacts = hand.tip_numbers("fingers", fingers), validate.contacts(target)
     if len(contacts) != len(tips):
         names = ", ".join(hand.fingertips[i] for i in tips)
         raise InputError("contacts", f"{len(tips)}, one for each of {names}", f"{len(contacts)}")
-    return tips, contacts
+    return tips, tuple([c.named(hand.fingertips[i]) for c, i in zip(contacts, tips, strict=True)])
 
 
 def _with_weight(
@@ -185,7 +166,7 @@ def _with_weight(
     weight = obj.mass * gravity
     if normal is not None and abs(float(weight @ normal)) > 1e-9 * float(abs(weight).max()):
         raise InputError("gravity", "gravity in the plane of a planar scene", gravity.tolist())
-    if weight.any() and (off := arguments.lift(positions, obj.center_of_mass, normal)):
+    if weight.any() and (off := validate.lift(positions, obj.center_of_mass, normal)):
         expected = "an object whose centre of mass lies in the plane of a planar scene"
         raise InputError("target", expected, f"one {abs(off):.3g} m off it")
     x, y, z = obj.center_of_mass - point

@@ -11,19 +11,16 @@ Dynamics Algorithms (2008), chapter 2, derivatives of vectors that move with a b
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from handlcp.check import Array
-
-if TYPE_CHECKING:
-    from handlcp.hand.state import HandState
+from handlcp.hand.robot.posture import Posture
 
 __all__ = ["contact_hessian"]
 
 
-def contact_hessian(state: HandState, tips: Sequence[int], positions: Array, frames: Array) -> Array:
+def contact_hessian(state: Posture, tips: Sequence[int], positions: Array, frames: Array) -> Array:
     """(3n, nv, nv) ∂J/∂q [m/rad²] of points (n, 3) [m] that move with the fingertips numbered `tips`, in the axes of
     frames (n, 3, 3), which stay; symmetric in its last two.
     """

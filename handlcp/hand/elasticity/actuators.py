@@ -1,15 +1,15 @@
-"""What users pass about actuators: named rows over the joints, and a stiffness for each actuator."""
+"""What users pass about actuators: a named row over the joints for each, and its stiffness."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, read_only, spd
-from handlcp.errors import InputError, UnknownName
-from handlcp.hand.stiffness import per_name
+from handlcp.check import Array, array, number, per_name, read_only, spd
+from handlcp.errors import InputError
+from handlcp.hand.elasticity.stiffness import springs
 
 __all__ = ["Given", "given_rows", "read_rows", "read_springs"]
 
@@ -17,7 +17,9 @@ Given = Array | dict[str, dict[str, float]]
 
 
 def given_rows(argument: str, value: Any) -> Given:
-    """What can be checked before the joints are known: numbers, and that there is one actuator or more."""
+    """Rows (m, nv), or a mapping of names to mappings of joint names to numbers, checked as far as that goes before the
+    joints are known: finite numbers, at least one row. Raises InputError.
+    """
     if not isinstance(value, Mapping):
         rows = array(argument, value, (-1, -1))
         if not len(rows):
@@ -54,24 +56,17 @@ def read_rows(argument: str, given: Given, kind: str, joints: Sequence[str]) -> 
     return names, read_only(rows)
 
 
-def read_springs(argument: str, value: Any, kind: str, names: Sequence[str], rigid: bool) -> Array:
+def read_springs(
+    argument: str, value: Any, kind: str, names: Sequence[str], read: Callable[[str, Any], float]
+) -> Array:
     """(m, m) stiffness of the actuators from a number, a mapping by name (all of them), (m,) or an SPD matrix.
 
-    rigid : whether inf is welcome. Raises InputError, UnknownName.
+    read : checks a number, as in `springs`. Raises InputError, UnknownName.
     """
-    m = len(names)
     if isinstance(value, Mapping):
-        unknown = [str(name) for name in value if name not in names]
-        if unknown:
-            raise UnknownName(argument, f"a {kind}", unknown, names)
-        if missing := [name for name in names if name not in value]:
-            raise InputError(argument, f"a stiffness for every {kind}, {', '.join(missing)} included", sorted(value))
-        return np.diag([number(f"{argument}[{n!r}]", value[n], above=0.0, finite=not rigid) for n in names])
-    if dimensions(value) == 0:
-        return np.diag(np.full(m, number(argument, value, above=0.0, finite=not rigid)))
-    if dimensions(value) == 1:
-        if len(value) != m:
-            raise InputError(argument, f"{m} values, one for each of {', '.join(names)}", f"{len(value)} of them")
-        each = [number(f"{argument}[{i}]", k, above=0.0, finite=not rigid) for i, k in enumerate(value)]
-        return np.diag(each)
-    return spd(argument, array(argument, value, (m, m)))
+        values = per_name(argument, value, names, f"a {kind}")
+        if missing := [name for name in names if name not in values]:
+            raise InputError(argument, f"a stiffness for every {kind}, {', '.join(missing)} included", sorted(values))
+        return np.diag([read(f"{argument}[{name!r}]", values[name]) for name in names])
+    diagonal = springs(argument, value, names, read)
+    return spd(argument, array(argument, value, (len(names), len(names)))) if diagonal is None else diagonal

@@ -1,11 +1,10 @@
-"""What a URDF (or a Pinocchio model) says about each joint, as plain values: the ground for limits, coupling and
-audit.
-"""
+"""What a URDF or a Pinocchio model says about each joint, as plain values; limits, coupling and audit start from it."""
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,15 +12,15 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import URDFError
-from handlcp.hand.urdf import LARGEST_NUMBER
+from handlcp.hand.robot.urdf import LARGEST_NUMBER, link_of
 
 __all__ = ["Coupling", "JointFacts", "Mimic", "couple", "joint_facts", "model_facts", "movable_joints"]
 
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """q = multiplier · q[master] + offset; `written` is the name in the tag, `master` the joint it means (None: none
-    fits).
+    """q = multiplier · q[master] + offset. written : the name in the tag. master : the joint that it means; None: there
+    is none.
     """
 
     written: str
@@ -32,8 +31,8 @@ class Mimic:
 
 @dataclass(frozen=True, slots=True)
 class JointFacts:
-    """One movable joint as written. Numbers that are absent or no numbers are NaN; lengths in m or rad, efforts in
-    N·m or N.
+    """One movable joint as written. Positions in rad or m, efforts in N·m or N; NaN for numbers that are absent or
+    cannot be read. mass : of the child link [kg]; NaN without <inertial>. axis : None where it is unknown.
     """
 
     name: str
@@ -41,15 +40,15 @@ class JointFacts:
     lower: float
     upper: float
     effort: float
-    axis: tuple[float, float, float] | None  # None: unknown
+    axis: tuple[float, float, float] | None
     mimic: Mimic | None = None
-    mass: float = math.nan  # of the child link [kg]; NaN without <inertial>
+    mass: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
-    """q_full = C q + offset, over the movable joints in Pinocchio's order; `independent` are the positions that stay
-    free.
+    """q_full = C q + offset, over the movable joints in Pinocchio's order. independent : positions of those in q.
+    identity : whether there is no mimic joint.
     """
 
     C: Array
@@ -61,69 +60,43 @@ class Coupling:
 def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
     """The movable joints of a <robot>, in the file's order."""
     masses = {link.get("name", ""): _number(link.find("inertial/mass"), "value") for link in root.findall("link")}
+    above = {link_of(j, "child"): (link_of(j, "parent"), j.get("name", "")) for j in root.findall("joint")}
     joints = [j for j in root.findall("joint") if j.get("type") not in (None, "fixed")]
     names = [j.get("name", "") for j in joints]
-    above = {
-        c.get("link"): (p.get("link"), j.get("name", ""))
-        for j in root.findall("joint")
-        if (c := j.find("child")) is not None and (p := j.find("parent")) is not None
-    }
-
-    def ancestors(joint: ET.Element) -> set[str]:
-        found, link = set(), getattr(joint.find("parent"), "attrib", {}).get("link")
-        while link in above and above[link][1] not in found:
-            link, name = above[link]
-            found.add(name)
-        return found
-
-    def facts(joint: ET.Element) -> JointFacts:
-        name, limit, tag = joint.get("name", ""), joint.find("limit"), joint.find("mimic")
-        axis_tag, child = joint.find("axis"), joint.find("child")
-        axis = (1.0, 0.0, 0.0) if axis_tag is None else _vector(axis_tag.get("xyz", "1 0 0"))
+    found = []
+    for joint, name in zip(joints, names, strict=True):
+        limit, axis, tag = joint.find("limit"), joint.find("axis"), joint.find("mimic")
         mimic = None
         if tag is not None:
             written = tag.get("joint", "")
-            mimic = Mimic(
-                written,
-                _master(written, name, names, ancestors(joint)),
-                _number(tag, "multiplier", 1.0),
-                _number(tag, "offset", 0.0),
-            )
-        return JointFacts(
+            master = _master(written, name, names, _ancestors(joint, above))
+            mimic = Mimic(written, master, _number(tag, "multiplier", 1.0), _number(tag, "offset", 0.0))
+        facts = JointFacts(
             name,
             joint.get("type", ""),
             _number(limit, "lower", 0.0),
             _number(limit, "upper", 0.0),
             _number(limit, "effort"),
-            axis,
+            (1.0, 0.0, 0.0) if axis is None else _vector(axis.get("xyz", "1 0 0")),
             mimic,
-            masses.get("" if child is None else child.get("link", ""), math.nan),
+            masses.get(link_of(joint, "child"), math.nan),
         )
-
-    return tuple(facts(joint) for joint in joints)
+        found.append(facts)
+    return tuple(found)
 
 
 def model_facts(model: Any) -> tuple[JointFacts, ...]:
-    """The same from a `pinocchio.Model`, which knows nothing of mimic tags, missing inertials or the axes as
-    written.
-    """
+    """The same from a pinocchio.Model, which does not know mimic tags, missing inertials or the axes as written."""
     found = []
     for i, joint in enumerate(model.joints):
         if i and joint.nv == 1:
-            bounded = joint.nq == 1
-            lower = float(model.lowerPositionLimit[joint.idx_q]) if bounded else math.nan
-            upper = float(model.upperPositionLimit[joint.idx_q]) if bounded else math.nan
-            kind = (
-                "continuous"
-                if not bounded
-                else "prismatic"
-                if joint.shortname().startswith("JointModelP")
-                else "revolute"
-            )
-            effort = float(model.upperEffortLimit[joint.idx_v])
-            found.append(
-                JointFacts(model.names[i], kind, lower, upper, effort, None, None, float(model.inertias[i].mass))
-            )
+            slides = joint.shortname().startswith("JointModelP")
+            kind, lower, upper = "continuous", math.nan, math.nan
+            if joint.nq == 1:  # an angle without limits has two numbers, cos and sin
+                kind = "prismatic" if slides else "revolute"
+                lower, upper = (float(x[joint.idx_q]) for x in (model.lowerPositionLimit, model.upperPositionLimit))
+            effort, mass = float(model.upperEffortLimit[joint.idx_v]), float(model.inertias[i].mass)
+            found.append(JointFacts(model.names[i], kind, lower, upper, effort, None, None, mass))
     return tuple(found)
 
 
@@ -131,21 +104,17 @@ def movable_joints(argument: str, model: Any) -> tuple[str, ...]:
     """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one
     degree of freedom.
     """
-    joints = [
-        (joint.idx_v, model.names[i], joint.nv, joint.shortname())
-        for i, joint in enumerate(model.joints)
-        if i and joint.nv
-    ]
-    wrong = [f"{name!r} ({kind}, {nv})" for _, name, nv, kind in joints if nv != 1]
+    joints = [(joint.idx_v, model.names[i], joint) for i, joint in enumerate(model.joints) if i and joint.nv]
+    wrong = [f"{name!r} ({joint.shortname()}, {joint.nv})" for _, name, joint in joints if joint.nv != 1]
     if wrong:
         raise URDFError(argument, "joints of one degree of freedom (revolute, continuous, prismatic)", ", ".join(wrong))
     if not joints:
         raise URDFError(argument, "a hand with movable joints", "none at all")
-    return tuple(name for _, name, _, _ in sorted(joints))
+    return tuple(name for _, name, _ in sorted(joints, key=lambda joint: joint[0]))
 
 
 def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...]) -> Coupling:
-    """Resolve mimic tags, chains of them too. Raises URDFError for a tag that names no joint, or runs in a circle."""
+    """Resolve mimic tags, also chains of them. Raises URDFError for a tag that names no joint, or runs in a circle."""
     n = len(names)
     mimics = {f.name: f.mimic for f in facts if f.mimic is not None}
     independent = tuple(i for i, name in enumerate(names) if name not in mimics)
@@ -155,18 +124,15 @@ def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...])
         factor, shift, at, seen = 1.0, 0.0, name, {name}
         while (mimic := mimics.get(at)) is not None:
             if mimic.master is None:
-                raise URDFError(
-                    argument,
-                    f"<mimic> tags that name movable joints among [{', '.join(names)}]",
-                    f"{at!r} mimicking {mimic.written!r}",
-                )
+                expected = f"<mimic> tags that name movable joints among [{', '.join(names)}]"
+                raise URDFError(argument, expected, f"{at!r} mimicking {mimic.written!r}")
             if mimic.master in seen:
                 raise URDFError(argument, "<mimic> tags that end at a free joint", f"a circle through {at!r}")
             shift += factor * mimic.offset
             factor *= mimic.multiplier
             at = mimic.master
             seen.add(at)
-        if not (abs(factor) <= LARGEST_NUMBER and abs(shift) <= LARGEST_NUMBER):  # NaN fails too
+        if not (abs(factor) <= LARGEST_NUMBER and abs(shift) <= LARGEST_NUMBER):  # also where one is NaN
             expected = f"<mimic> tags with finite numbers up to {LARGEST_NUMBER:g}, chains of them multiplied"
             raise URDFError(argument, expected, f"{name!r}: {factor:g} × {at} {shift:+g}")
         C[i, column[names.index(at)]] = factor
@@ -174,10 +140,19 @@ def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...])
     return Coupling(read_only(C), read_only(offset), independent, not mimics)
 
 
-def _master(written: str, name: str, names: list[str], ancestors: set[str]) -> str | None:
-    """The joint a tag means. Prefixed copies of a hand often keep the unprefixed name in the tag ("Left_index_q2"
-    mimics "index_q1"): then it is the one joint that ends in the name, the one further up the same finger if there
-    are several.
+def _ancestors(joint: ET.Element, above: Mapping[str, tuple[str, str]]) -> set[str]:
+    """Names of the joints between this one and the base. above : link name to its parent link and joint."""
+    found, link = set[str](), link_of(joint, "parent")
+    while link in above and above[link][1] not in found:
+        link, name = above[link]
+        found.add(name)
+    return found
+
+
+def _master(written: str, name: str, names: Sequence[str], ancestors: set[str]) -> str | None:
+    """The joint that a tag means. Copies of a hand with prefixed names often keep the old name in the tag
+    ("Left_index_q2" mimics "index_q1"). It then means the one joint whose name ends with it; of several, the one
+    nearer to the base on the same finger.
     """
     if written in names:
         return written

@@ -1,7 +1,7 @@
-"""Reading a URDF: find it, parse it, cut out the hand, and pass on what a parser has to say.
+"""Reading a URDF: find the file, parse it, cut out the hand, and report what is wrong with it.
 
-Pinocchio reports a broken URDF on C-level stderr only, so the XML is read with the standard library first (which
-gives the line of a syntax error), and file descriptor 2 is captured around Pinocchio's own parse.
+Pinocchio reports a broken URDF only on the stderr of the process. The XML is therefore read with the standard library
+first, which names the line of a syntax error, and file descriptor 2 is captured while Pinocchio parses.
 """
 
 from __future__ import annotations
@@ -24,13 +24,22 @@ __all__ = [
     "LARGEST_NUMBER",
     "build_model",
     "captured_stderr",
+    "link_of",
     "package_folders",
     "read_urdf",
     "resolve_meshes",
-    "subtree",
 ]
 
-_FD2 = threading.Lock()
+LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
+
+# Element, attribute, how many numbers, least value. Pinocchio silently drops numbers that it cannot read.
+_NUMBERS = (
+    ("origin", "xyz", 3, -math.inf), ("origin", "rpy", 3, -math.inf), ("mass", "value", 1, 0.0),
+    *(("inertia", name, 1, -math.inf) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
+    ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
+    ("box", "size", 3, 0.0),
+)  # fmt: skip
+_stderr = threading.Lock()
 
 
 def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.Element, Path]:
@@ -46,68 +55,36 @@ def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.E
         path = Path(source)
     except TypeError:
         raise InputError(argument, "the path of a URDF file or a pinocchio.Model", repr(source)) from None
+    shown = repr(str(path))
     if not path.is_file():
-        raise URDFError(
-            argument,
-            "the path of a URDF file",
-            f"{str(path)!r}, which {'is no file' if path.exists() else 'does not exist'}",
-        )
+        wrong = "is no file" if path.exists() else "does not exist"
+        raise URDFError(argument, "the path of a URDF file", f"{shown}, which {wrong}")
     try:
         root = ET.fromstring(path.read_bytes())
     except ET.ParseError as error:
-        raise URDFError(argument, "well-formed XML", f"{str(path)!r}: {error}") from None
+        raise URDFError(argument, "well-formed XML", f"{shown}: {error}") from None
     except (OSError, ValueError, LookupError) as error:
-        raise URDFError(argument, "a readable URDF file", f"{str(path)!r}: {error}") from None
+        raise URDFError(argument, "a readable URDF file", f"{shown}: {error}") from None
     if root.tag != "robot":
         hint = " (expand a xacro file to a URDF first)" if path.suffix == ".xacro" else ""
-        raise URDFError(argument, f"a <robot> element at the top{hint}", f"<{root.tag}> in {str(path)!r}")
+        raise URDFError(argument, f"a <robot> element at the top{hint}", f"<{root.tag}> in {shown}")
     try:
         ET.tostring(root)
     except RecursionError:
-        raise URDFError(argument, "a URDF", f"{str(path)!r}, whose elements are nested thousands deep") from None
-    root = root if base is None else subtree(root, base)
+        raise URDFError(argument, "a URDF", f"{shown}, whose elements are nested thousands deep") from None
+    root = root if base is None else _below(root, base)
     _check_numbers(argument, root)
     return root, path
 
 
-# Element, attribute, how many numbers, least value. Pinocchio drops what it cannot read without a word.
-_NUMBERS = (
-    ("origin", "xyz", 3, -math.inf), ("origin", "rpy", 3, -math.inf), ("mass", "value", 1, 0.0),
-    *(("inertia", name, 1, -math.inf) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
-    ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
-    ("box", "size", 3, 0.0),
-)  # fmt: skip
-LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
-
-
-def _check_numbers(argument: str, root: ET.Element) -> None:
-    """Raises URDFError for a length, an angle, a mass or an inertia that is not the finite number it should be."""
-    for owner in root:
-        for tag, attribute, count, least in _NUMBERS:
-            for element in owner.iter(tag):
-                text = element.get(attribute)
-                if text is None:
-                    continue
-                try:
-                    values = [float(word) for word in text.split()]
-                except ValueError:
-                    values = []
-                if len(values) != count or not all(
-                    least <= v <= LARGEST_NUMBER and v >= -LARGEST_NUMBER for v in values
-                ):
-                    bound = " ≥ 0" if least == 0.0 else ""
-                    expected = f"{count} finite number{'s' if count > 1 else ''}{bound} in <{tag} {attribute}=…>"
-                    raise URDFError(argument, f"{expected} of {owner.tag} {owner.get('name')!r}", repr(text))
-
-
-def subtree(root: ET.Element, base: str) -> ET.Element:
-    """The robot that hangs below link `base`; its world frame is the frame of that link. Raises UnknownName."""
+def _below(root: ET.Element, base: str) -> ET.Element:
+    """The robot below link `base`; the frame of that link is its world frame. Raises UnknownName."""
     links = [name for link in root.findall("link") if (name := link.get("name"))]
     if base not in links:
         raise UnknownName("base", "a link", [str(base)], links)
     children: dict[str, list[tuple[ET.Element, str]]] = {}
     for joint in root.findall("joint"):
-        children.setdefault(_link(joint, "parent"), []).append((joint, _link(joint, "child")))
+        children.setdefault(link_of(joint, "parent"), []).append((joint, link_of(joint, "child")))
     kept, stack, joints = {base}, [base], set()
     while stack:
         for joint, child in children.get(stack.pop(), []):
@@ -120,8 +97,27 @@ def subtree(root: ET.Element, base: str) -> ET.Element:
     return cut
 
 
+def _check_numbers(argument: str, root: ET.Element) -> None:
+    """Raises URDFError for a length, an angle, a mass or an inertia that is not the finite number it should be."""
+    for owner in root:
+        for tag, attribute, count, least in _NUMBERS:
+            for text in (element.get(attribute) for element in owner.iter(tag)):
+                if text is not None and not _are_numbers(text, count, least):
+                    bound = " ≥ 0" if least == 0.0 else ""
+                    expected = f"{count} finite number{'s' if count > 1 else ''}{bound} in <{tag} {attribute}=…>"
+                    raise URDFError(argument, f"{expected} of {owner.tag} {owner.get('name')!r}", repr(text))
+
+
+def _are_numbers(text: str, count: int, least: float) -> bool:
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        return False
+    return len(values) == count and all(max(least, -LARGEST_NUMBER) <= v <= LARGEST_NUMBER for v in values)
+
+
 def build_model(argument: str, root: ET.Element, label: str) -> Any:
-    """Pinocchio's model (mimic tags left alone). Raises URDFError with the parser's own message."""
+    """Pinocchio's model, which ignores mimic tags. Raises URDFError with the parser's own message."""
     with captured_stderr() as messages:
         try:
             return pin.buildModelFromXML(ET.tostring(root, encoding="unicode"))
@@ -132,10 +128,10 @@ def build_model(argument: str, root: ET.Element, label: str) -> Any:
 
 
 def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
-    """The folders where package:// addresses are looked up: those given, the URDF's own, ROS_PACKAGE_PATH."""
-    given: Sequence[Any] = (
-        () if package_dirs is None else [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
-    )
+    """The folders where package:// addresses are looked up: those given, the URDF's own, ROS_PACKAGE_PATH. Raises
+    InputError.
+    """
+    given = () if package_dirs is None else [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
     try:
         folders = [Path(folder) for folder in given]
     except TypeError:
@@ -149,7 +145,9 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
 
 
 def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
-    """Write the full path of each mesh below `element` in its place. Raises URDFError for a file that is not there."""
+    """Replace the address of each mesh below `element` by its full path. Raises URDFError for a file that is not
+    there.
+    """
     for mesh in element.iter("mesh"):
         address = mesh.get("filename", "")
         tail = address.split("://", 1)[-1]
@@ -164,7 +162,7 @@ def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
 def captured_stderr() -> Iterator[list[str]]:
     """Collect what C code writes to stderr; the list is filled when the block ends. One thread at a time."""
     collected: list[str] = []
-    with _FD2, tempfile.TemporaryFile() as sink:
+    with _stderr, tempfile.TemporaryFile() as sink:
         saved = os.dup(2)
         try:
             os.dup2(sink.fileno(), 2)
@@ -176,6 +174,7 @@ def captured_stderr() -> Iterator[list[str]]:
             collected.append(sink.read().decode(errors="replace"))
 
 
-def _link(joint: ET.Element, tag: str) -> str:
-    element = joint.find(tag)
+def link_of(joint: ET.Element, end: str) -> str:
+    """The link at one end of a joint, "parent" or "child"; "" where there is none."""
+    element = joint.find(end)
     return "" if element is None else element.get("link", "")

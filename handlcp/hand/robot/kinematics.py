@@ -1,4 +1,4 @@
-"""Pinocchio's side of a hand: its model, the independent joints, and where frames are. One `Data` per thread."""
+"""The kinematics of a hand, computed by Pinocchio: independent joints, placements of frames, world Jacobian."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, array, per_name, read_only, sealed
 from handlcp.errors import InputError, UnknownName, URDFError
-from handlcp.hand.joints import JointFacts, couple, movable_joints
-from handlcp.hand.limits import read_ranges
-from handlcp.hand.stiffness import per_name
+from handlcp.hand.robot.joint_limits import read_ranges
+from handlcp.hand.robot.joints import JointFacts, couple, movable_joints
 
 __all__ = ["Kinematics", "TipFrames", "find_tips"]
 
 
 class Kinematics:
-    """A Pinocchio model seen through its independent joints; picklable, safe to share between threads.
+    """A Pinocchio model and its independent joints. Picklable; safe to share between threads, each with its own
+    pinocchio.Data.
 
     joint_names : nv of them, in Pinocchio's order. lower, upper : (nv,) ranges [rad, m], ±inf where there are none.
     neutral : (nv,) the posture nearest to zero in the ranges.
-    coupling : (joints, nv) matrix C of q_full = C q + offset; None when there is no mimic joint (C is the identity).
+    coupling : (joints, nv) matrix C of q_full = C q + offset; None without mimic joints, where C is the identity.
     """
 
     def __init__(self, argument: str, model: Any, facts: tuple[JointFacts, ...]) -> None:
@@ -39,7 +39,7 @@ class Kinematics:
         self.offset = coupling.offset
         self.lower, self.upper = read_ranges(movable, {f.name: f for f in facts}, coupling)
         self.neutral = read_only(np.clip(np.zeros(self.nv), self.lower, self.upper))
-        # joints[0] is the universe: it claims one degree of freedom and is no joint
+        # joints[0] is the universe: it has one degree of freedom and is no joint
         joints = sorted((model.joints[i] for i in range(1, model.njoints)), key=lambda joint: joint.idx_v)
         self._direct = np.array([j.idx_q for j in joints if j.nv])
         self._wraps = tuple((j.idx_q, j.idx_v) for j in joints if j.nv and j.nq == 2)
@@ -51,19 +51,18 @@ class Kinematics:
         """
         if isinstance(q, Mapping):
             values = per_name(argument, q, self.joint_names, "a joint")
-            missing = [name for name in self.joint_names if name not in values]
-            if missing:
-                listed = ", ".join(missing)
-                raise InputError(argument, f"a position for every joint, {listed} included", f"only {sorted(values)}")
+            if missing := [name for name in self.joint_names if name not in values]:
+                expected = f"a position for every joint, {', '.join(missing)} included"
+                raise InputError(argument, expected, f"only {sorted(values)}")
             q = [values[name] for name in self.joint_names]
         try:
             return array(argument, q, (self.nv,), what="finite numbers")
         except InputError as error:
-            listed = f"finite positions of the {self.nv} joints [{', '.join(self.joint_names)}]"
-            raise InputError(argument, listed, error.got) from None
+            expected = f"finite positions of the {self.nv} joints [{', '.join(self.joint_names)}]"
+            raise InputError(argument, expected, error.got) from None
 
     def configuration(self, q: Array) -> Array:
-        """(nq,) Pinocchio's configuration: mimic joints added, continuous joints as (cos, sin)."""
+        """(nq,) Pinocchio's configuration: with mimic joints, and continuous joints as (cos, sin)."""
         full = q if self.coupling is None else self.coupling @ q + self.offset
         if not self._wraps:
             return full
@@ -77,7 +76,7 @@ class Kinematics:
         """Placements (n, 4, 4) of frames, and the world Jacobian (6, joints), linear part (of the world's origin)
         first.
 
-        The Jacobian is a view into this thread's Data: use it before the next call.
+        The Jacobian is a view into this thread's Data, which the next call overwrites.
         """
         model, data = self.model, self._data()
         pin.computeJointJacobians(model, data, self.configuration(q))
@@ -105,19 +104,19 @@ class Kinematics:
         return data
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what belongs to a thread."""
+        """Everything that does not belong to a thread."""
         return {name: value for name, value in self.__dict__.items() if name != "_local"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """The same, in a new process."""
-        self.__dict__.update(state)
+        """The same, arrays read-only again."""
+        self.__dict__.update(sealed(state))
         self._local = threading.local()
 
 
 class TipFrames:
     """The fingertips in Pinocchio's model.
 
-    names, frames : n of each. support : (n, 1, joints), 1 where a joint moves a tip. every : all of their numbers.
+    names, frames : n names and frame numbers. support : (n, 1, joints), 1 where a joint moves a tip. every : 0 to n-1.
     """
 
     __slots__ = ("every", "frames", "names", "support")
@@ -130,7 +129,7 @@ class TipFrames:
 def find_tips(model: Any, fingertips: Any) -> TipFrames:
     """The frames named; None: the leaf frames whose names end in "tip".
 
-    Raises UnknownName (before Pinocchio sees the name: it may crash on one it does not know), InputError.
+    Raises UnknownName (before Pinocchio sees the name, which may crash on an unknown one), InputError.
     """
     known = [f.name for f in model.frames if f.name != "universe"]
     if fingertips is None:
@@ -147,7 +146,7 @@ def find_tips(model: Any, fingertips: Any) -> TipFrames:
             raise UnknownName("fingertips", "a frame", unknown, known)
     if len(set(names)) != len(names) or not names:
         raise InputError("fingertips", "different frame names, at least one", repr(names))
-    last = {frame.name: i for i, frame in enumerate(model.frames)}  # a link, where a joint has the same name
+    last = {frame.name: i for i, frame in enumerate(model.frames)}  # the link, where a joint has the same name
     frames = tuple(last[name] for name in names)
     support = np.zeros((len(names), 1, model.nv))
     for name, frame, row in zip(names, frames, support, strict=True):

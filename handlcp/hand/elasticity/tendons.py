@@ -1,32 +1,33 @@
-"""Tendons: elastic cables over several joints, fewer of them than joints as a rule.
+"""Tendons: elastic cables over several joints, usually fewer of them than joints.
 
     l = R q,    K = K_p + Rᵀ k R,    τ = Rᵀ t + K_p δq,    t = k R δq
 
-l is how much of each tendon is drawn in as the joints turn by q; R are the moment arms, k the stiffness of the tendons
-and K_p that of the springs at the joints. Where the load drives the joints back by δq = K⁻¹ τ, it draws R δq out of
-the tendons, and t is by how much they pull harder for it. A tendon over several joints couples them; one over two
-fingers is a differential. As k → ∞ the joints can only move as R δq = 0 lets them.
+l is the length by which each tendon is drawn in when the joints are at q, and R holds the moment arms. k is the
+stiffness of the tendons, K_p that of the springs at the joints. Under joint torques τ the joints deflect by
+δq = K⁻¹ τ, which stretches the tendons by R δq and raises their tension by t. A tendon over several joints couples
+them; one over two fingers is a differential. As k → ∞ the joints can only move such that R δq = 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, psd, read_only
+from handlcp.check import Array, Bools, array, number, per_name, psd, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.entry import Entry
-from handlcp.hand.actuators import Given, given_rows, read_rows, read_springs
-from handlcp.hand.elasticity import TRANSMISSION, Effort, Transmission
-from handlcp.hand.stiffness import JointStiffness, per_name
+from handlcp.grasp.analysis.explanation import Description
+from handlcp.hand.elasticity.actuators import given_rows, read_rows, read_springs
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Transmission
+from handlcp.hand.elasticity.stiffness import JointStiffness, springs
 from handlcp.tolerances import SEMIDEFINITE
 
 __all__ = ["TENDONS", "TendonStiffness", "Tendons"]
 
-TENDONS = Entry(
+TENDONS = Description(
     title=f"{TRANSMISSION}: tendons",
     equation="K = K_p + Rᵀ k R,  t = k R δq",
     when="Fewer cables than joints, a cable over several joints, a differential between fingers.",
@@ -40,10 +41,12 @@ TENDONS = Entry(
     module=__name__,
 )
 
-_SHARE = 0.1  # of the largest motion: joints that move less are not what a loose motion is about
+_SHARE = 0.1  # of the largest motion: joints that move less are not named as loose
+_tendon_spring = partial(number, above=0.0)
+_passive_spring = partial(number, minimum=0.0, finite=False)
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, eq=False)
 class Tendons(Transmission):
     """Pass it as a hand's `joint_stiffness`.
 
@@ -53,39 +56,38 @@ class Tendons(Transmission):
     passive : springs at the joints themselves [N·m/rad]: a number ≥ 0, a mapping by joint name (joints left out: 0),
         (nv,), or a positive semidefinite matrix (nv, nv); numpy.inf: that joint is rigid.
 
-    Tendons are taken as taut: one that would go slack still counts. Raises InputError, UnknownName; together with a
-    hand also where K is singular, with the joints that nothing springs back.
+    Tendons are assumed taut: one that would go slack still acts as a spring.
+    Raises InputError, UnknownName; also when a hand is made with it, where K is singular: the error names the joints
+    that no spring drives back.
     """
 
-    moment_arms: Given
+    moment_arms: Any
     stiffness: Any
-    passive: Any
+    passive: Any = 0.0
 
-    def __init__(self, moment_arms: Any, stiffness: Any, passive: Any = 0.0) -> None:
-        object.__setattr__(self, "moment_arms", given_rows("Tendons.moment_arms", moment_arms))
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "passive", passive)
-        count = len(self.moment_arms)
-        if not isinstance(stiffness, Mapping):
-            read_springs("Tendons.stiffness", stiffness, "tendon", [str(i) for i in range(count)], rigid=False)
+    def __post_init__(self) -> None:
+        """Check what does not depend on the joints."""
+        arms = given_rows("Tendons.moment_arms", self.moment_arms)
+        object.__setattr__(self, "moment_arms", arms)
+        if not isinstance(self.stiffness, Mapping):
+            numbers = [str(i) for i in range(len(arms))]
+            read_springs("Tendons.stiffness", self.stiffness, "tendon", numbers, _tendon_spring)
 
     def for_joints(self, joints: Sequence[str]) -> TendonStiffness:
         """K over these joints."""
         names, R = read_rows("Tendons.moment_arms", self.moment_arms, "tendon", joints)
-        k = read_springs("Tendons.stiffness", self.stiffness, "tendon", names, rigid=False)
-        K = np.array(_passive("Tendons.passive", self.passive, joints))
+        k = read_springs("Tendons.stiffness", self.stiffness, "tendon", names, _tendon_spring)
+        K = _passive("Tendons.passive", self.passive, joints).copy()
         rigid = np.isinf(np.diagonal(K))
         through = R.T @ k @ R
-        through[rigid] = through[:, rigid] = 0.0  # a rigid joint draws on no tendon
+        through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
         K += (through + through.T) / 2
-        _sprung(K, rigid, joints)
+        _check_sprung(K, rigid, joints)
         return TendonStiffness(K, names, R, k)
 
 
 class TendonStiffness(JointStiffness):
-    """K = K_p + Rᵀ k R, and the tendons behind it: names (t,), arms (t, nv), springs (t, t)."""
-
-    __slots__ = ("arms", "names", "springs")
+    """K = K_p + Rᵀ k R, and the tendons behind it: names (t,), arms R (t, nv), springs k (t, t)."""
 
     def __init__(self, matrix: Array, names: tuple[str, ...], arms: Array, springs: Array) -> None:
         super().__init__(matrix)
@@ -105,29 +107,23 @@ class TendonStiffness(JointStiffness):
 
 def _passive(argument: str, value: Any, joints: Sequence[str]) -> Array:
     """(nv, nv) K_p, with inf on the diagonal of a rigid joint."""
-    n = len(joints)
     if isinstance(value, Mapping):
         values = per_name(argument, value, joints, "a joint")
-        return np.diag([_spring(f"{argument}[{j!r}]", values.get(j, 0.0)) for j in joints])
-    if dimensions(value) == 0:
-        return np.diag(np.full(n, _spring(argument, value)))
-    if dimensions(value) == 1:
-        if len(value) != n:
-            raise InputError(argument, f"{n} values, one for each of {', '.join(joints)}", f"{len(value)} of them")
-        return np.diag([_spring(f"{argument}[{i}]", k) for i, k in enumerate(value)])
+        return np.diag([_passive_spring(f"{argument}[{j!r}]", values.get(j, 0.0)) for j in joints])
+    diagonal = springs(argument, value, joints, _passive_spring)
+    if diagonal is not None:
+        return diagonal
+    n = len(joints)
     return psd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
 
 
-def _spring(argument: str, value: Any) -> float:
-    return number(argument, value, minimum=0.0, finite=False)
-
-
-def _sprung(K: Array, rigid: Any, joints: Sequence[str]) -> None:
+def _check_sprung(K: Array, rigid: Bools, joints: Sequence[str]) -> None:
     """Raises InputError with the joints of every motion that K does not resist."""
     free = np.flatnonzero(~rigid)
     size = np.sqrt(np.diagonal(K)[free])
-    size[size == 0.0] = 1.0  # hinges and slides side by side: no eigenvalue mixes their units
-    stiff, motions = np.linalg.eigh(K[np.ix_(free, free)] / np.outer(size, size))
+    size[size == 0.0] = 1.0
+    scaled = K[np.ix_(free, free)] / np.outer(size, size)  # without units, so that hinges and slides compare
+    stiff, motions = np.linalg.eigh(scaled)
     loose = motions[:, stiff <= SEMIDEFINITE * max(1.0, float(stiff[-1]))] if len(free) else motions
     if loose.shape[1]:
         moves = abs(loose).max(axis=1)

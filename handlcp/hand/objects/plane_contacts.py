@@ -1,9 +1,8 @@
-"""Where an object meets a plane: the points of it that can touch, and no more than are needed.
+"""Where an object meets a plane: the points that can touch it, and no more of them than are needed.
 
-A rigid object stays above the plane exactly when its lowest points do: corners of a box, points of a cylinder's rims,
-one point of a ball or an ellipsoid, vertices of a mesh's convex hull. Of those near the plane, a point that lies above
-a convex combination of others (at their height, inside their hull) can never touch before them, and is left out: what
-remains of a flat patch is its convex hull.
+A rigid object stays above a plane as long as its extreme points do: corners of a box, points on the rims of a
+cylinder, one point of a ball or an ellipsoid, vertices of a mesh. A point above the convex hull of points that are no
+higher cannot touch before they do, and is left out. Of a flat patch the corners of its convex hull remain.
 """
 
 from __future__ import annotations
@@ -12,18 +11,19 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError
-from handlcp.hand.objects import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 
-__all__ = ["RIM", "patch"]
+__all__ = ["RIM", "plane_contacts"]
 
-RIM = 8  # points of a cylinder's rim that stands on the plane
-_FLAT = 1e-9  # of the object's size: heights that differ by less are one, and a turn by less is none
+RIM = 8  # points on each rim of a cylinder
+_FLAT = 1e-9  # of the object's size: heights that differ by less are equal, and points this near to a line lie on it
 
 
-def patch(obj: Object, point: Array, normal: Array, max_gap: float) -> tuple[Array, Array, float]:
-    """(m, 3) points [m] of the object within `max_gap` of the plane through `point` with this unit normal, on whose
-    side the object is; (m,) their gaps, < 0 below the plane; and the smallest gap of all, which says how far an object
-    is that has none. World axes. Raises InputError for an object of an unknown kind.
+def plane_contacts(obj: Object, point: Array, normal: Array, max_gap: float) -> tuple[Array, Array, float]:
+    """(m, 3) points of the object within `max_gap` [m] of the plane through `point` with this unit normal, on the side
+    of the object; their gaps (m,) [m], < 0 below the plane; and the smallest gap of the object, also where m is 0.
+    World axes. Raises InputError for an object of an unknown kind.
     """
     points = _extremes(obj, normal)
     heights = (points - point) @ normal
@@ -36,9 +36,9 @@ def patch(obj: Object, point: Array, normal: Array, max_gap: float) -> tuple[Arr
 
 
 def _extremes(obj: Object, normal: Array) -> Array:
-    """(k, 3) candidates, world axes."""
-    placement = obj.placement
-    R, p, down = placement.rotation, placement.translation, -(placement.rotation.T @ normal)
+    """(k, 3) extreme points towards the plane, world axes."""
+    R, p = obj.placement.rotation, obj.placement.translation
+    down = -(R.T @ normal)
     match obj:
         case Box():
             signs = np.array([[x, y, z] for z in (-0.5, 0.5) for x in (-0.5, 0.5) for y in (-0.5, 0.5)])
@@ -61,7 +61,7 @@ def _extremes(obj: Object, normal: Array) -> Array:
 
 
 def _rims(obj: Cylinder, down: Array) -> Array:
-    """(2 RIM, 3) points of both rims, the first of each the lowest one."""
+    """(2 RIM, 3) points on both rims, the first of each the one furthest along `down`; cylinder axes."""
     leaning = float(np.hypot(down[0], down[1]))
     start = np.arctan2(down[1], down[0]) if leaning > _FLAT else 0.0
     a = start + 2 * np.pi * np.arange(RIM) / RIM
@@ -70,7 +70,9 @@ def _rims(obj: Cylinder, down: Array) -> Array:
 
 
 def _needed(points: Array, heights: Array, normal: Array) -> list[int]:
-    """Which points are outside the hull, seen along the normal, of those that are no higher; from the lowest up."""
+    """Numbers of the points that are not inside the hull of points at their height or below, seen along the normal;
+    the lowest first.
+    """
     x = np.eye(3)[int(np.argmin(abs(normal)))]
     x = x - normal * (normal @ x)
     x /= np.sqrt(x @ x)
@@ -87,15 +89,15 @@ def _needed(points: Array, heights: Array, normal: Array) -> list[int]:
 
 
 def _hull(flat: Array, members: list[int], least: float) -> list[int]:
-    """The corners of the convex hull of some points of flat (k, 2), counterclockwise (Andrew's monotone chain); no
-    point within `least` of a line between two others, or of another point, is one.
+    """The corners of the convex hull of the points of flat (k, 2) numbered `members`, counterclockwise (Andrew's
+    monotone chain). A point within `least` of a line between two others, or of another point, is no corner.
     """
     members = sorted(members, key=lambda i: (flat[i, 0], flat[i, 1]))
 
     def half(run: list[int]) -> list[int]:
         out: list[int] = []
         for i in run:
-            while len(out) > 1 and _left(flat[out[-2]], flat[out[-1]], flat[i]) <= least:
+            while len(out) > 1 and _turn(flat[out[-2]], flat[out[-1]], flat[i]) <= least:
                 out.pop()
             if not out or np.hypot(*(flat[i] - flat[out[-1]])) > least:
                 out.append(i)
@@ -106,8 +108,8 @@ def _hull(flat: Array, members: list[int], least: float) -> list[int]:
     return list(dict.fromkeys(corners))
 
 
-def _left(a: Array, b: Array, c: Array) -> float:
-    """How far b lies to the right of the line from a to c [m], so that the chain turns left there."""
+def _turn(a: Array, b: Array, c: Array) -> float:
+    """Distance of b to the right of the line from a to c [m]; > 0 where the chain turns left at b."""
     along = c - a
     length = float(np.hypot(*along))
     cross = float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

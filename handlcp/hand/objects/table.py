@@ -1,4 +1,4 @@
-"""A plane that the object rests on or leans against, whose contacts are found by geometry."""
+"""A plane that the object rests on or leans against. Its contacts are found by geometry."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, read_only, unit
 from handlcp.errors import InputError, NotReached
-from handlcp.grasp.contact import Contact
-from handlcp.grasp.environment import Environment, joined
-from handlcp.grasp.friction import Coulomb, Friction, Frictionless
-from handlcp.hand.objects import Object
-from handlcp.hand.patch import patch
+from handlcp.grasp.friction import Coulomb, FrictionLaw, Frictionless
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.environment import Environment, joined
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.plane_contacts import plane_contacts
 
 __all__ = ["Table", "surrounding"]
 
@@ -21,15 +21,15 @@ __all__ = ["Table", "surrounding"]
 class Table:
     """A half-space: a table under the object, a wall beside it. Immutable.
 
-    point : (3,) of its surface [m], world axes. normal : (3,) unit vector out of it, to the object's side.
+    point : (3,) on its surface [m], world axes. normal : (3,) unit vector out of it, to the object's side.
     friction : `Coulomb(mu)` or `Frictionless()`, of all its contacts; None: Coulomb(0.5).
-    flexibility : [m/N] of each contact, a number or a (3,) diagonal (two tangents, the normal); 0: rigid. Forces at
-        four corners on a rigid table are seldom determined, and those on a flexible one are.
-    max_gap : [m] the farthest a point of the object may be from the plane and still count as near enough to touch.
-    name : what reports call its contacts: "table 1", "table 2", …
+    flexibility : [m/N] of each contact, a number or a (3,) diagonal (two tangents, the normal); 0: rigid. On a rigid
+        table the forces at four corners are seldom determined, on a flexible one they are.
+    max_gap : [m] points of the object that are farther from the plane are no contacts.
+    name : prefix of its contacts in reports: "table 1", "table 2", …
 
     `state.grasp(obj, environment=table)` finds the contacts itself; `table.under(obj)` is for grasps without a hand.
-    Points that it finds off the plane of a planar scene are refused there: an `Environment` says which are meant.
+    A planar scene refuses contacts off its plane: pass an `Environment` with those that you mean.
     Raises InputError.
     """
 
@@ -37,7 +37,7 @@ class Table:
 
     point: Array
     normal: Array
-    friction: Friction
+    friction: FrictionLaw
     flexibility: Array
     max_gap: float
     name: str
@@ -46,7 +46,7 @@ class Table:
         self,
         point: Any,
         normal: Any = (0.0, 0.0, 1.0),
-        friction: Friction | None = None,
+        friction: FrictionLaw | None = None,
         flexibility: Any = 0.0,
         max_gap: Any = 1e-3,
         name: str = "table",
@@ -60,28 +60,27 @@ class Table:
             soft = read_only(np.full(3, number("flexibility", flexibility, minimum=0.0)))
         elif ((soft := array("flexibility", flexibility, (3,))) < 0).any():
             raise InputError("flexibility", "entries ≥ 0", soft.tolist())
-        values = {
-            "point": array("point", point, (3,)), "normal": unit("normal", normal, (3,)), "friction": law,
-            "flexibility": soft, "max_gap": number("max_gap", max_gap, minimum=0.0), "name": name,
-        }  # fmt: skip
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
+        object.__setattr__(self, "point", array("point", point, (3,)))
+        object.__setattr__(self, "normal", unit("normal", normal, (3,)))
+        object.__setattr__(self, "friction", law)
+        object.__setattr__(self, "flexibility", soft)
+        object.__setattr__(self, "max_gap", number("max_gap", max_gap, minimum=0.0))
+        object.__setattr__(self, "name", name)
 
     def under(self, obj: Object) -> Environment:
-        """Its contacts with an object: the corners of a box, the points of a cylinder's rims (eight of one that it
-        stands on), one point of a ball or an ellipsoid, the vertices of a mesh's hull, as far as they are within
-        `max_gap`; of a flat patch its convex hull. Gaps are measured; an overlap is a squeeze.
+        """Its contacts with an object, within `max_gap`: corners of a box, points on a cylinder's rims (eight on the
+        rim that it stands on), one point of a ball or an ellipsoid, vertices of a mesh's hull. Of a flat patch the
+        corners of its convex hull count. Gaps are measured; an overlap is a negative gap.
 
-        Raises NotReached, which says how far the object is, where there is none; InputError for an object behind it.
+        Raises NotReached with the object's distance where nothing is near; InputError for an object behind the plane.
         """
         if not isinstance(obj, Object):
             raise InputError("obj", "an object (Box, Sphere, …)", repr(obj)[:80])
         if (behind := float((self.point - obj.center_of_mass) @ self.normal)) > 0.0:
             expected = f"an object whose centre is on the side of the {self.name} that its normal points to"
-            raise InputError(
-                "environment", expected, f"one {behind * 1e3:.3g} mm behind it: is the normal turned round?"
-            )
-        points, gaps, least = patch(obj, self.point, self.normal, self.max_gap)
+            came = f"one {behind * 1e3:.3g} mm behind it: is the normal turned round?"
+            raise InputError("environment", expected, came)
+        points, gaps, least = plane_contacts(obj, self.point, self.normal, self.max_gap)
         if not len(points):
             expected = f"an object within max_gap = {self.max_gap * 1e3:g} mm of the {self.name}"
             raise NotReached("environment", expected, {self.name: least})
@@ -89,7 +88,7 @@ class Table:
         return Environment(contacts, self.flexibility, gaps)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Everything is set once."""
+        """Nothing may change."""
         raise AttributeError(f"a Table is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -97,12 +96,14 @@ class Table:
         return (Table, (self.point, self.normal, self.friction, self.flexibility, self.max_gap, self.name))
 
     def __repr__(self) -> str:
-        """The call, roughly."""
+        """The call, without flexibility, max_gap and name."""
         return f"Table({self.point.tolist()}, normal={self.normal.tolist()}, friction={self.friction!r})"
 
 
 def surrounding(value: Any, obj: Object | None) -> Environment:
-    """One environment of what `state.grasp(obj, environment=...)` takes: an `Environment`, a `Table`, or several."""
+    """The environment that `state.grasp(obj, environment=...)` means by an `Environment`, a `Table`, or a sequence of
+    them. Raises InputError, NotReached.
+    """
     if isinstance(value, (str, bytes)) or not isinstance(value, (Environment, Table, Iterable)):
         raise InputError("environment", "a Table, an Environment, or a sequence of them", repr(value)[:80])
     parts = []

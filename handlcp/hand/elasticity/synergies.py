@@ -1,32 +1,33 @@
-"""Soft synergies: a few actuators move many joints at once, each through springs of its own.
+"""Soft synergies: each actuator moves many joints at once, through a spring.
 
     q = S z,    C = K_q⁻¹ + S K_z⁻¹ Sᵀ,    η = Sᵀ τ
 
-Each column of S is a posture that one actuator pulls the hand towards. Actuator and joint are in series: both feel the
-torque τ, the actuators as η, so their compliances add. With rigid joints (K_q = ∞) the hand gives way in as many
-directions as there are actuators; C is then singular, and nothing inverts it. One column for a joint and those that
-mimic it is a mimic joint.
+Each column of S is a posture towards which one actuator pulls the hand. Actuator springs K_z and joint springs K_q are
+in series: both carry the torque τ, the actuators as η, so their compliances add. With rigid joints (K_q = ∞) the hand
+gives way in as many directions as it has actuators; C is then singular and has no inverse. A column with one joint and
+the joints that mimic it acts as a mimic joint.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.entry import Entry
-from handlcp.hand.actuators import Given, given_rows, read_rows, read_springs
-from handlcp.hand.elasticity import TRANSMISSION, Effort, Elasticity, Transmission
-from handlcp.hand.stiffness import JointStiffness, read_stiffness
+from handlcp.grasp.analysis.explanation import Description
+from handlcp.hand.elasticity.actuators import given_rows, read_rows, read_springs
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity, Transmission
+from handlcp.hand.elasticity.stiffness import JointStiffness, read_stiffness
 from handlcp.tolerances import SEMIDEFINITE
 
 __all__ = ["SYNERGIES", "Synergies", "SynergyCompliance"]
 
-SYNERGIES = Entry(
+SYNERGIES = Description(
     title=f"{TRANSMISSION}: synergies",
     equation="C = K_q⁻¹ + S K_z⁻¹ Sᵀ,  η = Sᵀ τ",
     when="A few actuators move many joints at once; joints that mimic another.",
@@ -41,7 +42,10 @@ SYNERGIES = Entry(
 )
 
 
-@dataclass(frozen=True, init=False, eq=False)
+_spring = partial(number, above=0.0, finite=False)
+
+
+@dataclass(frozen=True, eq=False)
 class Synergies(Transmission):
     """Pass it as a hand's `joint_stiffness`.
 
@@ -55,53 +59,45 @@ class Synergies(Transmission):
     Raises InputError, UnknownName.
     """
 
-    S: Given
+    S: Any
     stiffness: Any
-    joint_stiffness: Any
+    joint_stiffness: Any = None
 
-    def __init__(self, S: Any, stiffness: Any, joint_stiffness: Any = None) -> None:
-        columns = S if isinstance(S, Mapping) else array("Synergies.S", S, (-1, -1)).T
-        object.__setattr__(self, "S", given_rows("Synergies.S", columns))
-        if not isinstance(stiffness, Mapping):
-            read_springs("Synergies.stiffness", stiffness, "synergy", [str(i) for i in range(len(self.S))], rigid=True)
-        if isinstance(joint_stiffness, Transmission):
+    def __post_init__(self) -> None:
+        """Check what does not depend on the joints. `S` becomes rows, one for each actuator."""
+        columns = self.S if isinstance(self.S, Mapping) else array("Synergies.S", self.S, (-1, -1)).T
+        rows = given_rows("Synergies.S", columns)
+        object.__setattr__(self, "S", rows)
+        if not isinstance(self.stiffness, Mapping):
+            numbers = [str(i) for i in range(len(rows))]
+            read_springs("Synergies.stiffness", self.stiffness, "synergy", numbers, _spring)
+        if isinstance(self.joint_stiffness, Transmission):
             expected = "the springs of the joints themselves, or None where they are rigid"
-            raise InputError("Synergies.joint_stiffness", expected, type(joint_stiffness).__name__)
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "joint_stiffness", joint_stiffness)
+            raise InputError("Synergies.joint_stiffness", expected, type(self.joint_stiffness).__name__)
 
     def for_joints(self, joints: Sequence[str]) -> SynergyCompliance:
         """C over these joints."""
         names, rows = read_rows("Synergies.S", self.S, "synergy", joints)
-        springs = read_springs("Synergies.stiffness", self.stiffness, "synergy", names, rigid=True)
-        own = (
-            None
-            if self.joint_stiffness is None
-            else read_stiffness(self.joint_stiffness, joints, "Synergies.joint_stiffness")
-        )
-        through = rows.T @ JointStiffness(springs).root
-        root = through if own is None else np.hstack([own.root, through])
-        return SynergyCompliance(names, read_only(rows.copy()), read_only(np.ascontiguousarray(root)))
+        springs = read_springs("Synergies.stiffness", self.stiffness, "synergy", names, _spring)
+        root = rows.T @ JointStiffness(springs).root
+        if self.joint_stiffness is not None:
+            own = read_stiffness(self.joint_stiffness, joints, "Synergies.joint_stiffness")
+            root = np.hstack([own.root, root])
+        return SynergyCompliance(names, rows, root)
 
 
 class SynergyCompliance(Elasticity):
     """C = A Aᵀ with A = (K_q^-½, S K_z^-½), and the synergies behind it: names (k,), columns (k, nv) of S as rows."""
 
-    __slots__ = ("_root", "columns", "names")
-
     def __init__(self, names: tuple[str, ...], columns: Array, root: Array) -> None:
-        self.names, self.columns, self._root = names, columns, root
-
-    @property
-    def root(self) -> Array:
-        """(nv, m) A."""
-        return self._root
+        super().__init__(root)
+        self.names, self.columns = names, columns
 
     @property
     def matrix(self) -> Array:
-        """(nv, nv) K = C⁻¹. Raises Unsupported where synergies leave joints that only move together."""
-        U, s, _ = np.linalg.svd(self._root, full_matrices=False)
-        nv = len(self._root)
+        """(nv, nv) K = C⁻¹. Raises Unsupported where C is singular: some joints only move together."""
+        U, s, _ = np.linalg.svd(self.root, full_matrices=False)
+        nv = len(self.root)
         if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE * s[0] ** 2:
             raise Unsupported(
                 f"{len(self.names)} synergies move {nv} joints that are rigid but for them: these have a compliance "

@@ -1,43 +1,40 @@
-"""Contacts by coal: nearest points, normal and signed gap between a fingertip and an object."""
+"""Detection of contacts: nearest points, normal and signed gap between a fingertip and an object, mostly by coal."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import coal
 import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError, NotReached
-from handlcp.grasp.contact import Contact
-from handlcp.grasp.friction import AnisotropicCoulomb, Friction
-from handlcp.grasp.scene import cross_rows
-from handlcp.hand.meshes import winding
-from handlcp.hand.objects import Object
-from handlcp.hand.tips import TipShape
-
-if TYPE_CHECKING:
-    from handlcp.hand.state import HandState
+from handlcp.grasp.friction import FrictionLaw
+from handlcp.grasp.model.contact import Contact, PlacedContact
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.hand.objects.meshes import winding
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.robot.tip_geometry import TipShape
 
 __all__ = ["Proximity", "nearest", "touching"]
 
-# GJK and EPA: tolerance on the distance [m]. Tighter ones gain nothing in the points and lose digits in the distance
-# (measured on ellipsoids: 1e-10 → distance 1e-10, points 1e-6; 1e-14 → distance 3e-7).
+# Tolerance of GJK and EPA on the distance [m]. On ellipsoids 1e-10 gives distances to 1e-10 and points to 1e-6; 1e-14
+# gives distances to 3e-7, and points no better.
 GJK_TOLERANCE = 1e-10
 GJK_ITERATIONS = 1000
 
-
-_UNTURNED = np.eye(3)  # how a ball is turned does not matter
+_UNTURNED = np.eye(3)  # for balls, whose rotation does not matter
 
 
 @dataclass(frozen=True, slots=True)
 class Proximity:
-    """How a fingertip stands to an object: world axes, metres.
+    """Where a fingertip and an object are nearest to each other: world axes, metres.
 
     gap : signed distance, negative when they overlap. position : (3,) on the object's surface. tip_point : (3,) on
-        the fingertip's surface. normal : (3,) unit, from the tip into the object.
+    the fingertip's surface. normal : (3,) unit, from the tip into the object.
     """
 
     gap: float
@@ -47,9 +44,9 @@ class Proximity:
 
 
 def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj: Object) -> Proximity:
-    """The nearest of a tip's shapes, the tip frame standing at `position` (3,) and `rotation` (3, 3).
+    """The proximity of the nearest of a tip's shapes; position (3,) and rotation (3, 3) are those of the tip frame.
 
-    Raises InputError for an object that is not convex and overlaps (or faces) a tip that is no sphere.
+    Raises InputError for an object that is not convex where the tip is not a sphere.
     """
     if len(shapes) == 1 and shapes[0].central:
         return _nearest(shapes[0], position, _UNTURNED, obj)
@@ -58,7 +55,7 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
 
 
 def touching(
-    state: HandState, tips: tuple[int, ...], obj: Object, laws: Sequence[Friction], max_gap: float
+    state: Posture, tips: tuple[int, ...], obj: Object, laws: Sequence[FrictionLaw], max_gap: float
 ) -> tuple[tuple[Contact, ...], Array]:
     """A contact and a signed gap [m] for each of the tips numbered `tips`; `laws` are their frictions.
 
@@ -81,28 +78,27 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
             distance, x, outward = known
             return Proximity(distance - shape.radius, x, p - shape.radius * outward, -outward)
     elif obj.triangles is not None:
-        raise InputError(
-            "tip_radius", "spherical fingertips for an object that is not convex", f"a {type(shape.geometry).__name__}"
-        )
-    gap, on_tip, on_object, normal = _ask(shape.geometry, coal.Transform3s(R, p), obj)
+        expected = "spherical fingertips for an object that is not convex"
+        raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
+    gap, on_tip, on_object, normal = _distance(shape.geometry, coal.Transform3s(R, p), obj)
     return Proximity(gap, on_object, on_tip, normal)
 
 
 def _to_triangles(p: Array, obj: Object, triangles: Array) -> tuple[float, Array, Array]:
-    """Signed distance of a point to a closed surface: coal's distance with a ball too small to overlap, signed by the
-    winding.
+    """As `Object.closest`, for a closed surface of triangles: coal's distance from a ball too small to overlap, and the
+    winding number for the sign.
     """
     tiny = 1e-9 * float(np.ptp(triangles, axis=(0, 1)).max())
-    distance, _, x, normal = _ask(coal.Sphere(tiny), coal.Transform3s(_UNTURNED, p), obj)
-    local = obj.placement.actInv(p)
-    inside = abs(winding(local, triangles)) > 0.5
+    distance, _, x, normal = _distance(coal.Sphere(tiny), coal.Transform3s(_UNTURNED, p), obj)
+    sign = -1.0 if abs(winding(obj.placement.actInv(p), triangles)) > 0.5 else 1.0
     apart = p - x
     length = float(np.sqrt(apart @ apart))
-    outward = -normal if length <= 2 * tiny else apart / length * (-1.0 if inside else 1.0)
-    return (-1.0 if inside else 1.0) * max(distance + tiny, length), x, outward
+    outward = -normal if length <= 2 * tiny else sign * apart / length
+    return sign * max(distance + tiny, length), x, outward
 
 
-def _ask(geometry: Any, transform: Any, obj: Object) -> tuple[float, Array, Array, Array]:
+def _distance(geometry: Any, transform: Any, obj: Object) -> tuple[float, Array, Array, Array]:
+    """coal's signed distance [m], its nearest points on the geometry and on the object, and its normal."""
     result = coal.DistanceResult()
     gap = float(coal.distance(geometry, transform, obj.geometry, obj.transform, _REQUEST, result))
     return gap, np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2()), np.array(result.normal)
@@ -119,8 +115,12 @@ def _request() -> Any:
 _REQUEST = _request()  # coal only reads it
 
 
-def _contacts(positions: Array, normals: Array, laws: Sequence[Friction], names: list[str]) -> tuple[Contact, ...]:
-    """What `Contact(position, normal, law, None, name)` makes, with all frames at once and without its checks."""
+def _contacts(
+    positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]
+) -> tuple[Contact, ...]:
+    """The result of `Contact(position, normal, law, None, name)` for each, with all frames at once and without the
+    checks of its arguments.
+    """
     rows = np.arange(len(names))
     z = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
     nearest_axis = np.argmin(np.round(abs(z), 9), axis=1)
@@ -129,13 +129,10 @@ def _contacts(positions: Array, normals: Array, laws: Sequence[Friction], names:
     x /= np.sqrt((x * x).sum(axis=1))[:, None]
     frames = np.stack([x, cross_rows(z, x), z], axis=2)
     positions.flags.writeable = frames.flags.writeable = False
-    made = []
+    made: list[Contact] = []
     for position, frame, law, name in zip(positions, frames, laws, names, strict=True):
-        if isinstance(law, AnisotropicCoulomb) and law.along is not None:  # it has a say in where x lies
+        if law.x_axis is None:
+            made.append(PlacedContact(position, frame, law, False, name))
+        else:  # the law has a say in where x lies
             made.append(Contact(position, frame[:, 2], law, None, name))
-            continue
-        contact = Contact.__new__(Contact)
-        contact.position, contact.rotation, contact.planar, contact.name = position, frame, False, name
-        contact.bears(law)
-        made.append(contact)
     return tuple(made)

@@ -1,0 +1,1 @@
+"""How a hand deflects under load: joint springs, tendons, synergies and pads."""

@@ -1,0 +1,91 @@
+"""How the joints of a hand give way under load, and what stands between its actuators and its joints.
+
+    δq = C τ,    C = K⁻¹ = A Aᵀ,    E = J C Jᵀ = (J A)(J A)ᵀ
+
+Everything follows from the root A of the compliance. `JointStiffness` has a spring at every joint. In a transmission
+(`Tendons`, `Synergies`) an actuator moves several joints, and C may be singular. Source: model, "Flexibility from the
+hand".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, read_only, sealed
+from handlcp.grasp.model.mechanism import joint_flexibility
+
+__all__ = ["TRANSMISSION", "Effort", "Elasticity", "Transmission"]
+
+TRANSMISSION = "transmission"  # the effect's name in `explain()`
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effort:
+    """What the actuators behind a transmission do, one by one.
+
+    kind : "tendon tension" or "actuator force". names : of the tendons or synergies. values : as many, in `unit`.
+    """
+
+    kind: str
+    unit: str
+    names: tuple[str, ...]
+    values: Array
+
+    def __str__(self) -> str:
+        """A plain table."""
+        width = max(len(self.kind), *(len(name) for name in self.names))
+        rows = [f"{name:<{width}}  {value:12.4f}" for name, value in zip(self.names, self.values, strict=True)]
+        return "\n".join([f"{self.kind:<{width}}  [{self.unit}]", *rows])
+
+
+class Elasticity:
+    """Compliance C = A Aᵀ of the nv independent joints, symmetric positive semidefinite.
+
+    root : (nv, m) A, read-only and C-contiguous; the row of a rigid joint is zero.
+    uniform : whether the user gave one number for all joints.
+    """
+
+    root: Array
+    uniform: bool = False
+
+    def __init__(self, root: Array) -> None:
+        self.root = read_only(np.ascontiguousarray(root))
+
+    @property
+    def matrix(self) -> Array:
+        """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint. Raises Unsupported where C has no inverse."""
+        raise NotImplementedError
+
+    def compliance(self, J: Array) -> Array:
+        """(m, m) J C Jᵀ, symmetric to the last bit; J (m, nv)."""
+        return joint_flexibility(J, self.root)
+
+    def deflection(self, torque: Array) -> Array:
+        """(nv,) C τ [rad] for torques (nv,) [N·m]."""
+        return np.asarray(self.root @ (torque @ self.root))
+
+    def effort(self, torque: Array) -> Effort | None:
+        """What the actuators do for joint torques (nv,) [N·m]; None where each joint has its own actuator."""
+        return None
+
+    @property
+    def law(self) -> tuple[str, str]:
+        """Equation and words for `explain()`; no words where each joint has its own spring."""
+        return "K = K_p + Rᵀ k R  or  K⁻¹ = K_q⁻¹ + S K_z⁻¹ Sᵀ", ""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Arrays stay read-only when pickled."""
+        self.__dict__.update(sealed(state))
+
+
+class Transmission:
+    """What users pass in place of a joint stiffness where an actuator moves several joints."""
+
+    def for_joints(self, joints: Sequence[str]) -> Elasticity:
+        """The elasticity of these joints. Raises InputError, UnknownName."""
+        raise NotImplementedError
+

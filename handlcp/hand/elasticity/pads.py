@@ -1,0 +1,68 @@
+"""Fingertip pads: their flexibility, in the axes of the tip frames, adds to that of the joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, dimensions, per_name, psd, read_only
+from handlcp.errors import InputError
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["Pads", "add_pads", "read_pads"]
+
+
+class Pads:
+    """Flexibility of n pads.
+
+    blocks : (n, 3, 3) [m/N], symmetric positive semidefinite, tip axes. isotropic : whether each pad is equally
+    flexible in all directions.
+    """
+
+    __slots__ = ("blocks", "isotropic")
+
+    def __init__(self, blocks: Array) -> None:
+        self.blocks = read_only(blocks)
+        self.isotropic = bool((blocks == blocks[:, :1, :1] * np.eye(3)).all())
+
+    def in_axes(self, rotations: Array, tips: Sequence[int]) -> Array:
+        """(m, 3, 3) of the m tips numbered `tips`; rotations (m, 3, 3) turn tip axes into those of the result."""
+        pads = self.blocks[list(tips)]
+        if self.isotropic:  # the same in all axes
+            return pads
+        turned = rotations @ pads @ rotations.transpose(0, 2, 1)
+        return np.asarray((turned + turned.transpose(0, 2, 1)) / 2)
+
+
+@kernel
+def add_pads(E: Array, pads: Array) -> None:
+    """Add the pads (m, 3, 3) to the diagonal blocks of E (≥ 3m, ≥ 3m)."""
+    for i in range(len(pads)):
+        for a in range(3):
+            for b in range(3):
+                E[3 * i + a, 3 * i + b] += pads[i, a, b]
+
+
+def read_pads(value: Any, tips: Sequence[str]) -> Pads:
+    """From a number, (3,), (3, 3), (n, 3, 3), or a mapping by tip name of one of these [m/N]; tips left out are
+    rigid.
+
+    Raises InputError for anything that is not positive semidefinite; UnknownName.
+    """
+    argument, n = "pad_flexibility", len(tips)
+    if isinstance(value, Mapping):
+        values = per_name(argument, value, tips, "a fingertip")
+        return Pads(np.array([_pad(f"{argument}[{tip!r}]", values.get(tip, 0.0)) for tip in tips]))
+    if dimensions(value) == 3:
+        stack = array(argument, value, (n, 3, 3))
+        return Pads(np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
+    return Pads(np.tile(_pad(argument, value), (n, 1, 1)))
+
+
+def _pad(argument: str, value: Any) -> Array:
+    if isinstance(value, (str, bytes, bool)) or value is None:
+        raise InputError(argument, "a flexibility [m/N]: a number, (3,) or (3, 3)", repr(value))
+    a = array(argument, value, (), (3,), (3, 3))
+    return psd(argument, np.eye(3) * a if a.ndim < 2 else a)

@@ -1,0 +1,79 @@
+"""Joint stiffness: from what users pass to the root of its inverse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from handlcp.check import Array, array, dimensions, number, per_name, read_only, spd
+from handlcp.errors import InputError
+from handlcp.hand.elasticity.elasticity import Elasticity, Transmission
+
+__all__ = ["JointStiffness", "read_stiffness", "springs"]
+
+
+class JointStiffness(Elasticity):
+    """Stiffness K of the joints [N·m/rad], a symmetric positive definite matrix with inf on the diagonal of rigid
+    joints.
+
+    With K = L Lᵀ the root of the compliance is A = L⁻ᵀ.
+    """
+
+    def __init__(self, matrix: Array, uniform: bool = False) -> None:
+        rigid = np.isinf(np.diagonal(matrix))
+        L = np.linalg.cholesky(np.where(np.isinf(matrix), 1.0, matrix))
+        A = solve_triangular(L, np.eye(len(L)), lower=True).T
+        A[rigid] = 0.0
+        super().__init__(A)
+        self._matrix, self.uniform = read_only(matrix), uniform
+
+    @property
+    def matrix(self) -> Array:
+        """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint."""
+        return self._matrix
+
+
+def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_stiffness") -> Elasticity:
+    """From a number, a mapping by joint name (all of them), (nv,) or an SPD matrix (nv, nv) [N·m/rad], where None and
+    inf are rigid; or from a transmission.
+
+    Raises InputError (a stiffness that is not positive, a matrix that is not SPD, a joint left out), UnknownName.
+    """
+    if isinstance(value, Transmission):
+        return value.for_joints(joints)
+    if isinstance(value, Mapping):
+        values = per_name(argument, value, joints, "a joint")
+        if missing := [name for name in joints if name not in values]:
+            expected = f"a stiffness for every joint (numpy.inf: rigid), {', '.join(missing)} included"
+            raise InputError(argument, expected, f"only {sorted(values)}")
+        return JointStiffness(np.diag([_stiffness(f"{argument}[{name!r}]", values[name]) for name in joints]))
+    diagonal = springs(argument, value, joints, _stiffness)
+    if diagonal is not None:
+        return JointStiffness(diagonal, uniform=dimensions(value) == 0)
+    n = len(joints)
+    return JointStiffness(
+        spd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
+    )
+
+
+def springs(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float]) -> Array | None:
+    """(m, m) diagonal of the stiffnesses of m springs, from one number for all or m numbers in the order of `names`;
+    None where the value is neither.
+
+    read : checks a number, from the argument's name and the value. Raises InputError.
+    """
+    m = len(names)
+    if dimensions(value) == 0:
+        return np.diag(np.full(m, read(argument, value)))
+    if dimensions(value) != 1:
+        return None
+    if len(value) != m:
+        raise InputError(argument, f"{m} values, one for each of {', '.join(names)}", f"{len(value)} of them")
+    return np.diag([read(f"{argument}[{i}]", k) for i, k in enumerate(value)])
+
+
+def _stiffness(argument: str, value: Any) -> float:
+    return np.inf if value is None else number(argument, value, above=0.0, finite=False)

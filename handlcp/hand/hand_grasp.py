@@ -1,0 +1,190 @@
+"""A hand's grasp: a grasp whose mechanism is a hand in a posture."""
+
+from __future__ import annotations
+
+from typing import Any, Self, cast
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.analysis.equilibria import Equilibria
+from handlcp.grasp.analysis.suggestions import force_change
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.grasp import Grasp, replaced
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.force_iteration import force_dependent
+from handlcp.hand.command import read_joint_offset
+from handlcp.hand.mechanism import HandMechanism
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.solution import HandGraspSolution
+from handlcp.lcp import Auto, ContactSolver, Solver
+from handlcp.tolerances import SEMIDEFINITE
+
+__all__ = ["HandGrasp"]
+
+
+class HandGrasp(Grasp):
+    """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
+
+    def __init__(self, spec: GraspSpec) -> None:
+        if not (isinstance(spec, GraspSpec) and isinstance(spec.mechanism, HandMechanism)):
+            raise TypeError("make a HandGrasp with hand.at(q).grasp(...)")
+        super().__init__(spec)
+
+    @property
+    def mechanism(self) -> HandMechanism:
+        """The hand in its posture, at the contacts."""
+        return cast(HandMechanism, self.spec.mechanism)
+
+    @property
+    def state(self) -> Posture:
+        """The posture."""
+        return self.mechanism.posture
+
+    @property
+    def fingertips(self) -> tuple[str, ...]:
+        """Names, one for each finger; contacts of the environment come after them."""
+        return self.mechanism.fingertips
+
+    @property
+    def target(self) -> Object | None:
+        """The object; None for contacts given one by one."""
+        return self.mechanism.target
+
+    @property
+    def jacobian(self) -> Array:
+        """(3n, nv) velocity of the contact points in contact axes (x, y, z per contact) under the joints, zero for the
+        environment's.
+        """
+        return self.mechanism.jacobian
+
+    @property
+    def turning(self) -> Array:
+        """(k, nv) of the k soft contacts' fingertips about their normals [rad/rad]; zero for the environment's."""
+        return self.mechanism.turning(self.scene.soft)
+
+    @property
+    def finger_weight(self) -> bool | str:
+        """What was asked for, as in `HandState.grasp`."""
+        weight = self._of_kind(FingerWeight)
+        return False if weight is None else True if weight.sags else "torques"
+
+    @property
+    def gravity_torque(self) -> Array:
+        """(nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for."""
+        return read_only(self.scene.held_torque)
+
+    @property
+    def sag(self) -> Array:
+        """(nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
+        balance. The scene's offset has what that does to the tips, `tip_sag`, added.
+        """
+        weight = self._of_kind(FingerWeight)
+        held = np.zeros(self.state.hand.nv) if weight is None or not weight.sags else weight.torque
+        return read_only(self.mechanism.deflection(held))
+
+    @property
+    def tip_sag(self) -> Array:
+        """(n, 3) J K⁻¹ g(q) [m], contact axes: object minus fingertip, for tips that sag under the fingers' weight."""
+        moved = (self.jacobian @ self.sag).reshape(-1, 3)
+        if self.scene.kind.planar:
+            moved[:, 1] = 0.0  # what lies across the plane is left out
+        return read_only(moved)
+
+    @property
+    def gravity(self) -> Array:
+        """(3,) [m/s²] that weighs the fingers; zero unless that was asked for."""
+        return self.given_gravity if self.finger_weight else read_only(np.zeros(3))
+
+    @property
+    def given_gravity(self) -> Array:
+        """(3,) [m/s²] as given."""
+        return self.mechanism.gravity
+
+    @property
+    def joint_offset(self) -> Array:
+        """(nv,) δq [rad, m], how far beyond the posture the joints are commanded."""
+        command = self._of_kind(JointOffset)
+        return read_only(np.zeros(self.state.hand.nv)) if command is None else command.command
+
+    @property
+    def tip_offset(self) -> Array:
+        """(n, 3) the offset without what effects add to it: gaps, preloads and `offset` [m]."""
+        return self.spec.offset
+
+    def replace(
+        self,
+        *,
+        wrench: Any = None,
+        flexibility: Any = None,
+        offset: Any = None,
+        preload: Any = None,
+        joint_offset: Any = None,
+    ) -> Self:
+        """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
+        what the joints' command and the fingers' weight add comes on top, here as there. Where joints also turn soft
+        fingertips, or bend under forces, a flexibility has at least what the joints have; for soft ones it may be 0.
+        """
+        spec = replaced(self.spec, wrench, flexibility, offset, preload)
+        if joint_offset is not None:
+            others = tuple(e for e in spec.effects if not isinstance(e, JointOffset))
+            command = read_joint_offset(joint_offset, self.state.hand.joint_names)
+            spec = spec.replace(effects=(*others, JointOffset(command)) if command.any() else others)
+        if flexibility is not None:
+            if force_dependent(spec):
+                _of_the_joints(spec, "GeometricStiffness")
+            elif self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any():
+                _of_the_joints(spec, "soft fingers")
+        return type(self)(spec)
+
+    def solve(
+        self,
+        faces: int | str | Pyramid | None = None,
+        solver: Solver | ContactSolver | Auto | None = None,
+        throw: bool = True,
+        accuracy: float | None = None,
+        start: GraspSolution | None = None,
+    ) -> HandGraspSolution:
+        """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
+        if accuracy is not None and force_dependent(self.spec):
+            raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
+        return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
+
+    def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
+        """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
+        if force_dependent(self.spec):
+            raise Unsupported("no search covers equilibria of fingers that their own forces bend (GeometricStiffness)")
+        return super().equilibria(faces, seconds)
+
+    def geometric_change(self, solution: GraspSolution, faces: int | str | Pyramid = 8) -> Array:
+        """(n,) by how much `GeometricStiffness` would change each finger's force, as a share of the largest force: from
+        one correction, E under the solution's own forces. Infinite where a finger buckles under them or the corrected
+        grasp has no answer; 0 to rounding where the grasp has the effect already.
+
+        solution : of this grasp, an answer. faces : those that it was solved with. It costs one solve and the second
+        derivatives. Raises InputError.
+        """
+        if not getattr(solution, "held", False):
+            raise InputError("solution", "an answer of this grasp", "one without forces" if solution else repr(solution))
+        GeometricStiffness().check("grasp", self.spec, self.effects)
+        section = as_section(faces, planar=self.scene.kind.planar)
+        return read_only(force_change(self.spec, section, solution, GeometricStiffness()))
+
+    def _of_kind(self, kind: Any) -> Any:
+        """The effect of this kind among those asked for; None: there is none."""
+        return next((e for e in self.effects if isinstance(e, kind)), None)
+
+
+def _of_the_joints(spec: GraspSpec, beside: str) -> None:
+    """Raises InputError unless E has the joints' share, which turns soft fingertips and bends under forces."""
+    assert spec.mechanism is not None  # a hand's
+    pads = np.linalg.eigvalsh(spec.flexibility - spec.mechanism.compliance(spec.mechanism.jacobian))
+    if pads[0] < -SEMIDEFINITE * float(abs(spec.flexibility).max(initial=0.0)):
+        expected = f"that of the hand's joints, and what else gives way, beside {beside}"
+        raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")

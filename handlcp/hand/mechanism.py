@@ -1,0 +1,134 @@
+"""What a hand tells a grasp: how its joints move the contacts, how they give way, and what they do at an answer.
+
+    E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g
+
+m are the moments about the normals of soft contacts, T how fast the joints turn their fingertips about them. Source:
+model, "Flexibility from the hand", "Torques".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.model.mechanism import JointReading, Mechanism, S
+from handlcp.grasp.model.scene import Scene
+from handlcp.hand.elasticity.elasticity import TRANSMISSION
+from handlcp.hand.elasticity.pads import add_pads
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.contact_hessian import contact_hessian
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.solution import HandGraspSolution
+from handlcp.hand.torques import torque_check
+from handlcp.lazy import lazy
+
+__all__ = ["HandMechanism", "finger_flexibility", "mechanism_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class HandMechanism(Mechanism):
+    """A hand in a posture, as the mechanism of a grasp.
+
+    posture : where the hand is. tips : numbers of the fingertips that take part, in the order of the contacts.
+    positions (k, 3), frames (k, 3, 3) : of the fingers' contacts, contact axes. target : the object, if it is known.
+    gravity : (3,) as given [m/s²].
+    """
+
+    posture: Posture
+    tips: tuple[int, ...]
+    positions: Array
+    frames: Array
+    target: Object | None
+    gravity: Array
+
+    @property
+    def fingertips(self) -> tuple[str, ...]:
+        """Their names."""
+        every = self.posture.hand.fingertips
+        return tuple([every[i] for i in self.tips])
+
+    def turning(self, contacts: tuple[int, ...]) -> Array:
+        """(k, nv) T of these contacts, zero for those of the environment."""
+        J = self.posture.turning(self.tips)
+        still = np.zeros(self.posture.hand.nv)
+        rows = [self.frames[i, :, 2] @ J[i] if i < len(self.tips) else still for i in contacts]
+        return read_only(np.array(rows).reshape(len(contacts), -1))
+
+    def hessian(self) -> Array:
+        """(3n, nv, nv), zero for contacts of the environment."""
+        return self._hessian
+
+    @lazy
+    def _hessian(self) -> Array:
+        H = contact_hessian(self.posture, self.tips, self.positions, self.frames)
+        still = np.zeros((len(self.jacobian) - len(H), *H.shape[1:]))
+        return read_only(np.concatenate([H, still]))
+
+    def weight(self) -> Array | None:
+        """g(q), where gravity is not zero."""
+        return read_only(self.posture.gravity_torque(self.gravity)) if self.gravity.any() else None
+
+    def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
+        """The transmission."""
+        equation, words = self.posture.hand.stiffness.law
+        return ((TRANSMISSION, equation, bool(words), words or "none: the springs are those of the joints"),)
+
+    def moved(self, posture: Posture, positions: Array, frames: Array) -> HandMechanism:
+        """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""
+        made = mechanism_of(posture, self.tips, positions, frames, self.target, self.gravity)
+        still = len(self.jacobian) // 3 - len(self.tips)
+        return made.beside(still)
+
+    def beside(self, environment: int) -> HandMechanism:
+        """The same with so many contacts of the environment, which no joint moves."""
+        still = np.zeros((3 * environment, len(self.names)))
+        return replace(self, jacobian=read_only(np.concatenate([self.jacobian, still]))) if environment else self
+
+    def read(self, scene: Scene, effects: tuple[Effect, ...], solution: S) -> S:
+        """As `HandGraspSolution`."""
+        assert isinstance(solution, GraspSolution)
+        hand, extra = self.posture.hand, solution.extra
+        torque = solution.forces.reshape(-1) @ self.jacobian
+        if solution.torsion is not None:
+            torque = torque + solution.torsion[list(scene.soft)] @ self.turning(scene.soft)
+        joints = JointReading(torque + scene.held_torque, self.deflection(torque), np.zeros(hand.nv))
+        for e in effects:
+            joints = e.read(scene, solution.forces, extra, joints)
+        total, yielded = read_only(joints.torque), read_only(joints.yielded)
+        yielding = tuple(j for j, s in zip(self.names, yielded.tolist(), strict=True) if abs(s) > 0.0)
+        check = torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding)
+        made = HandGraspSolution(
+            **vars(solution), torques=total, joint_deflection=read_only(joints.deflection), joint_yield=yielded,
+            torque_check=check, effort=hand.stiffness.effort(total),
+        )  # fmt: skip
+        return cast(S, made)
+
+
+def mechanism_of(
+    posture: Posture, tips: tuple[int, ...], positions: Array, frames: Array, target: Object | None, gravity: Array
+) -> HandMechanism:
+    """Of fingers whose contacts are at positions (k, 3) with frames (k, 3, 3)."""
+    hand, k = posture.hand, len(tips)
+    jacobian = (frames.transpose(0, 2, 1) @ posture.jacobian_at(positions, tips)).reshape(3 * k, hand.nv)
+    return HandMechanism(
+        hand.joint_names, read_only(jacobian), hand.stiffness.root, hand.torques.limits, posture, tips, positions,
+        frames, target, gravity,
+    )  # fmt: skip
+
+
+def finger_flexibility(mechanism: HandMechanism) -> Array:
+    """(3k, 3k) E = J K⁻¹ Jᵀ + pads of the fingers, contact axes [m/N]."""
+    posture, tips = mechanism.posture, mechanism.tips
+    pads = posture.hand.pads
+    E = mechanism.compliance(mechanism.jacobian)
+    turn = posture.tip_rotations
+    if not pads.isotropic:
+        turn = mechanism.frames.transpose(0, 2, 1) @ posture.tip_rotations[list(tips)]
+    add_pads(E, pads.in_axes(turn, tips))
+    return read_only(E)
+

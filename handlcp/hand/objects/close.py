@@ -1,0 +1,114 @@
+"""Closing the hand: each finger moves towards the object until its tip touches, within its joint ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, number, read_only
+from handlcp.errors import InputError, NotReached
+from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.posture import Posture
+
+__all__ = ["close_on"]
+
+LONGEST_STEP = 0.15  # of a joint in one iteration [rad, m]
+ITERATIONS = 400
+STALL = 60  # iterations without progress before a finger counts as stuck
+DEAD_POINT = 1e-6  # [m/rad] if all joints of a finger move its tip along the surface only, they are bent by NUDGE
+NUDGE = 0.05  # [rad, m]
+
+
+def close_on(
+    hand: HandModel,
+    obj: Object,
+    q0: Any = None,
+    *,
+    fingers: Sequence[str] | None = None,
+    squeeze: float = 0.0,
+    tolerance: float = 1e-6,
+) -> Array:
+    """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
+    read-only.
+
+    Only joints that move one fingertip alone take part, each within its range (q0 is moved into it first). The steps
+    are those of Gauss and Newton, δq = gap · g / |g|² with g = nᵀ J, without the joints at the end of their range.
+    Links and the palm are not checked: they may pass through the object.
+
+    fingers : names of those that close; None: all. squeeze : [m] how far the tips end up inside the object (a preload).
+    tolerance : [m] on the gap at the end.
+    Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
+    """
+    if not isinstance(obj, Object):
+        raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))
+    squeeze, tolerance = number("squeeze", squeeze, minimum=0.0), number("tolerance", tolerance, above=0.0)
+    tips = hand.tip_numbers("fingers", fingers)
+    q = np.clip(hand.kinematics.posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
+    moves = hand.moves
+    alone = moves & (moves.sum(axis=0) == 1)
+    all_fingers = [_Finger(hand, i, np.flatnonzero(alone[i])) for i in tips]
+    for _ in range(ITERATIONS):
+        moving = [finger for finger in all_fingers if not finger.done]
+        if not moving:
+            break
+        posture = Posture(hand, q.copy())
+        for finger in moving:
+            tip = finger.tip
+            near = nearest(hand.tip_shapes(tip), posture.tip_positions[tip], posture.tip_rotations[tip], obj)
+            J = posture.jacobian_at(near.tip_point[None], (tip,))[0][:, finger.joints]
+            finger.step(q, near.gap + squeeze, near.normal @ J, tolerance)
+    far = {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}
+    if far:
+        expected = f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)"
+        lost = NotReached("obj", expected, far)
+        lost.q = read_only(q)  # type: ignore[attr-defined]
+        raise lost
+    return read_only(q)
+
+
+class _Finger:
+    """One finger that closes: its joints, its gap [m], and whether it is done (it touches, or is stuck)."""
+
+    def __init__(self, hand: HandModel, tip: int, joints: Any) -> None:
+        self.tip, self.joints = tip, joints
+        self.lower, self.upper = hand.lower[joints], hand.upper[joints]
+        self.gap, self.longest = np.inf, LONGEST_STEP
+        self.smallest, self.stalled = np.inf, 0  # gap so far, and iterations since it last shrank
+        self.done = False
+
+    def step(self, q: Array, gap: float, rate: Array, tolerance: float) -> None:
+        """Move this finger's joints in q. rate : by how much the gap shrinks per joint motion [m/rad]."""
+        grown = abs(gap) > abs(self.gap)
+        self.gap = gap
+        self.longest = self.longest / 2 if grown else min(1.5 * self.longest, LONGEST_STEP)
+        if abs(gap) < 0.999 * self.smallest:
+            self.smallest, self.stalled = abs(gap), 0
+        else:
+            self.stalled += 1
+        self.done = abs(gap) <= tolerance or self.stalled > STALL or not len(self.joints)
+        if self.done:
+            return
+        at = q[self.joints]
+        free = np.ones(len(at), dtype=bool)
+        while True:  # until no joint would leave its range
+            share = np.where(free, rate, 0.0)
+            size = float(share @ share)
+            if size <= DEAD_POINT**2:
+                if not free.all() or self.stalled:
+                    self.done = True
+                    return
+                move = np.where(self.upper - at >= at - self.lower, NUDGE, -NUDGE)
+                break
+            move = gap * share / size
+            blocked = free & (((at >= self.upper) & (move > 0)) | ((at <= self.lower) & (move < 0)))
+            if not blocked.any():
+                break
+            free &= ~blocked
+        largest = float(abs(move).max())
+        if largest > self.longest:
+            move *= self.longest / largest
+        q[self.joints] = np.clip(at + move, self.lower, self.upper)

@@ -1,0 +1,87 @@
+"""Mesh files, read by coal: a convex mesh becomes its hull, any other keeps its triangles.
+
+coal 3.0.3 measures a wrong distance between a triangle mesh and a ball that overlaps it (-3.9 mm instead of -5 mm), and
+the right one for a ball too small to overlap. For meshes that are not convex only distances of points are computed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import coal
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.errors import InputError
+from handlcp.hand.objects.object import Solid
+from handlcp.hand.robot.tip_geometry import hull
+
+__all__ = ["closed", "load_mesh", "winding"]
+
+CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
+_FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
+
+
+def load_mesh(argument: str, path: Any, scale: Array) -> Solid:
+    """Load a mesh file. Volume and centre of mass are those of the enclosed space; of the hull, where a convex mesh has
+    holes. The volume of a mesh with holes that is not convex is NaN.
+
+    Raises InputError for a file that is missing, unreadable or encloses no volume.
+    """
+    try:
+        file = Path(path)
+    except TypeError:
+        raise InputError(argument, "the path of a mesh file", repr(path)) from None
+    if not file.is_file():
+        raise InputError(argument, "the path of a mesh file", f"{str(file)!r}, which does not exist")
+    try:
+        tree = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
+    except (ValueError, RuntimeError) as error:
+        lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
+        raise InputError(argument, "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
+    corners = np.array(tree.vertices(), dtype=float)
+    faces = np.array([[t[0], t[1], t[2]] for t in (tree.tri_indices(i) for i in range(tree.num_tris))], dtype=int)
+    if not len(faces) or not np.isfinite(corners).all():
+        raise InputError(argument, "a mesh of triangles with finite corners", f"{str(file)!r}: {len(faces)} triangles")
+    triangles = read_only(corners[faces])
+    volume, moment = _enclosed(triangles)
+    if abs(volume) <= _FLAT * float(np.ptp(corners, axis=0).max()) ** 3:
+        raise InputError(argument, "a closed mesh that encloses a volume", f"{str(file)!r}: {volume:.3g} m³")
+    around = hull(tree)
+    filled = float(around.computeVolume())
+    convex = abs(abs(volume) - filled) <= CONVEX * filled
+    if closed(triangles):
+        return Solid(around if convex else tree, abs(volume), read_only(moment / volume), None if convex else triangles)
+    if convex:
+        return Solid(around, filled, read_only(np.array(around.computeCOM()).reshape(3)))
+    return Solid(tree, np.nan, read_only(moment / volume), triangles)
+
+
+def _enclosed(triangles: Array) -> tuple[float, Array]:
+    """Volume [m³] (< 0 where the triangles face inwards), and volume × centre of mass (3,) [m⁴], of the space between
+    triangles (m, 3, 3): the sum over the tetrahedra that they form with the origin.
+    """
+    a, b, c = triangles.transpose(1, 0, 2)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    return float(volumes.sum()), (volumes[:, None] * (a + b + c) / 4).sum(axis=0)
+
+
+def closed(triangles: Array) -> bool:
+    """Whether triangles (m, 3, 3) bound a volume: each edge belongs to as many of them in one direction as in the
+    other.
+    """
+    corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3).astype(np.int64)
+    edges = np.concatenate([corners[:, (0, 1)], corners[:, (1, 2)], corners[:, (2, 0)]])
+    n = len(triangles) * 3
+    there, back = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
+    return bool(np.array_equal(np.sort(there), np.sort(back)))
+
+
+def winding(point: Array, triangles: Array) -> float:
+    """How often a closed surface winds around a point: ±1 inside, 0 outside. The sum of the solid angles over 4π."""
+    a, b, c = (triangles - point).transpose(1, 0, 2)
+    la, lb, lc = np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1), np.linalg.norm(c, axis=1)
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+    return float(2 * np.arctan2(volume, below).sum() / (4 * np.pi))

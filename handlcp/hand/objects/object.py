@@ -1,0 +1,130 @@
+"""An object to grasp: a solid, where it is, and what it weighs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array, array, number, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.analysis.explanation import Description
+
+__all__ = ["WEIGHS", "Object", "Solid"]
+
+WEIGHS = Description(
+    title="object weight",
+    equation="w += (m g, (p_m - c) × m g)",
+    when="The object's mass, or its density, and where its centre of mass is.",
+    in_python="mass=0.3",
+    in_file="object.mass_kg = 0.3",
+    brings="none: part of the load",
+    source="statics: the resultant of gravity acts at the centre of mass",
+    module=__name__,
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """A shape in its own frame.
+
+    geometry : coal's shape. volume : [m³], NaN where it is unknown. centre : (3,) centre of mass [m].
+    triangles : (m, 3, 3) [m] the surface of a shape that is not convex; None for a convex one.
+    """
+
+    geometry: Any
+    volume: float
+    centre: Array = field(default_factory=lambda: read_only(np.zeros(3)))
+    triangles: Array | None = None
+
+
+class Object:
+    """Base of the shapes. Immutable, picklable.
+
+    placement : pin.SE3 of the shape's frame in the hand's world frame, or a position (3,) [m]; None: the origin.
+    mass : [kg], ≥ 0; its weight acts at the centre of mass. None: 0, or density · volume.
+    density : [kg/m³], ≥ 0, in place of a mass.
+
+    Attributes: mass, volume [m³], geometry (coal's shape), transform (the placement for coal), triangles (m, 3, 3) [m]
+    of a shape that is not convex (otherwise None).
+    Raises InputError; also where both a mass and a density are given.
+    """
+
+    __slots__ = ("_args", "_centre", "_placement", "geometry", "mass", "transform", "triangles", "volume")
+
+    geometry: Any
+    transform: Any
+    mass: float
+    volume: float
+    triangles: Array | None
+
+    def __init__(self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...]) -> None:
+        """Args : the first arguments of the subclass, for copies, pickles and `repr`."""
+        self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
+        self._placement = _read_placement(placement)
+        self.transform = coal.Transform3s(self._placement.rotation, self._placement.translation)
+        self.mass = _read_mass(mass, density, solid.volume)
+        self._centre, self._args = solid.centre, args
+
+    @property
+    def placement(self) -> Any:
+        """pin.SE3 of the shape's frame in the world (a copy)."""
+        return self._placement.copy()
+
+    @property
+    def center_of_mass(self) -> Array:
+        """(3,) [m], world axes."""
+        return read_only(np.asarray(self._placement.act(self._centre)))
+
+    def moved_to(self, placement: Any) -> Object:
+        """The same object at another placement (pin.SE3 or position)."""
+        make: Any = type(self)
+        return cast(Object, make(*self._args, placement, self.mass))
+
+    def closest(self, point: Array) -> tuple[float, Array, Array] | None:
+        """Signed distance of a point (3,) from the surface [m], the nearest surface point, and the outward normal
+        there; world axes. None: the shape has no formula of its own, and coal computes them.
+        """
+        return None
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Every attribute is set once."""
+        if hasattr(self, name):
+            raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set (moved_to makes another)")
+        object.__setattr__(self, name, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the call that made it."""
+        return (type(self), (*self._args, self._placement, self.mass))
+
+    def __repr__(self) -> str:
+        """The call, its placement shortened to the position."""
+        args = ", ".join(repr(a.tolist() if isinstance(a, np.ndarray) else a) for a in self._args)
+        return f"{type(self).__name__}({args}, placement={self._placement.translation.tolist()}, mass={self.mass:g})"
+
+
+def _read_placement(value: Any) -> Any:
+    """pin.SE3 from an SE3, a position (3,) or None. Raises InputError."""
+    if value is None:
+        return pin.SE3.Identity()
+    if not isinstance(value, pin.SE3):
+        return pin.SE3(np.eye(3), array("placement", value, (3,), what="a pin.SE3 or a position: finite numbers"))
+    R = value.rotation
+    finite = np.isfinite(value.homogeneous).all()
+    if not (finite and abs(R.T @ R - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0):
+        raise InputError("placement", "an SE3 with a rotation and finite numbers", repr(value.homogeneous.tolist()))
+    return value.copy()
+
+
+def _read_mass(mass: Any, density: Any, volume: float) -> float:
+    if density is None:
+        return 0.0 if mass is None else number("mass", mass, minimum=0.0)
+    if mass is not None:
+        raise InputError("density", "None where a mass is given", repr(density))
+    value = number("density", density, minimum=0.0)
+    if not volume > 0:
+        raise InputError("density", "None for a mesh that is not closed (pass its mass)", repr(density))
+    return value * volume

@@ -1,0 +1,152 @@
+"""What is known of a hand before it takes a posture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+
+from handlcp.check import Array
+from handlcp.errors import InputError, UnknownName
+from handlcp.hand.elasticity.elasticity import Elasticity
+from handlcp.hand.elasticity.pads import Pads
+from handlcp.hand.robot.joint_limits import TorqueLimits
+from handlcp.hand.robot.kinematics import Kinematics, TipFrames
+from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
+
+__all__ = ["HandModel"]
+
+
+class HandModel:
+    """The parts of a hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.
+
+    A mimic joint is not a joint of its own here: positions, Jacobians, stiffness, limits and torques are those of the
+    nv independent joints, and `kinematics` moves the mimic joints with the joints that they follow.
+
+    source : name of the URDF file, or of the pinocchio.Model.
+    """
+
+    __slots__ = ("_geometry", "kinematics", "pads", "source", "stiffness", "tips", "torques")
+
+    kinematics: Kinematics
+    tips: TipFrames
+    stiffness: Elasticity
+    pads: Pads
+    torques: TorqueLimits
+    source: str
+    _geometry: TipGeometry
+
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        tips: TipFrames,
+        stiffness: Elasticity,
+        pads: Pads,
+        torques: TorqueLimits,
+        geometry: TipGeometry,
+        source: str,
+    ) -> None:
+        object.__setattr__(self, "kinematics", kinematics)
+        object.__setattr__(self, "tips", tips)
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "pads", pads)
+        object.__setattr__(self, "torques", torques)
+        object.__setattr__(self, "_geometry", geometry)
+        object.__setattr__(self, "source", source)
+
+    @property
+    def name(self) -> str:
+        """The robot's name in the URDF."""
+        return str(self.kinematics.model.name)
+
+    @property
+    def model(self) -> Any:
+        """The pinocchio.Model (a copy)."""
+        return pin.Model(self.kinematics.model)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The nv independent joints, in the order of every vector over joints (Pinocchio's, not the file's)."""
+        return self.kinematics.joint_names
+
+    @property
+    def nv(self) -> int:
+        """The number of independent joints."""
+        return self.kinematics.nv
+
+    @property
+    def fingertips(self) -> tuple[str, ...]:
+        """The n fingertip frames."""
+        return self.tips.names
+
+    @property
+    def lower(self) -> Array:
+        """(nv,) lower ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; -inf: none."""
+        return self.kinematics.lower
+
+    @property
+    def upper(self) -> Array:
+        """(nv,) upper ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; inf: none."""
+        return self.kinematics.upper
+
+    @property
+    def neutral(self) -> Array:
+        """(nv,) the posture nearest to zero inside the joint ranges [rad, m]."""
+        return self.kinematics.neutral
+
+    @property
+    def torque_limits(self) -> Array:
+        """(nv,) torque limits [N·m] (N for prismatic joints); inf where there is none or none is known."""
+        return self.torques.limits
+
+    @property
+    def moves(self) -> Any:
+        """(n, nv) bool: which independent joint moves which fingertip."""
+        support, coupling = self.tips.support[:, 0, :], self.kinematics.coupling
+        return (support if coupling is None else support @ abs(coupling)) > 0
+
+    @property
+    def urdf_tree(self) -> tuple[Any, tuple[Path, ...]]:
+        """The URDF as read, an xml.etree Element not to be changed (None for a pinocchio.Model), and mesh folders."""
+        return self._geometry.root, tuple(self._geometry.folders)
+
+    def tip_numbers(self, argument: str, fingers: Any) -> tuple[int, ...]:
+        """Positions of the named fingertips in `fingertips`; None: all. Raises UnknownName, InputError."""
+        if fingers is None:
+            return self.tips.every
+        if isinstance(fingers, str) or not isinstance(fingers, Sequence):
+            raise InputError(argument, "a sequence of fingertip names", repr(fingers))
+        unknown = [str(name) for name in fingers if name not in self.fingertips]
+        if unknown:
+            raise UnknownName(argument, "a fingertip", unknown, self.fingertips)
+        if not fingers or len(set(fingers)) != len(fingers):
+            raise InputError(argument, "different fingertip names, at least one", repr(list(fingers)))
+        return tuple(self.fingertips.index(name) for name in fingers)
+
+    def finger_joints(self, fingertip: str) -> tuple[str, ...]:
+        """The independent joints that move this fingertip and no other. Raises UnknownName."""
+        (i,) = self.tip_numbers("fingertip", [fingertip])
+        moves = self.moves
+        return tuple(name for k, name in enumerate(self.joint_names) if moves[i, k] and moves[:, k].sum() == 1)
+
+    def tip_shapes(self, tip: int) -> tuple[TipShape, ...]:
+        """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError if there is
+        none.
+        """
+        return self._geometry.shapes(tip)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Nothing may change."""
+        raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the parts it is made of."""
+        parts = (self.kinematics, self.tips, self.stiffness, self.pads, self.torques, self._geometry, self.source)
+        return (type(self), parts)
+
+    def __repr__(self) -> str:
+        """Name, fingertips and joints."""
+        named = f"fingertips={list(self.fingertips)}, joints={list(self.joint_names)}"
+        return f"{type(self).__name__}({self.name!r}, {named})"

@@ -1,0 +1,103 @@
+"""A hand in one posture: where its fingertips are, how its joints move them, and how they give way under forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, read_only
+from handlcp.hand.elasticity.pads import add_pads
+from handlcp.hand.robot.model import HandModel
+from handlcp.lazy import lazy
+
+__all__ = ["Posture"]
+
+# A joint that turns at 1 rad/s moves a point p of its finger with v + ω × p = v + x a + y b + z c. The rows of
+# `_SPREAD` make v, a, b and c of (v; ω).
+_SPREAD = np.zeros((12, 6))
+_SPREAD[:3, :3] = np.eye(3)
+_SPREAD[[4, 5], [5, 4]] = 1.0, -1.0  # a = (0, ω_z, -ω_y)
+_SPREAD[[6, 8], [5, 3]] = -1.0, 1.0  # b = (-ω_z, 0, ω_x)
+_SPREAD[[9, 10], [4, 3]] = 1.0, -1.0  # c = (ω_y, -ω_x, 0)
+
+
+class Posture:
+    """Immutable; all arrays read-only, world axes, metres and radians.
+
+    q : (nv,) positions of the independent joints.
+    tip_positions : (n, 3). tip_rotations : (n, 3, 3), columns the tip frame's axes.
+    jacobian : (3n, nv) velocity of the tip origins in world axes (Pinocchio's LOCAL_WORLD_ALIGNED), tip by tip.
+    flexibility : (3n, 3n) E = J K⁻¹ Jᵀ + pads [m/N], the displacement of the tips in world axes under forces on them.
+    """
+
+    hand: HandModel
+    q: Array
+    tip_positions: Array
+    tip_rotations: Array
+    _spread: Array
+
+    def __init__(self, hand: HandModel, q: Array) -> None:
+        """Q : (nv,) finite; it becomes read-only."""
+        placements, columns = hand.kinematics.frames_at(q, hand.tips.frames)
+        placements.flags.writeable = False
+        self.__dict__.update(
+            hand=hand,
+            q=read_only(q),
+            tip_positions=placements[:, :3, 3],
+            tip_rotations=placements[:, :3, :3],
+            _spread=np.dot(_SPREAD, columns).reshape(4, -1),
+        )
+
+    @lazy
+    def jacobian(self) -> Array:
+        """(3n, nv) translational Jacobian of the tip origins, world axes."""
+        J = self.jacobian_at(self.tip_positions, self.hand.tips.every)
+        return read_only(J.reshape(-1, self.hand.nv))
+
+    @lazy
+    def flexibility(self) -> Array:
+        """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes, the pads included."""
+        E = self.hand.stiffness.compliance(self.jacobian)
+        add_pads(E, self.hand.pads.in_axes(self.tip_rotations, self.hand.tips.every))
+        return read_only(E)
+
+    def jacobian_at(self, points: Array, tips: Sequence[int]) -> Array:
+        """(m, 3, nv) Jacobian of points (m, 3) that move rigidly with the tips numbered `tips`: v + ω × p for each
+        joint, world axes.
+        """
+        J = np.dot(points, self._spread[1:]) + self._spread[0]
+        return self._independent(J.reshape(len(points), 3, -1), tips)
+
+    def turning(self, tips: Sequence[int]) -> Array:
+        """(m, 3, nv) angular Jacobian of the tips numbered `tips`, world axes [rad/rad]."""
+        _, a, b, _ = self._spread.reshape(4, 3, -1)
+        omega = np.stack([b[2], -a[2], a[1]])
+        return self._independent(np.tile(omega, (len(tips), 1, 1)), tips)
+
+    def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
+        """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,)
+        [m/s²] world axes.
+        """
+        return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
+
+    def _independent(self, J: Array, tips: Sequence[int]) -> Array:
+        """(m, 3, nv) from columns (m, 3, joints): those of joints that do not move a tip become zero, and those of
+        mimic joints are added to the joint that they follow.
+        """
+        support, coupling = self.hand.tips.support, self.hand.kinematics.coupling
+        J *= support if tips is self.hand.tips.every else support[list(tips)]
+        return J if coupling is None else np.asarray(J @ coupling)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Nothing may change."""
+        raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the call that made it."""
+        return (type(self), (self.hand, self.q))
+
+    def __repr__(self) -> str:
+        """Name and positions of the joints."""
+        return f"{type(self).__name__}({self.hand.name!r}, q={np.round(self.q, 4).tolist()})"
