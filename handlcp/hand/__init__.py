@@ -2,8 +2,8 @@
 
 from handlcp.hand.elasticity.synergies import Synergies
 from handlcp.hand.elasticity.tendons import Tendons
-from handlcp.hand.grasp import HandGrasp
 from handlcp.hand.hand import Hand
+from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere

@@ -26,13 +26,13 @@ __all__ = ["Hand"]
 
 
 class Hand(HandModel):
-    """A hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.
+    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`. Immutable, safe to share between threads,
+    picklable.
 
-    Made by `Hand.from_urdf`. A mimic joint is not a joint of its own here: positions, Jacobians, stiffness, limits and
-    torques are those of the nv independent joints, and mimic joints move with the joints that they follow.
+    A mimic joint is not a joint of its own: vectors over joints have one entry for each of the nv independent joints.
+    Data as in `HandModel`: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts
+    kinematics, tips, stiffness, pads, torques.
     """
-
-    __slots__ = ()
 
     @classmethod
     def from_urdf(
@@ -73,8 +73,8 @@ class Hand(HandModel):
         else:
             root, path = read_urdf("source", source, base)
             facts = joint_facts(root)
-            model = build_model("source", root, str(path))
-        kinematics = Kinematics("source", model, facts)
+            model = build_model(root, str(path))
+        kinematics = Kinematics(model, facts)
         joints, tips = kinematics.joint_names, find_tips(model, fingertips)
         return cls(
             kinematics,

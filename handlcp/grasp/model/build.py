@@ -12,12 +12,14 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import kind_of
+from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 
-__all__ = ["build"]
+__all__ = ["build", "shifted_by", "softened_by"]
 
 
 def build(spec: GraspSpec) -> Scene:
@@ -40,13 +42,10 @@ def build(spec: GraspSpec) -> Scene:
     soft = tuple([i for i, t in enumerate(tangents) if t == 3]) if 3 in tangents else ()
     E, d = _with_turns(spec, soft)
     held: Array | None = None
-    for e in spec.effects:
-        if (torque := e.added_torque()) is not None:
-            held = torque if held is None else held + torque
-        if (more := e.added_flexibility(spec, soft)) is not None and more.any():
-            E = E + (_in_plane(more) if planar else more)
-        if (shift := e.added_offset(spec, soft)) is not None and shift.any():
-            d = d + (_in_plane(shift) if planar else shift)
+    if spec.effects:
+        E, d = softened_by(spec.effects, spec, soft, E), shifted_by(spec.effects, spec, soft, d)
+        torques = [torque for e in spec.effects if (torque := e.added_torque()) is not None]
+        held = sum(torques[1:], torques[0]) if torques else None
     frames = spec.frames
     if not planar and not plain and (scale := _scales(contacts, soft)) is not None:
         rows = scale[: 3 * len(contacts)].reshape(-1, 3)
@@ -62,6 +61,22 @@ def build(spec: GraspSpec) -> Scene:
         read_only(spec.wrench[3:] + cross_rows(spec.reference, force)), spec.plane,
         kind_of(governed, tangents, planar, bool(E.any())), spec.fingers, given, scale, spec.mechanism, held,
     )  # fmt: skip
+
+
+def softened_by(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...], E: Array) -> Array:
+    """(c, c) flexibility with what effects add to E [m/N]; soft : contacts that bear a moment."""
+    for e in effects:
+        if (more := e.added_flexibility(at, soft)) is not None and more.any():
+            E = E + (_in_plane(more) if at.planar else more)
+    return E
+
+
+def shifted_by(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...], d: Array) -> Array:
+    """(c,) offset with what effects add to d [m, rad]; soft : contacts that bear a moment."""
+    for e in effects:
+        if (more := e.added_offset(at, soft)) is not None and more.any():
+            d = d + (_in_plane(more) if at.planar else more)
+    return d
 
 
 def _along(contact: Contact, direction: Array) -> float:

@@ -21,10 +21,12 @@ from handlcp.hand.robot.tip_geometry import TipShape
 
 __all__ = ["Proximity", "nearest", "touching"]
 
-# Tolerance of GJK and EPA on the distance [m]. On ellipsoids 1e-10 gives distances to 1e-10 and points to 1e-6; 1e-14
+# Tolerance of GJK and EPA on the distance [m]: on ellipsoids 1e-10 gives distances to 1e-10 and points to 1e-6; 1e-14
 # gives distances to 3e-7, and points no better.
-GJK_TOLERANCE = 1e-10
-GJK_ITERATIONS = 1000
+_REQUEST = coal.DistanceRequest()  # coal only reads it
+_REQUEST.enable_signed_distance = True
+_REQUEST.gjk_tolerance = _REQUEST.epa_tolerance = 1e-10
+_REQUEST.gjk_max_iterations = _REQUEST.epa_max_iterations = 1000
 
 _UNTURNED = np.eye(3)  # for balls, whose rotation does not matter
 
@@ -98,29 +100,14 @@ def _to_triangles(p: Array, obj: Object, triangles: Array) -> tuple[float, Array
 
 
 def _distance(geometry: Any, transform: Any, obj: Object) -> tuple[float, Array, Array, Array]:
-    """coal's signed distance [m], its nearest points on the geometry and on the object, and its normal."""
+    """Coal's signed distance [m], its nearest points on the geometry and on the object, and its normal."""
     result = coal.DistanceResult()
     gap = float(coal.distance(geometry, transform, obj.geometry, obj.transform, _REQUEST, result))
     return gap, np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2()), np.array(result.normal)
 
 
-def _request() -> Any:
-    request = coal.DistanceRequest()
-    request.enable_signed_distance = True
-    request.gjk_tolerance = request.epa_tolerance = GJK_TOLERANCE
-    request.gjk_max_iterations = request.epa_max_iterations = GJK_ITERATIONS
-    return request
-
-
-_REQUEST = _request()  # coal only reads it
-
-
-def _contacts(
-    positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]
-) -> tuple[Contact, ...]:
-    """The result of `Contact(position, normal, law, None, name)` for each, with all frames at once and without the
-    checks of its arguments.
-    """
+def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]) -> tuple[Contact, ...]:
+    """What `Contact(position, normal, law, None, name)` makes, with all frames at once and without its checks."""
     rows = np.arange(len(names))
     z = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
     nearest_axis = np.argmin(np.round(abs(z), 9), axis=1)

@@ -23,7 +23,7 @@ CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this shar
 _FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
 
 
-def load_mesh(argument: str, path: Any, scale: Array) -> Solid:
+def load_mesh(path: Any, scale: Array) -> Solid:
     """Load a mesh file. Volume and centre of mass are those of the enclosed space; of the hull, where a convex mesh has
     holes. The volume of a mesh with holes that is not convex is NaN.
 
@@ -32,22 +32,22 @@ def load_mesh(argument: str, path: Any, scale: Array) -> Solid:
     try:
         file = Path(path)
     except TypeError:
-        raise InputError(argument, "the path of a mesh file", repr(path)) from None
+        raise InputError("path", "the path of a mesh file", repr(path)) from None
     if not file.is_file():
-        raise InputError(argument, "the path of a mesh file", f"{str(file)!r}, which does not exist")
+        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which does not exist")
     try:
         tree = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
     except (ValueError, RuntimeError) as error:
         lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
-        raise InputError(argument, "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
+        raise InputError("path", "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
     corners = np.array(tree.vertices(), dtype=float)
     faces = np.array([[t[0], t[1], t[2]] for t in (tree.tri_indices(i) for i in range(tree.num_tris))], dtype=int)
     if not len(faces) or not np.isfinite(corners).all():
-        raise InputError(argument, "a mesh of triangles with finite corners", f"{str(file)!r}: {len(faces)} triangles")
+        raise InputError("path", "a mesh of triangles with finite corners", f"{str(file)!r}: {len(faces)} triangles")
     triangles = read_only(corners[faces])
     volume, moment = _enclosed(triangles)
     if abs(volume) <= _FLAT * float(np.ptp(corners, axis=0).max()) ** 3:
-        raise InputError(argument, "a closed mesh that encloses a volume", f"{str(file)!r}: {volume:.3g} m³")
+        raise InputError("path", "a closed mesh that encloses a volume", f"{str(file)!r}: {volume:.3g} m³")
     around = hull(tree)
     filled = float(around.computeVolume())
     convex = abs(abs(volume) - filled) <= CONVEX * filled

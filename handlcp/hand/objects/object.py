@@ -62,7 +62,7 @@ class Object:
     triangles: Array | None
 
     def __init__(self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...]) -> None:
-        """Args : the first arguments of the subclass, for copies, pickles and `repr`."""
+        """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`."""
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
         self._placement = _read_placement(placement)
         self.transform = coal.Transform3s(self._placement.rotation, self._placement.translation)

@@ -17,7 +17,7 @@ from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 __all__ = ["RIM", "plane_contacts"]
 
 RIM = 8  # points on each rim of a cylinder
-_FLAT = 1e-9  # of the object's size: heights that differ by less are equal, and points this near to a line lie on it
+_FLAT = 1e-9  # times the object's size: smaller differences of height and distances from a line are zero
 
 
 def plane_contacts(obj: Object, point: Array, normal: Array, max_gap: float) -> tuple[Array, Array, float]:
@@ -50,10 +50,9 @@ def _extremes(obj: Object, normal: Array) -> Array:
             local = (obj.radii * stretched / np.sqrt(stretched @ stretched))[None]
         case Cylinder():
             local = _rims(obj, down)
-        case Mesh() if obj.triangles is not None:
-            local = np.unique(obj.triangles.reshape(-1, 3), axis=0)
         case Mesh():
-            local = np.unique(np.array(obj.geometry.points(), dtype=float).reshape(-1, 3), axis=0)
+            corners = obj.geometry.points() if obj.triangles is None else obj.triangles
+            local = np.unique(np.array(corners, dtype=float).reshape(-1, 3), axis=0)
         case _:
             expected = "a Box, Sphere, Cylinder, Ellipsoid or Mesh to find contacts of"
             raise InputError("object", expected, repr(obj)[:80])

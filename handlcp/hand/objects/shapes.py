@@ -132,7 +132,7 @@ class Mesh(Object):
         scales = array("scale", scale, (), (3,))
         if not (scales > 0).all():
             raise InputError("scale", "numbers above 0", repr(scale))
-        solid = load_mesh("path", path, np.ones(3) * scales)
+        solid = load_mesh(path, np.ones(3) * scales)
         self.path, self.scale, self.convex = Path(path), scales, solid.triangles is None
         super().__init__(solid, placement, mass, density, (self.path, self.scale))
 

@@ -21,7 +21,7 @@ def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling:
     names : of all movable joints, in the order of the coupling's rows. The limits of a mimic joint narrow the range of
     the joint that it follows.
     """
-    lower, upper = np.full(len(coupling.independent), -np.inf), np.full(len(coupling.independent), np.inf)
+    lower, upper = np.full(len(coupling.names), -np.inf), np.full(len(coupling.names), np.inf)
     for i, name in enumerate(names):
         fact = facts[name]
         k = int(np.argmax(abs(coupling.C[i])))

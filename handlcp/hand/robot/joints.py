@@ -47,14 +47,11 @@ class JointFacts:
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
-    """q_full = C q + offset, over the movable joints in Pinocchio's order. independent : positions of those in q.
-    identity : whether there is no mimic joint.
-    """
+    """q_full = C q + offset, over all movable joints; names : of the independent ones, those of q."""
 
+    names: tuple[str, ...]
     C: Array
     offset: Array
-    independent: tuple[int, ...]
-    identity: bool
 
 
 def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
@@ -100,44 +97,42 @@ def model_facts(model: Any) -> tuple[JointFacts, ...]:
     return tuple(found)
 
 
-def movable_joints(argument: str, model: Any) -> tuple[str, ...]:
+def movable_joints(model: Any) -> tuple[str, ...]:
     """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one
     degree of freedom.
     """
-    joints = [(joint.idx_v, model.names[i], joint) for i, joint in enumerate(model.joints) if i and joint.nv]
-    wrong = [f"{name!r} ({joint.shortname()}, {joint.nv})" for _, name, joint in joints if joint.nv != 1]
+    joints = [(model.names[i], joint) for i, joint in enumerate(model.joints) if i and joint.nv]
+    wrong = [f"{name!r} ({joint.shortname()}, {joint.nv})" for name, joint in joints if joint.nv != 1]
     if wrong:
-        raise URDFError(argument, "joints of one degree of freedom (revolute, continuous, prismatic)", ", ".join(wrong))
+        raise URDFError("source", "joints of one degree of freedom (revolute, continuous, prismatic)", ", ".join(wrong))
     if not joints:
-        raise URDFError(argument, "a hand with movable joints", "none at all")
-    return tuple(name for _, name, _ in sorted(joints, key=lambda joint: joint[0]))
+        raise URDFError("source", "a hand with movable joints", "none at all")
+    return tuple(name for name, _ in sorted(joints, key=lambda named: named[1].idx_v))
 
 
-def couple(argument: str, names: tuple[str, ...], facts: tuple[JointFacts, ...]) -> Coupling:
+def couple(names: tuple[str, ...], facts: tuple[JointFacts, ...]) -> Coupling:
     """Resolve mimic tags, also chains of them. Raises URDFError for a tag that names no joint, or runs in a circle."""
-    n = len(names)
     mimics = {f.name: f.mimic for f in facts if f.mimic is not None}
-    independent = tuple(i for i, name in enumerate(names) if name not in mimics)
-    C, offset = np.zeros((n, len(independent))), np.zeros(n)
-    column = {i: k for k, i in enumerate(independent)}
+    independent = tuple(name for name in names if name not in mimics)
+    C, offset = np.zeros((len(names), len(independent))), np.zeros(len(names))
     for i, name in enumerate(names):
         factor, shift, at, seen = 1.0, 0.0, name, {name}
         while (mimic := mimics.get(at)) is not None:
             if mimic.master is None:
                 expected = f"<mimic> tags that name movable joints among [{', '.join(names)}]"
-                raise URDFError(argument, expected, f"{at!r} mimicking {mimic.written!r}")
+                raise URDFError("source", expected, f"{at!r} mimicking {mimic.written!r}")
             if mimic.master in seen:
-                raise URDFError(argument, "<mimic> tags that end at a free joint", f"a circle through {at!r}")
+                raise URDFError("source", "<mimic> tags that end at a free joint", f"a circle through {at!r}")
             shift += factor * mimic.offset
             factor *= mimic.multiplier
             at = mimic.master
             seen.add(at)
         if not (abs(factor) <= LARGEST_NUMBER and abs(shift) <= LARGEST_NUMBER):  # also where one is NaN
             expected = f"<mimic> tags with finite numbers up to {LARGEST_NUMBER:g}, chains of them multiplied"
-            raise URDFError(argument, expected, f"{name!r}: {factor:g} × {at} {shift:+g}")
-        C[i, column[names.index(at)]] = factor
+            raise URDFError("source", expected, f"{name!r}: {factor:g} × {at} {shift:+g}")
+        C[i, independent.index(at)] = factor
         offset[i] = shift
-    return Coupling(read_only(C), read_only(offset), independent, not mimics)
+    return Coupling(independent, read_only(C), read_only(offset))
 
 
 def _ancestors(joint: ET.Element, above: Mapping[str, tuple[str, str]]) -> set[str]:

@@ -18,31 +18,27 @@ __all__ = ["Kinematics", "TipFrames", "find_tips"]
 
 
 class Kinematics:
-    """A Pinocchio model and its independent joints. Picklable; safe to share between threads, each with its own
-    pinocchio.Data.
+    """A Pinocchio model and its independent joints. Picklable; safe to share between threads, which have a copy of the
+    model each.
 
     joint_names : nv of them, in Pinocchio's order. lower, upper : (nv,) ranges [rad, m], ±inf where there are none.
     neutral : (nv,) the posture nearest to zero in the ranges.
     coupling : (joints, nv) matrix C of q_full = C q + offset; None without mimic joints, where C is the identity.
     """
 
-    def __init__(self, argument: str, model: Any, facts: tuple[JointFacts, ...]) -> None:
+    def __init__(self, model: Any, facts: tuple[JointFacts, ...]) -> None:
         self.model, self.facts = model, facts
-        movable = movable_joints(argument, model)
+        movable = movable_joints(model)
         for f in facts:
             if f.axis is not None and not 0 < sum(a * a for a in f.axis) < np.inf:
-                raise URDFError(argument, f"an axis that is a direction for joint {f.name!r}", f"{f.axis}")
-        coupling = couple(argument, movable, facts)
-        self.joint_names = tuple(movable[i] for i in coupling.independent)
-        self.nv = len(self.joint_names)
-        self.coupling = None if coupling.identity else coupling.C
+                raise URDFError("source", f"an axis that is a direction for joint {f.name!r}", f"{f.axis}")
+        coupling = couple(movable, facts)
+        self.joint_names, self.nv = coupling.names, len(coupling.names)
+        self.coupling = None if self.joint_names == movable else coupling.C
         self.offset = coupling.offset
         self.lower, self.upper = read_ranges(movable, {f.name: f for f in facts}, coupling)
         self.neutral = read_only(np.clip(np.zeros(self.nv), self.lower, self.upper))
-        # joints[0] is the universe: it has one degree of freedom and is no joint
-        joints = sorted((model.joints[i] for i in range(1, model.njoints)), key=lambda joint: joint.idx_v)
-        self._direct = np.array([j.idx_q for j in joints if j.nv])
-        self._wraps = tuple((j.idx_q, j.idx_v) for j in joints if j.nv and j.nq == 2)
+        self._zero = pin.neutral(model)
         self._local = threading.local()
 
     def posture(self, argument: str, q: Any) -> Array:
@@ -64,13 +60,7 @@ class Kinematics:
     def configuration(self, q: Array) -> Array:
         """(nq,) Pinocchio's configuration: with mimic joints, and continuous joints as (cos, sin)."""
         full = q if self.coupling is None else self.coupling @ q + self.offset
-        if not self._wraps:
-            return full
-        configuration = np.empty(self.model.nq)
-        configuration[self._direct] = full
-        for at, i in self._wraps:
-            configuration[at], configuration[at + 1] = np.cos(full[i]), np.sin(full[i])
-        return configuration
+        return full if len(full) == len(self._zero) else np.asarray(pin.integrate(self.model, self._zero, full))
 
     def frames_at(self, q: Array, frames: Sequence[int]) -> tuple[Array, Array]:
         """Placements (n, 4, 4) of frames, and the world Jacobian (6, joints), linear part (of the world's origin)
@@ -78,7 +68,7 @@ class Kinematics:
 
         The Jacobian is a view into this thread's Data, which the next call overwrites.
         """
-        model, data = self.model, self._data()
+        model, data = self._of_this_thread()
         pin.computeJointJacobians(model, data, self.configuration(q))
         pin.updateFramePlacements(model, data)
         placements = np.empty((len(frames), 4, 4))
@@ -89,19 +79,18 @@ class Kinematics:
 
     def gravity_torque(self, q: Array, gravity: Array) -> Array:
         """(nv,) torque g(q) that holds the links' weight [N·m]; q (nv,), gravity (3,) [m/s²] in world axes."""
-        data = self._data()
-        if getattr(self._local, "weighed", None) is None:
-            self._local.weighed = pin.Model(self.model)  # gravity is a field of the model: each thread has its own
-        weighed = self._local.weighed
-        weighed.gravity.linear = np.array(gravity)
-        g = np.array(pin.computeGeneralizedGravity(weighed, data, self.configuration(q))).reshape(-1)
+        model, data = self._of_this_thread()
+        model.gravity.linear = np.array(gravity)
+        g = np.array(pin.computeGeneralizedGravity(model, data, self.configuration(q))).reshape(-1)
         return g if self.coupling is None else np.asarray(self.coupling.T @ g)
 
-    def _data(self) -> Any:
-        data = getattr(self._local, "data", None)
-        if data is None:
-            data = self._local.data = self.model.createData()
-        return data
+    def _of_this_thread(self) -> tuple[Any, Any]:
+        """A model and its Data that no other thread changes: gravity is a field of the model."""
+        if not hasattr(self._local, "pair"):
+            model = pin.Model(self.model)
+            self._local.pair = model, model.createData()
+        pair: tuple[Any, Any] = self._local.pair
+        return pair
 
     def __getstate__(self) -> dict[str, Any]:
         """Everything that does not belong to a thread."""

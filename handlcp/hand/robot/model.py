@@ -8,7 +8,7 @@ from typing import Any
 
 import pinocchio as pin
 
-from handlcp.check import Array
+from handlcp.check import Array, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.pads import Pads
@@ -25,17 +25,28 @@ class HandModel:
     A mimic joint is not a joint of its own here: positions, Jacobians, stiffness, limits and torques are those of the
     nv independent joints, and `kinematics` moves the mimic joints with the joints that they follow.
 
-    source : name of the URDF file, or of the pinocchio.Model.
+    name : the robot's name in the URDF. source : name of the URDF file, or of the pinocchio.Model.
+    joint_names : nv of them, in the order of every vector over joints (Pinocchio's, not the file's).
+    fingertips : n names of frames.
+    lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
+    neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
+    torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
     """
-
-    __slots__ = ("_geometry", "kinematics", "pads", "source", "stiffness", "tips", "torques")
 
     kinematics: Kinematics
     tips: TipFrames
     stiffness: Elasticity
     pads: Pads
     torques: TorqueLimits
+    name: str
     source: str
+    joint_names: tuple[str, ...]
+    nv: int
+    fingertips: tuple[str, ...]
+    lower: Array
+    upper: Array
+    neutral: Array
+    torque_limits: Array
     _geometry: TipGeometry
 
     def __init__(
@@ -48,58 +59,17 @@ class HandModel:
         geometry: TipGeometry,
         source: str,
     ) -> None:
-        object.__setattr__(self, "kinematics", kinematics)
-        object.__setattr__(self, "tips", tips)
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "pads", pads)
-        object.__setattr__(self, "torques", torques)
-        object.__setattr__(self, "_geometry", geometry)
-        object.__setattr__(self, "source", source)
-
-    @property
-    def name(self) -> str:
-        """The robot's name in the URDF."""
-        return str(self.kinematics.model.name)
+        self.__dict__.update(
+            kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques, _geometry=geometry,
+            name=str(kinematics.model.name), source=source, joint_names=kinematics.joint_names, nv=kinematics.nv,
+            fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper, neutral=kinematics.neutral,
+            torque_limits=torques.limits,
+        )  # fmt: skip
 
     @property
     def model(self) -> Any:
         """The pinocchio.Model (a copy)."""
         return pin.Model(self.kinematics.model)
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The nv independent joints, in the order of every vector over joints (Pinocchio's, not the file's)."""
-        return self.kinematics.joint_names
-
-    @property
-    def nv(self) -> int:
-        """The number of independent joints."""
-        return self.kinematics.nv
-
-    @property
-    def fingertips(self) -> tuple[str, ...]:
-        """The n fingertip frames."""
-        return self.tips.names
-
-    @property
-    def lower(self) -> Array:
-        """(nv,) lower ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; -inf: none."""
-        return self.kinematics.lower
-
-    @property
-    def upper(self) -> Array:
-        """(nv,) upper ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; inf: none."""
-        return self.kinematics.upper
-
-    @property
-    def neutral(self) -> Array:
-        """(nv,) the posture nearest to zero inside the joint ranges [rad, m]."""
-        return self.kinematics.neutral
-
-    @property
-    def torque_limits(self) -> Array:
-        """(nv,) torque limits [N·m] (N for prismatic joints); inf where there is none or none is known."""
-        return self.torques.limits
 
     @property
     def moves(self) -> Any:
@@ -141,10 +111,9 @@ class HandModel:
         """Nothing may change."""
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the parts it is made of."""
-        parts = (self.kinematics, self.tips, self.stiffness, self.pads, self.torques, self._geometry, self.source)
-        return (type(self), parts)
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Arrays stay read-only when pickled."""
+        self.__dict__.update(sealed(state))
 
     def __repr__(self) -> str:
         """Name, fingertips and joints."""

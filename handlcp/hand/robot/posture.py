@@ -14,8 +14,8 @@ from handlcp.lazy import lazy
 
 __all__ = ["Posture"]
 
-# A joint that turns at 1 rad/s moves a point p of its finger with v + ω × p = v + x a + y b + z c. The rows of
-# `_SPREAD` make v, a, b and c of (v; ω).
+# A joint moves a point p = (x, y, z) of its finger by v + ω × p = v + x a + y b + z c. `_SPREAD` maps (v; ω) to
+# (v; a; b; c).
 _SPREAD = np.zeros((12, 6))
 _SPREAD[:3, :3] = np.eye(3)
 _SPREAD[[4, 5], [5, 4]] = 1.0, -1.0  # a = (0, ω_z, -ω_y)
@@ -39,7 +39,7 @@ class Posture:
     _spread: Array
 
     def __init__(self, hand: HandModel, q: Array) -> None:
-        """Q : (nv,) finite; it becomes read-only."""
+        """From a hand and finite q (nv,), which becomes read-only."""
         placements, columns = hand.kinematics.frames_at(q, hand.tips.frames)
         placements.flags.writeable = False
         self.__dict__.update(

@@ -1,0 +1,193 @@
+"""A grasp followed in real time: posture, load and contacts move a little, and each answer starts at the last."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, integer, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.model import validate
+from handlcp.grasp.model.build import shifted_by, softened_by
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.spec import wrench_about
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind, pack, start_from
+from handlcp.grasp.solve.compiled_solve import solve_scenes
+from handlcp.hand.command import read_joint_offset
+from handlcp.hand.mechanism import HandMechanism
+from handlcp.hand.moving_hand import MovingHand
+from handlcp.hand.update import GraspUpdate
+
+__all__ = ["GraspStream"]
+
+
+class GraspStream:
+    """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.
+
+    grasp : where it begins; of a `HandGrasp` the posture may move, too: Jacobian and flexibility follow it, while the
+    contacts stay where they are on the object until others are passed. faces : as in `Grasp.solve`. seed : of the
+    solver. start : a solution of the grasp, or of a nearby one, to begin at, and to begin afresh at; None: nowhere.
+
+    Buffers, the layout of the problem and Pinocchio's data are made once; the flexibility is computed anew only when
+    posture or contacts move; every answer starts at the last, and begins afresh where that leads nowhere. The time of
+    an update is bounded: it takes the solver's first stage and no later one, and is UNDECIDED where that fails;
+    `stream.grasp.solve()` asks all of them. A stream belongs to one thread.
+
+    Raises InputError for a grasp with effects asked for by name that bring unknowns or depend on the forces, or with
+    soft fingers or anisotropic friction; `grasp.solve(start=...)` follows it.
+    """
+
+    def __init__(
+        self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0, start: GraspSolution | None = None
+    ) -> None:
+        if not isinstance(grasp, Grasp):
+            raise InputError("grasp", "a Grasp", repr(grasp)[:80])
+        if unknown := [type(e).__name__ for e in grasp.effects if e.stamps or e.depends_on_forces or e.prescribed()]:
+            expected = "one whose effects asked for are compliances; grasp.solve(start=...) follows any"
+            raise InputError("grasp", expected, ", ".join(unknown))
+        spec, scene = grasp.spec, grasp.scene
+        if scene.scale is not None:
+            laws = ", ".join(dict.fromkeys(type(c.friction).__name__ for c in grasp.contacts))
+            raise InputError("grasp", "one with Coulomb's friction; grasp.solve(start=...) follows any", laws)
+        self._first, self._given_start, self._seed = grasp, start, integer("seed", seed, 0)
+        self._section = as_section(faces, planar=spec.planar)
+        self._kind, self._start = compiled_kind(scene, self._section), start_from(start, scene)
+        self._anew, self._effects = self._start, spec.effects
+        self._numbers = np.empty((1, self._kind.scene_width))
+        pack(scene, self._section, self._numbers[0])
+        self._scene = read_only(self._numbers.view())
+        n, k = spec.n, spec.of_fingers
+        ends = np.cumsum([3 * n, 9 * n, 9 * n * n, 3 * n, 3 * n, 3, 3]).tolist()
+        p, R, E, d, _, f, m = np.split(self._numbers[0], ends)[:7]  # views: what is written there is what is solved
+        self._positions, self._frames = p.reshape(n, 3), R.reshape(n, 3, 3)
+        self._flexibility, self._offset, self._force, self._moment = E.reshape(3 * n, 3 * n), d, f, m
+        self._tips, self._axes = self._positions[:k], self._frames[:k]
+        # Without what the effects add
+        self._own, self._given = spec.flexibility.copy(), spec.offset.copy()
+        mechanism = spec.mechanism
+        self._hand = MovingHand(mechanism, n - k) if isinstance(mechanism, HandMechanism) else None
+        self._at = Placement(spec.contacts, self._positions, self._frames, spec.plane, spec.fingers, mechanism)
+        self._lift = validate.lift(scene.positions, grasp.reference, spec.plane)
+
+    def update(
+        self,
+        q: Any = None,
+        *,
+        wrench: Any = None,
+        offset: Any = None,
+        positions: Any = None,
+        frames: Any = None,
+        joint_offset: Any = None,
+    ) -> GraspUpdate:
+        """The answer after a change; what is None stays as it was.
+
+        q : (nv,) joint positions [rad, m], or a mapping by joint name. The contact points stay where they are, and so
+        do gaps and preloads, unless they are passed, too; fingers whose weight is in the elastic balance sag anew.
+        wrench : (6,) the whole load about the grasp's reference, weight included [N, N·m]. offset : (n, 3) [m] as in
+        `Grasp`. positions (n, 3) [m], frames (n, 3, 3) : of the contacts, world axes; x and y tangents, z into the
+        object. joint_offset : (nv,) or a mapping by joint name [rad, m], how far beyond q the joints are commanded, as
+        in `state.grasp`; it comes on top of offset, and follows the posture.
+        With an environment offset, positions and frames may also be those of the fingers alone: its contacts stay.
+        Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
+        """
+        # All is checked before any of it is taken over
+        posture = None if q is None else self._joints("q", q).checked(q)
+        command = None
+        if joint_offset is not None:
+            command = read_joint_offset(joint_offset, self._joints("joint_offset", joint_offset).hand.joint_names)
+        load = None if wrench is None else validate.wrench(wrench, self._at.plane, self._lift)
+        shift = None if offset is None else array("offset", offset, *self._shapes(3))
+        points = None if positions is None else self._spatial("positions", array("positions", positions, *self._shapes(3)))
+        axes = None
+        if frames is not None:
+            axes = self._spatial("frames", array("frames", frames, *self._shapes(3, 3)))
+            axes = validate.frames(axes, len(axes))
+        if load is not None:
+            self._force[:] = load[:3]
+            self._moment[:] = load[3:] + cross_rows(self._first.reference, load[:3])
+        if shift is not None:
+            self._given[: len(shift)] = shift
+        if points is not None:
+            self._positions[: len(points)] = points
+        if axes is not None:
+            self._frames[: len(axes)] = axes
+        moved = posture is not None or points is not None or axes is not None
+        if moved:
+            self._move(posture)
+        if command is not None:
+            others = tuple(e for e in self._effects if not isinstance(e, JointOffset))
+            self._effects = (*others, JointOffset(command))
+        if shift is not None or command is not None or (moved and self._effects):
+            self._offset[:] = shifted_by(self._effects, self._at, (), self._given.reshape(-1))
+        return self._solved()
+
+    def _move(self, q: Array | None) -> None:
+        """The hand in a posture (None: the same), and flexibility at the contacts as they are."""
+        if self._hand is not None:
+            E = self._hand.move(q, self._tips, self._axes)
+            self._own[: len(E), : len(E)] = E
+            self._at = replace(self._at, mechanism=self._hand.mechanism)
+            if q is not None:
+                self._effects = self._hand.weighed(self._effects)
+        self._flexibility[:] = softened_by(self._effects, self._at, (), self._own)
+
+    def _solved(self) -> GraspUpdate:
+        rows = np.empty((1, self._kind.answer_width))
+        solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
+        found = CompiledAnswer(self._kind, rows[0])
+        passes = found.passes
+        self._start = found.start if passes else self._anew
+        torques = None
+        if self._hand is not None:
+            torques = found.forces @ self._hand.mechanism.jacobian
+            for e in self._effects:
+                if (held := e.added_torque()) is not None:
+                    torques = torques + held
+        return GraspUpdate(self._first, found, passes, self._frames.copy(), torques)
+
+    @property
+    def grasp(self) -> Grasp:
+        """The grasp as it is now, for all that a `Grasp` can do."""
+        spec, at = self._first.spec, self._at
+        positions, frames = read_only(self._positions.copy()), read_only(self._frames.copy())
+        mechanism = spec.mechanism
+        if self._hand is not None:
+            assert isinstance(mechanism, HandMechanism)
+            posture = type(mechanism.posture)(self._hand.hand, self._hand.q)
+            k = len(self._tips)
+            mechanism = replace(
+                mechanism, posture=posture, jacobian=read_only(self._hand.mechanism.jacobian),
+                positions=positions[:k], frames=frames[:k],
+            )  # fmt: skip
+        now = spec.replace(
+            contacts=validate.moved(at.contacts, positions, frames), positions=positions, frames=frames,
+            mechanism=mechanism, flexibility=read_only(self._own.copy()), offset=read_only(self._given.copy()),
+            wrench=wrench_about(self._first.reference, self._force, self._moment), effects=self._effects,
+        )  # fmt: skip
+        return type(self._first)(now)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copied and pickled as the grasp as it is now: buffers are not shared."""
+        return (GraspStream, (self.grasp, self._section, self._seed, self._given_start))
+
+    def _shapes(self, *rest: int) -> list[tuple[int, ...]]:
+        """Of arrays for all contacts, or for the fingers alone."""
+        n, k = self._at.n, len(self._tips)
+        return [(n, *rest)] if k == n else [(n, *rest), (k, *rest)]
+
+    def _joints(self, argument: str, value: Any) -> MovingHand:
+        if self._hand is None:
+            raise InputError(argument, "None for a grasp without a hand", repr(value)[:80])
+        return self._hand
+
+    def _spatial(self, argument: str, value: Array) -> Array:
+        if self._at.planar:
+            raise InputError(argument, "None in a planar scene, whose contacts stay", f"shape {value.shape}")
+        return value
