@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array, array
 from handlcp.grasp import Contact, Environment, Grasp
-from handlcp.scene.naming import by_finger, keyed, known
-from handlcp.scene.physics import effects_of, is_by_finger, keys_of, law_of
+from handlcp.grasp.model.file_key import by_finger
+from handlcp.hand import (
+    Box,
+    Cylinder,
+    Ellipsoid,
+    Hand,
+    Mesh,
+    Object,
+    Sphere,
+    Synergies,
+    Table,
+    Tendons,
+    example_hand,
+)
+from handlcp.scene.naming import keyed, known
+from handlcp.scene.physics import effects_of, is_by_finger, law_of
+from handlcp.scene.scene_tables import SceneTables
 from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, HandTable, MeshTable, SphereTable
-
-if TYPE_CHECKING:
-    from handlcp.hand import Hand, Object
-    from handlcp.scene.file import SceneFile
 
 __all__ = ["build", "hand", "shape"]
 
@@ -47,15 +59,13 @@ ENVIRONMENT = {
 }  # fmt: skip
 
 
-def build(scene: SceneFile) -> Grasp:
+def build(scene: SceneTables) -> Grasp:
     """The grasp that a scene file describes."""
     return _by_hand(scene) if scene.hand is not None else _by_contacts(scene)
 
 
-def hand(scene: SceneFile) -> Hand:
+def hand(scene: SceneTables) -> Hand:
     """The hand of a scene that has one."""
-    from handlcp.hand import Hand, example_hand
-
     h = scene.hand
     assert h is not None
     words: dict[str, Any] = {
@@ -70,8 +80,6 @@ def hand(scene: SceneFile) -> Hand:
 
 def _springs(table: HandTable) -> Any:
     """What [hand] says of stiffness."""
-    from handlcp.hand import Synergies, Tendons
-
     with keyed(HAND):
         if (t := table.tendons) is not None:
             return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad)
@@ -83,12 +91,8 @@ def _springs(table: HandTable) -> Any:
     return table.joint_stiffness_Nm_per_rad
 
 
-def shape(scene: SceneFile) -> Object | None:
+def shape(scene: SceneTables) -> Object | None:
     """The object of a scene; None where there is none."""
-    import pinocchio as pin
-
-    from handlcp.hand import Box, Cylinder, Ellipsoid, Mesh, Sphere
-
     table = scene.object
     if table is None:
         return None
@@ -108,7 +112,7 @@ def shape(scene: SceneFile) -> Object | None:
                 return Mesh(scene.folder / table.file, table.scale, placement, **weight)
 
 
-def _by_hand(scene: SceneFile) -> Grasp:
+def _by_hand(scene: SceneTables) -> Grasp:
     the_hand, obj, g, posture = hand(scene), shape(scene), scene.grasp, scene.posture
     assert obj is not None
     around = _environment(scene, obj)
@@ -119,16 +123,16 @@ def _by_hand(scene: SceneFile) -> Grasp:
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
         given: Any = g.friction
         laws = {f: law_of(v) for f, v in given.items()} if is_by_finger(given) else law_of(given)
-    asked = effects_of(scene, fingers)
-    with keyed(GRASP | keys_of(asked)):
+    asked, keys = effects_of(scene.effects, fingers)
+    with keyed(GRASP | keys):
         return the_hand.at(q).grasp(
-            obj, laws, _wrench(scene), g.gravity_m_per_s2, by_finger("grasp.preload_m", g.preload_m, fingers),
+            obj, laws, _wrench(scene), g.gravity_m_per_s2, by_finger("grasp.preload_m", g.preload_m, fingers, 0.0),
             reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=asked,
             finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad, environment=around,
         )  # fmt: skip
 
 
-def _by_contacts(scene: SceneFile) -> Grasp:
+def _by_contacts(scene: SceneTables) -> Grasp:
     g, tables, contacts = scene.grasp, scene.contact, []
     names = tuple(c.name or f"finger {i + 1}" for i, c in enumerate(tables))
     laws: Any = g.friction if is_by_finger(g.friction) else dict.fromkeys(names, g.friction)
@@ -145,19 +149,17 @@ def _by_contacts(scene: SceneFile) -> Grasp:
             reference = obj.center_of_mass
         weight = obj.mass * np.array(g.gravity_m_per_s2)
         wrench = wrench + np.concatenate([weight, np.cross(obj.center_of_mass - reference, weight)])
-    asked = effects_of(scene, names)
-    with keyed(GRASP | keys_of(asked)):
+    asked, keys = effects_of(scene.effects, names)
+    with keyed(GRASP | keys):
         return Grasp(
             contacts, wrench, flexibility=g.flexibility_m_per_N or 0.0, reference=reference, plane=g.plane,
-            preload=by_finger("grasp.preload_m", g.preload_m, names), effects=asked,
+            preload=by_finger("grasp.preload_m", g.preload_m, names, 0.0), effects=asked,
             environment=around,
         )  # fmt: skip
 
 
-def _environment(scene: SceneFile, obj: Object | None) -> list[Environment] | None:
+def _environment(scene: SceneTables, obj: Object | None) -> list[Environment] | None:
     """What the object touches besides the fingers; None: nothing."""
-    from handlcp.hand import Table
-
     parts = []
     for i, e in enumerate(scene.environment):
         where, law = f"environment[{i}]", law_of(e.friction, f"environment[{i}].friction")
@@ -180,5 +182,5 @@ def _posture(the_hand: Hand, q: Any) -> Any:
     return dict(zip(the_hand.joint_names, the_hand.neutral.tolist(), strict=True)) | q
 
 
-def _wrench(scene: SceneFile) -> Array:
+def _wrench(scene: SceneTables) -> Array:
     return np.array([*scene.load.force_N, *scene.load.torque_Nm])

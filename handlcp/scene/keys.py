@@ -10,7 +10,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from handlcp.scene.kinds import SHAPES, Expected
+from handlcp.scene.kinds import SHAPES
+from handlcp.scene.scene_tables import SceneTables
+from handlcp.scene.table import Expected, MadeWhenRead
 
 __all__ = ["Key", "keys"]
 
@@ -40,9 +42,7 @@ class Key:
 
 def keys() -> tuple[Key, ...]:
     """All keys, in the order of the schema."""
-    from handlcp.scene.file import SceneFile
-
-    found = list(_walk("", SceneFile))
+    found = list(_walk("", SceneTables))
     shapes = {k.shape for k in found if k.shape}
     alike = Counter(replace(k, shape="") for k in found)
     common = [replace(k, shape="") if alike[replace(k, shape="")] == len(shapes) else k for k in found]
@@ -52,7 +52,8 @@ def keys() -> tuple[Key, ...]:
 def _walk(table: str, model: type[BaseModel], shape: str = "") -> Iterator[Key]:
     for field_name, field in model.model_fields.items():
         name = field.alias or field_name
-        inner = _models(field.annotation)
+        later = [m.model() for m in field.metadata if isinstance(m, MadeWhenRead)]
+        inner = later or _models(field.annotation)
         if not inner:
             default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
             words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)

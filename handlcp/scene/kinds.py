@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, ValidationError, WrapValidator
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, Field
+
+from handlcp.grasp.friction import friction_laws
+from handlcp.scene.table import Expected
 
 __all__ = [
-    "LAW_KEYS",
     "SHAPES",
     "Arms",
-    "Compliance",
-    "Expected",
     "Faces",
-    "Finger",
     "FingerWeight",
     "Flexibility",
-    "ForceBounds",
     "Friction",
     "FrictionByFinger",
     "Lengths",
@@ -38,30 +35,11 @@ __all__ = [
     "Switch",
     "Text",
     "TorqueLimits",
-    "TotalBound",
     "Vector",
-    "WristFlexibility",
 ]
 
 
 SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh")
-
-
-class Expected(WrapValidator):
-    """Any refusal inside becomes one: `words`."""
-
-    words: str
-
-    def __init__(self, words: str) -> None:
-        def check(value: Any, inner: Any) -> Any:
-            try:
-                return inner(value)
-            except ValidationError:
-                raise PydanticCustomError("expected", "{words}", {"words": words}) from None
-
-        super().__init__(check)
-        object.__setattr__(self, "words", words)
-
 
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Above0 = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -111,32 +89,35 @@ Radius = Annotated[_Above0 | dict[str, _Above0], Expected("a number > 0, or a ta
 Posture = Annotated[
     list[_Finite] | dict[str, _Finite], Expected("one finite number for each joint, or a table by joint name")
 ]
-LAW_KEYS = (  # of a friction that is more than a coefficient: needed, and allowed beside
-    (frozenset({"mu", "mu_torsion_m"}), frozenset({"torsional_flexibility_rad_per_Nm"})),
-    (frozenset({"mu_x", "mu_y"}), frozenset({"along"})),
-)
 
 
 def _law_table(value: dict[str, Any]) -> dict[str, Any]:
-    """A soft finger's table, or that of an anisotropic friction."""
-    if not any(needed <= set(value) <= needed | more for needed, more in LAW_KEYS):
+    """The table of a friction law with keys of its own."""
+    if not any(set(needed) <= set(value) <= {*needed, *more} for needed, more in _law_keys()):
         raise ValueError("keys of no friction law")
     return value
 
 
 def _fingers(value: dict[str, Any]) -> dict[str, Any]:
     """A table by finger; no finger is called like a key of a law, nearly right tables are."""
-    if any(key in needed | more for needed, more in LAW_KEYS for key in value):
+    if any(key in needed or key in more for needed, more in _law_keys() for key in value):
         raise ValueError("keys of a friction law")
     return value
 
 
+def _law_keys() -> list[tuple[dict[str, str], dict[str, str]]]:
+    return [law.file_keys for law in friction_laws() if law.file_keys[0]]
+
+
 _LawTable = Annotated[dict[str, _Finite | _Three], AfterValidator(_law_table)]
 _Law = _From0 | Literal["frictionless"] | _LawTable
-_LAW_WORDS = (
-    'a coefficient ≥ 0, "frictionless", {mu, mu_torsion_m} (also torsional_flexibility_rad_per_Nm) for a soft finger, '
-    "or {mu_x, mu_y} (also along)"
-)
+_TABLES = [
+    f"{{{', '.join(law.file_keys[0])}}}{f' (also {", ".join(law.file_keys[1])})' if law.file_keys[1] else ''}"
+    f" for {law.__name__}"
+    for law in friction_laws()
+    if law.file_keys[0]
+]
+_LAW_WORDS = ", ".join(['a coefficient ≥ 0, "frictionless"', *_TABLES[:-1]]) + f", or {_TABLES[-1]}"
 Friction = Annotated[_Law, Expected(_LAW_WORDS)]
 FrictionByFinger = Annotated[
     _Law | Annotated[dict[str, _Law], AfterValidator(_fingers)],
@@ -150,20 +131,5 @@ Flexibility = Annotated[
     _From0 | _ThreeFrom0 | list[list[_Finite]] | list[list[list[_Finite]]],
     Expected("a number ≥ 0, three of them, (n, 3, 3) blocks or a (3n, 3n) matrix"),
 ]
-Compliance = Annotated[
-    _From0 | _ThreeFrom0 | dict[str, _From0 | _ThreeFrom0],
-    Expected("a number ≥ 0, three of them, or a table by finger"),
-]
-ForceBounds = Annotated[
-    _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
-    Expected("a number > 0 (inf: no bound), one for each contact, or a table by finger"),
-]
-TotalBound = Annotated[_Above0OrInf, Expected("a number > 0 (inf: no bound)")]
-Softness = Annotated[_From0 | _ThreeFrom0, Expected("a number ≥ 0 or three of them")]
-_Six = Annotated[list[_Finite], Field(min_length=6, max_length=6)]
-WristFlexibility = Annotated[
-    Annotated[list[_Six], Field(min_length=6, max_length=6)], Expected("six rows of six finite numbers")
-]
-Finger = Annotated[Annotated[int, Field(ge=0)] | str, Expected("a finger's name or a contact's number, counted from 0")]
 Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], Expected('an integer ≥ 3 or "cone"')]
 Seed = Annotated[int, Field(ge=0), Expected("an integer ≥ 0")]

@@ -8,15 +8,7 @@ from typing import Any
 
 from handlcp.errors import InputError, UnknownName
 
-__all__ = ["by_finger", "keyed", "known"]
-
-
-def by_finger(key: str, value: Any, fingers: Sequence[str], otherwise: float = 0.0) -> Any:
-    """A table by finger as a list in the fingers' order, `otherwise` for those left out."""
-    if not isinstance(value, dict):
-        return value
-    known(key, value, fingers)
-    return [value.get(f, otherwise) for f in fingers]
+__all__ = ["keyed", "known"]
 
 
 def known(key: str, names: Any, valid: Sequence[str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -36,7 +36,18 @@ def joined(label: str, errors: Iterable[SceneFileError]) -> SceneFileError:
 
 def refused(label: str, error: ValidationError) -> SceneFileError:
     """The error to raise for a file that does not follow the schema."""
-    return joined(label, (_one(dict(e)) for e in error.errors()))
+    return joined(label, _each(error, ()))
+
+
+def _each(error: ValidationError, above: tuple[Any, ...]) -> Iterator[SceneFileError]:
+    """One for each thing that is wrong; above : path of the table that was being read."""
+    for e in error.errors():
+        told: dict[str, Any] = {**e, "loc": (*above, *e["loc"])}
+        inner = e.get("ctx", {}).get("error")
+        if isinstance(inner, ValidationError):  # of a table made when it is read
+            yield from _each(inner, told["loc"])
+        else:
+            yield _one(told)
 
 
 def _one(e: dict[str, Any]) -> SceneFileError:

@@ -4,39 +4,29 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from handlcp.errors import InputError
 from handlcp.scene import kinds as k
+from handlcp.scene.table import Table
 
 __all__ = [
     "BoxTable",
     "ContactTable",
     "CylinderTable",
-    "EffectsTable",
     "EllipsoidTable",
     "EnvironmentTable",
     "GraspTable",
     "HandTable",
-    "KnownForceTable",
     "LoadTable",
     "MeshTable",
     "ObjectTable",
     "PostureTable",
-    "PrescribedForceTable",
-    "SoftWristTable",
     "SolveTable",
     "SphereTable",
     "SynergiesTable",
-    "Table",
     "TendonsTable",
 ]
-
-
-class Table(BaseModel):
-    """A table of a scene file: no keys but its own, no conversions but integers to numbers."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, use_attribute_docstrings=True)
 
 
 class TendonsTable(Table):
@@ -247,62 +237,6 @@ class LoadTable(Table):
     """on the object, world axes"""
     torque_Nm: k.Vector = Field(default=[0.0, 0.0, 0.0])
     """on the object, world axes, with the force acting at the reference"""
-
-
-class PrescribedForceTable(Table):
-    """A contact whose force is known."""
-
-    contact: k.Finger
-    """which one"""
-    force_N: k.Vector
-    """contact axes: tangents x and y, then the normal"""
-
-
-class KnownForceTable(Table):
-    """A contact of whose force some components are known; those left out are not."""
-
-    contact: k.Finger
-    """which one"""
-    x_N: k.Number | None = None
-    """along its tangent x"""
-    y_N: k.Number | None = None
-    """along its tangent y"""
-    normal_N: k.NotNegative | None = None
-    """along its normal"""
-
-
-class SoftWristTable(Table):
-    """A palm that gives way, with all fingers on it. By translation and rotation, or by the whole matrix."""
-
-    translation_m_per_N: k.Softness = 0.0
-    """how the palm moves along x, y, z under a force"""
-    rotation_rad_per_Nm: k.Softness = 0.0
-    """how it turns about x, y, z under a torque"""
-    flexibility: k.WristFlexibility | None = None
-    """instead of both: the (6, 6) matrix from force and torque to motion and rotation, in m/N, rad/N and rad/(N·m)"""
-    at_m: k.Vector = Field(default=[0.0, 0.0, 0.0])
-    """the point of the palm where it does so, world axes"""
-
-
-class EffectsTable(Table):
-    """Effects that a scene has only when asked for."""
-
-    total_force_bound_N: k.TotalBound | None = None
-    """the most that all normal forces may add up to"""
-    finger_force_bound_N: k.ForceBounds | None = None
-    """the most that a finger's normal force may be; fingers left out of a table have no bound"""
-    torque_saturation: k.Switch = False
-    """joints at their torque limit yield, and the load moves to the other fingers; a scene with a [hand]"""
-    geometric_stiffness: k.Switch = False
-    """fingers are softened or stiffened by the forces they carry; a scene with a [hand]"""
-    contact_compliance_m_per_N: k.Compliance | None = None
-    """of the object's surface at the contacts, in contact axes (x, y, normal); a table by finger: 0 for the others"""
-    soft_wrist: SoftWristTable | None = None
-    """a palm that gives way under all fingers"""
-    prescribed_force: list[PrescribedForceTable] = Field(default_factory=list)
-    """contacts whose force is known, one [[effects.prescribed_force]] each"""
-    known_force: list[KnownForceTable] = Field(default_factory=list)
-    """contacts of whose force some components are known, one [[effects.known_force]] each"""
 
 
 class SolveTable(Table):

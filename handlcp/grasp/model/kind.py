@@ -28,7 +28,7 @@ class Kind:
     planar: bool
     flexible: bool
 
-    @property
+    @lazy
     def n(self) -> int:
         """Contacts."""
         return len(self.governed)
@@ -48,7 +48,7 @@ class Kind:
         """Contacts with friction but no moment."""
         return tuple(i for i, t in enumerate(self.tangents) if t in (1, 2))
 
-    @property
+    @lazy
     def components(self) -> int:
         """c, the force components."""
         return 3 * self.n + len(self.soft)

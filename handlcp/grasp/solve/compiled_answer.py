@@ -66,11 +66,9 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 
 def pack(scene: Scene, section: Section, row: Array) -> None:
     """Write the scene's numbers into a row, in the order in which `solve_scenes` reads them."""
-    g, at = scene.given, 0
+    g = scene.given
     parts = (g.positions, g.frames, g.flexibility, g.offset, g.prescribed, g.spin, g.force, g.moment)
-    for part in (*parts, scene.limits(section), g.freedom):
-        row[at : at + part.size] = part.reshape(-1)
-        at += part.size
+    np.concatenate([part.reshape(-1) for part in (*parts, scene.limits(section), g.freedom)], out=row)
 
 
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:

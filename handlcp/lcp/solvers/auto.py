@@ -198,7 +198,10 @@ def _in_units_of_limits(solver: ContactSolver, problem: ContactProblem, start: A
 
 def as_chain(solver: object) -> Auto | None:
     """The chain that this stands for, the default where it is None; None for a single method."""
-    return Auto() if solver is None else solver if isinstance(solver, Auto) else None
+    return _DEFAULT if solver is None else solver if isinstance(solver, Auto) else None
+
+
+_DEFAULT = Auto()
 
 
 @lru_cache(maxsize=256)
