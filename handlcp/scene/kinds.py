@@ -111,13 +111,20 @@ def _law_keys() -> list[tuple[dict[str, str], dict[str, str]]]:
 
 _LawTable = Annotated[dict[str, _Finite | _Three], AfterValidator(_law_table)]
 _Law = _From0 | Literal["frictionless"] | _LawTable
-_TABLES = [
-    f"{{{', '.join(law.file_keys[0])}}}{f' (also {", ".join(law.file_keys[1])})' if law.file_keys[1] else ''}"
-    f" for {law.__name__}"
-    for law in friction_laws()
-    if law.file_keys[0]
-]
-_LAW_WORDS = ", ".join(['a coefficient ≥ 0, "frictionless"', *_TABLES[:-1]]) + f", or {_TABLES[-1]}"
+
+
+def _law_words() -> str:
+    """How to write each of them."""
+    words = ['a coefficient ≥ 0, "frictionless"']
+    for law in friction_laws():
+        needed, more = law.file_keys
+        if needed:
+            also = f" (also {', '.join(more)})" if more else ""
+            words.append(f"{{{', '.join(needed)}}}{also} for {law.__name__}")
+    return f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+_LAW_WORDS = _law_words()
 Friction = Annotated[_Law, Expected(_LAW_WORDS)]
 FrictionByFinger = Annotated[
     _Law | Annotated[dict[str, _Law], AfterValidator(_fingers)],
@@ -131,5 +138,6 @@ Flexibility = Annotated[
     _From0 | _ThreeFrom0 | list[list[_Finite]] | list[list[list[_Finite]]],
     Expected("a number ≥ 0, three of them, (n, 3, 3) blocks or a (3n, 3n) matrix"),
 ]
+Softness = Annotated[_From0 | _ThreeFrom0, Expected("a number ≥ 0 or three of them")]
 Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], Expected('an integer ≥ 3 or "cone"')]
 Seed = Annotated[int, Field(ge=0), Expected("an integer ≥ 0")]

@@ -28,7 +28,7 @@ From0 = Annotated[float, Ge(0), Predicate(math.isfinite)]
 Three = Annotated[list[Finite], Len(3, 3)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class FileKey:
     """name : of the key. holds : its type, in Python's annotations; or the keys of a table. expected : the same in
     words, for refusals. meaning : for `handlcp keys`. many : several tables, one [[effects.name]] each.

@@ -38,29 +38,26 @@ class TipShape:
 
 
 class TipGeometry:
-    """The shapes of the fingertips: spheres of the given radii, otherwise the URDF's collision geometry. Each is made
-    when it is first asked for.
+    """The shapes of the fingertips: spheres of the given radii, otherwise the URDF's collision geometry, which is read
+    when a tip is first asked for.
     """
 
-    __slots__ = ("_found", "_model", "_radii", "_tips", "folders", "root")
+    __slots__ = ("_found", "_model", "_tips", "folders", "root")
 
     def __init__(
         self, model: Any, root: ET.Element | None, tips: TipFrames, radii: Mapping[str, float], folders: Sequence[Path]
     ) -> None:
-        self._model, self.root, self._tips, self._radii, self.folders = model, root, tips, radii, folders
-        self._found: dict[int, tuple[TipShape, ...]] = {}
+        self._model, self.root, self._tips, self.folders = model, root, tips, folders
+        self._found = {i: sphere_tip(radii[name]) for i, name in enumerate(tips.names) if name in radii}
 
     def shapes(self, tip: int) -> tuple[TipShape, ...]:
         """The shapes of the tip numbered `tip`. Raises URDFError when there are none."""
         if tip not in self._found:
-            name = self._tips.names[tip]
-            if name in self._radii:
-                self._found[tip] = sphere_tip(self._radii[name])
-            elif self.root is None:
+            if self.root is None:
+                name = self._tips.names[tip]
                 expected = f"a radius for {name!r}: a pinocchio.Model carries no collision geometry"
                 raise URDFError("tip_radius", expected, "None")
-            else:
-                self._found[tip] = urdf_tip(self._model, self.root, self._tips.frames[tip], self.folders)
+            self._found[tip] = urdf_tip(self._model, self.root, self._tips.frames[tip], self.folders)
         return self._found[tip]
 
 
