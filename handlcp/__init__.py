@@ -49,6 +49,8 @@ from handlcp.grasp import (
     solve_many,
     wrench_from_fingertip_forces,
 )
+from handlcp.grasp.effects import effect_kinds
+from handlcp.grasp.friction import friction_laws
 from handlcp.hand import (
     Audit,
     Box,
@@ -150,10 +152,15 @@ _STUDIES = {"AccuracyCost": "handlcp.study.accuracy", "accuracy_cost": "handlcp.
 
 
 def __getattr__(name: str) -> Any:
-    """Studies are imported when first asked for, so that a solve need not wait for them."""
-    if name not in _STUDIES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    """Studies are imported when first asked for, so that a solve need not wait for them. Effects and friction laws in
+    files of their own are found by their class: they need no line here.
+    """
     from importlib import import_module
 
-    value = globals()[name] = getattr(import_module(_STUDIES[name]), name)
-    return value
+    if name in _STUDIES:
+        value = globals()[name] = getattr(import_module(_STUDIES[name]), name)
+        return value
+    for kind in (*[kind for kind in effect_kinds() if kind.file_key is not None], *friction_laws()):
+        if kind.__name__ == name:
+            return kind
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -17,9 +17,8 @@ from handlcp.grasp.analysis.required import Required, holds, required_friction, 
 from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.analysis.suggestions import Suggestions, suggest
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.catalogue import stamped
-from handlcp.grasp.assembly.contact_form import GraspContact
-from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble, assemble_contact
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model import validate
@@ -158,7 +157,7 @@ class Grasp:
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
-        return (chain or Auto()).plan(assemble_contact(self.scene, self._section(faces), stamped(self.effects)))
+        return (chain or Auto()).plan(GraspContact(self.scene, self._section(faces), stamped(self.effects)))
 
     # ---- solve it
     def solve(

@@ -171,7 +171,9 @@ class HandGrasp(Grasp):
         derivatives. Raises InputError.
         """
         if not getattr(solution, "held", False):
-            raise InputError("solution", "an answer of this grasp", "one without forces" if solution else repr(solution))
+            raise InputError(
+                "solution", "an answer of this grasp", "one without forces" if solution else repr(solution)
+            )
         GeometricStiffness().check("grasp", self.spec, self.effects)
         section = as_section(faces, planar=self.scene.kind.planar)
         return read_only(force_change(self.spec, section, solution, GeometricStiffness()))

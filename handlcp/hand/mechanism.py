@@ -131,4 +131,3 @@ def finger_flexibility(mechanism: HandMechanism) -> Array:
         turn = mechanism.frames.transpose(0, 2, 1) @ posture.tip_rotations[list(tips)]
     add_pads(E, pads.in_axes(turn, tips))
     return read_only(E)
-

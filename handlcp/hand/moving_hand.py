@@ -47,9 +47,7 @@ class MovingHand:
         J = contact_jacobian(self._data.J.T, self._support, self._coupling, positions, frames)
         E = joint_flexibility(J, self.mechanism.root)
         add_pads(E, self._pads(frames))
-        self.mechanism = replace(
-            self.mechanism, jacobian=np.concatenate([J, self._still]) if len(self._still) else J
-        )
+        self.mechanism = replace(self.mechanism, jacobian=np.concatenate([J, self._still]) if len(self._still) else J)
         return E
 
     def weighed(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

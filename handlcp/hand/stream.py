@@ -104,7 +104,9 @@ class GraspStream:
             command = read_joint_offset(joint_offset, self._joints("joint_offset", joint_offset).hand.joint_names)
         load = None if wrench is None else validate.wrench(wrench, self._at.plane, self._lift)
         shift = None if offset is None else array("offset", offset, *self._shapes(3))
-        points = None if positions is None else self._spatial("positions", array("positions", positions, *self._shapes(3)))
+        points = (
+            None if positions is None else self._spatial("positions", array("positions", positions, *self._shapes(3)))
+        )
         axes = None
         if frames is not None:
             axes = self._spatial("frames", array("frames", frames, *self._shapes(3, 3)))

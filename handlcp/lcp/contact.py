@@ -10,12 +10,9 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lazy import lazy
 from handlcp.lcp.kernels.contact_rows import Contacts, contact_order, in_order, roles
-from handlcp.lcp.problem import LCP
 from handlcp.lcp.scaling import Units
 
-__all__ = ["NO_NORMALS", "ContactProblem", "FrictionSets", "Pattern", "Pyramids"]
-
-Pyramids = Callable[[int], tuple[LCP, Callable[[Array], Array]]]
+__all__ = ["NO_NORMALS", "ContactProblem", "FrictionSets", "Pattern"]
 
 NO_NORMALS = read_only(np.zeros((0, 3)))
 
@@ -65,8 +62,7 @@ class ContactProblem:
         normal cone at x_T: zero inside, against x_T on the limit. For balls this is second-order-cone complementarity.
 
     M (n, n), q (n,). pattern : roles of the unknowns. sets : of the blocks. units : natural sizes of every x and y, or
-    a function that makes them. pyramid : how to get the same scene with m faces as a plain `LCP`, and its z as an x,
-    or None.
+    a function that makes them. flat : the sets with m faces in their place, as a function of m; None: nobody knows.
     """
 
     def __init__(
@@ -76,9 +72,9 @@ class ContactProblem:
         pattern: Pattern,
         sets: FrictionSets,
         units: Units | Callable[[], Units],
-        pyramid: Pyramids | None = None,
+        flat: Callable[[int], FrictionSets] | None = None,
     ) -> None:
-        self.M, self.q, self.pattern, self.sets, self.pyramid = read_only(M), read_only(q), pattern, sets, pyramid
+        self.M, self.q, self.pattern, self.sets, self.flat = read_only(M), read_only(q), pattern, sets, flat
         self._units = units
 
     @property

@@ -77,15 +77,6 @@ class LCP:
         """Whether there are free rows."""
         return bool(self.free.any())
 
-    @property
-    def contact(self) -> Any:
-        """The same problem with friction as a set (`ContactProblem`), where there is such a form; None elsewhere."""
-        return None
-
-    def lift(self, x: Array) -> Array:
-        """(n,) z of this problem from x of `contact`, natural units."""
-        raise NotImplementedError("only a problem with a contact form can lift")
-
     def unscaled(self) -> LCP:
         """The same problem with natural units of one, so that solvers work on the numbers as they are."""
         return LCP(self.M, self.q, self.free, units=Units.ones(self.n))

@@ -25,8 +25,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.analysis.explanation import ENVIRONMENT, Explanation, effects_on
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.catalogue import stamped
-from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.build import build
 from handlcp.grasp.model.scene import Scene
@@ -127,7 +126,7 @@ def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolu
         scene = replace(answered)  # anew: nothing is kept from the run before
         if not asked:
             return solve_scene(scene, section, 0, start).passes
-        problem = assemble_contact(scene, section, asked)
+        problem = GraspContact(scene, section, asked)
         begin = problem.natural(candidate_of(scene, _first(solution, spec.n)))
         for _, proposal in proposals(problem, None, begin):
             if judge(scene, problem.effects, section, problem.candidate(proposal.z)).residuals.passes:

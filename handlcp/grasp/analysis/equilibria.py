@@ -18,9 +18,7 @@ from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.catalogue import stamped
-from handlcp.grasp.assembly.contact_form import GraspContact
-from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.build import build
 from handlcp.grasp.model.spec import GraspSpec
@@ -31,6 +29,7 @@ from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp import NSNGRK, Auto, Status, proposals
 from handlcp.lcp.kernels.lemke import lemke
+from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
 from handlcp.tolerances import ACTIVE, PIVOT
 
@@ -123,7 +122,7 @@ class _Listing:
 
     def __init__(self, spec: GraspSpec, section: Section, start: float) -> None:
         self.spec, self.section, self.start, self.scene = spec, section, start, build(spec)
-        self.problem = assemble_contact(self.scene, section, stamped(spec.effects))
+        self.problem = GraspContact(self.scene, section, stamped(spec.effects))
         self.found: list[GraspSolution] = []
         self.noise = _APART * self.scene.units.force
 
@@ -200,7 +199,7 @@ def _starts(problem: GraspContact, end: float) -> Iterator[Candidate]:
     for faces in _COARSER if only_limits_move(problem) and problem.faces != 2 else ():
         if faces == problem.faces:
             continue
-        table = mode_table(assemble_contact(problem.scene, Pyramid(faces), problem.asked))
+        table = mode_table(GraspContact(problem.scene, Pyramid(faces), problem.asked))
         if table is not None and table.choices <= 0.5 * PER_SECOND * (end - time.monotonic()):
             yield from (c for c in _until(end, table.visit()[0]) if c is not None)
     yield from _until(end, seeded(problem, _RUNS))  # type: ignore[misc]
@@ -218,12 +217,11 @@ def seeded(problem: GraspContact, runs: int = 4, seed: int = 1) -> Iterator[Cand
     the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
     """
     rng, method = np.random.default_rng(seed), NSNGRK(max_iterations=16 * problem.n)
-    assert problem.pyramid is not None  # an assembled problem has them
-    lcp, back = problem.pyramid(problem.faces if problem.faces > 2 else 8)
+    lcp = WithMultipliers(problem, problem.flat(8) if problem.flat and not problem.faces else None)
     r = reduce(lcp.scaled)
     for k in range(runs):
         start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
         start[problem.role == 1] = abs(start[problem.role == 1])
         yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
         _, _, v = lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
-        yield problem.candidate(method.propose_contact(problem, back(r.restore(v))).z)
+        yield problem.candidate(method.propose_contact(problem, lcp.back(r.restore(v))).z)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
-from handlcp.grasp.assembly.catalogue import called_for
-from handlcp.grasp.assembly.problem import GraspProblem, assemble
+from handlcp.grasp.assembly.contact_form import called_for, stamped
+from handlcp.grasp.assembly.problem import MULTIPLIERS, GraspProblem, assemble
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
-from handlcp.grasp.friction import Cone, Section
+from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.words import listed
@@ -129,16 +129,18 @@ class Explanation:
 
 def effects_on(spec: GraspSpec, scene: Scene, section: Section) -> tuple[Effect, ...]:
     """All effects that a grasp has: those that its data call for, then those asked for."""
-    return (*called_for(scene, section, multipliers=not isinstance(section, Cone)), *spec.effects)
+    return (*called_for(scene, section), *spec.effects)
 
 
 def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     """What is on comes first; the sizes are those of the assembled problem."""
-    on = effects_on(spec, scene, section)
-    lines = [
-        EffectLine(e.title, e.equation, True, e.why(scene), tuple((u.name, u.count, u.free) for u in e.unknowns(scene)))
-        for e in on
-    ]
+    on, problem = effects_on(spec, scene, section), assemble(scene, section, stamped(spec.effects))
+    counted = {g.name: g for g in problem.groups}
+    lines = []
+    for e in on:
+        names = [name for u in e.unknowns(scene) for name in (u.name, MULTIPLIERS.get(u.name))]
+        brought = tuple([(name, counted[name].count, counted[name].free) for name in names if name in counted])
+        lines.append(EffectLine(e.title, e.equation, True, e.why(scene), brought))
     present = {type(e) for e in on}
     for kind in effect_kinds():
         if kind not in present and (why := kind.absent(scene, section)) is not None:
@@ -146,7 +148,6 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     lines = [_fingers_own(line, spec) if line.title == FingerFlexibility.title else line for line in lines]
     lines.append(_environment_line(spec))
     lines += [EffectLine(*line) for line in (() if spec.mechanism is None else spec.mechanism.lines())]
-    problem = assemble(scene, section, tuple(e for e in spec.effects if e.stamps))
     total = sum(g.count for g in problem.groups)
     rcond = problem.rcond if isinstance(problem, GraspProblem) else None
     return Explanation(tuple(sorted(lines, key=lambda line: not line.on)), total, total - problem.n, rcond)

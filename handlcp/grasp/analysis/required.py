@@ -14,8 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from handlcp.check import number
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.catalogue import stamped
-from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.build import build
 from handlcp.grasp.model.spec import GraspSpec
@@ -158,7 +157,7 @@ def holds(spec: GraspSpec, section: Section) -> bool:
         if found.passes:
             return True
         first = found.proposal
-    problem = assemble_contact(scene, section, asked)
+    problem = GraspContact(scene, section, asked)
     return any(
         judge(scene, problem.effects, section, problem.candidate(p.z)).residuals.passes
         for _, p in proposals(problem, Auto(), None, first)

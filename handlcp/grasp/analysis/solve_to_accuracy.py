@@ -17,8 +17,7 @@ from handlcp.grasp.analysis.advice import solve_with_advice
 from handlcp.grasp.analysis.force_error import force_error
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.catalogue import stamped
-from handlcp.grasp.assembly.problem import assemble_contact
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
 from handlcp.grasp.model.build import build
 from handlcp.grasp.model.scene import Scene
@@ -91,4 +90,4 @@ def _error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> float:
     if not solution.held:
         return math.nan
     section: Section = Interval() if scene.kind.planar else Cone()
-    return force_error(assemble_contact(scene, section, stamped(spec.effects)), solution)
+    return force_error(GraspContact(scene, section, stamped(spec.effects)), solution)

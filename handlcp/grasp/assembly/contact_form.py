@@ -8,15 +8,24 @@ import numpy as np
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp.assembly.candidate import Candidate, decode, encode
-from handlcp.grasp.assembly.catalogue import called_for
-from handlcp.grasp.effects import Effect
-from handlcp.grasp.friction import Section, limit_set
+from handlcp.grasp.effects import Effect, effect_kinds
+from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.unknowns import Layout, System, Unknown, layout
+from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
 from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
-from handlcp.lcp.contact import Pyramids
 
-__all__ = ["Design", "GraspContact", "design", "friction_sets", "outward"]
+__all__ = ["Design", "GraspContact", "called_for", "design", "outward", "stamped"]
+
+
+def called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
+    """The effects that the scene's data call for, in the order in which they are stamped."""
+    found = [kind.called_for(scene, section) for kind in effect_kinds()]
+    return tuple([e for e in found if e is not None])
+
+
+def stamped(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """Those of the effects asked for that have rows or a law of their own: the others are part of the scene's data."""
+    return tuple([e for e in asked if e.stamps])
 
 
 class GraspContact(ContactProblem):
@@ -26,15 +35,15 @@ class GraspContact(ContactProblem):
     system : the unknowns, and M and q as they were stamped.
     """
 
-    def __init__(
-        self, scene: Scene, section: Section, asked: tuple[Effect, ...], pyramid: Pyramids | None = None
-    ) -> None:
+    def __init__(self, scene: Scene, section: Section, asked: tuple[Effect, ...]) -> None:
         known = design(scene, section, asked)
         system = System(known.layout)
         for e in known.effects:
             e.stamp(scene, system)
-        sets = friction_sets(scene, section)
-        super().__init__(system.M, system.q, known.pattern, sets, lambda: Units(*system.sizes(scene)), pyramid)
+        super().__init__(
+            system.M, system.q, known.pattern, friction_sets(scene, section), lambda: Units(*system.sizes(scene)),
+            lambda faces: friction_sets(scene, Interval() if scene.kind.planar else Pyramid(faces)),
+        )  # fmt: skip
         self.scene, self.section, self.asked, self.effects, self.system = scene, section, asked, known.effects, system
 
     @property
@@ -45,7 +54,7 @@ class GraspContact(ContactProblem):
     @property
     def labels(self) -> tuple[str, ...]:
         """A name for every unknown, such as "r_T[2]"."""
-        return self.system.layout.labels(self.groups)
+        return labels(self.groups)
 
     @property
     def limited(self) -> Ints:
@@ -94,7 +103,7 @@ def design(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> Design:
 
 def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Design:
     """With further effects' groups, but only the effects that the scene's data call for."""
-    effects = called_for(scene, section, multipliers=False)
+    effects = called_for(scene, section)
     where, kind = layout((*(u for e in effects for u in e.unknowns(scene)), *groups)), scene.kind
     contacts = (*kind.rough, *kind.soft)
     blocks = np.full((len(contacts), 4), -1, dtype=np.int64)

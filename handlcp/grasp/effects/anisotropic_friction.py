@@ -31,7 +31,7 @@ class AnisotropicFriction(Effect):
     order = 80
 
     @classmethod
-    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
         """Where any contact's tangents differ."""
         return _ANISOTROPIC if scene.anisotropic else None
 

@@ -37,7 +37,7 @@ class FingerFlexibility(Effect):
     order = 90
 
     @classmethod
-    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
         """Where E is not zero."""
         return _FLEXIBILITY if scene.kind.flexible else None
 

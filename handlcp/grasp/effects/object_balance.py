@@ -31,7 +31,7 @@ class ObjectBalance(Effect):
     order = 10
 
     @classmethod
-    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
         """Always."""
         return _BALANCE
 

@@ -32,7 +32,7 @@ class UnilateralContact(Effect):
     order = 20
 
     @classmethod
-    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
+    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
         """Always."""
         return _CONTACT
 

@@ -74,12 +74,8 @@ class Effect:
 
     # ---- whether a scene has it
     @classmethod
-    def called_for(cls, scene: Scene, section: Section, multipliers: bool) -> Effect | None:
-        """The effect where the scene's own data call for it; None where it has to be asked for by name.
-
-        multipliers : friction as a linear problem, with one multiplier a face; otherwise as a set that the solver
-        projects on (always so for the exact cone).
-        """
+    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
+        """The effect where the scene's own data call for it; None where it has to be asked for by name."""
         return None
 
     @classmethod

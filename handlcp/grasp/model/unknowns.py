@@ -12,7 +12,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Layout", "Measure", "System", "Unknown", "layout"]
+__all__ = ["Layout", "Measure", "System", "Unknown", "labels", "layout"]
 
 Measure: TypeAlias = Literal["force", "motion", "twist", "wrench", "angle", "torque"]
 
@@ -62,7 +62,7 @@ class Unknown:
         return scene.size(self.measure), scene.size(self.row_measure)
 
 
-_MECHANICS = ("r_N", "r_T", "r_S", "λ", "λ_S", "u")
+_MECHANICS = ("r_N", "r_T", "r_S", "u")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class Layout:
     """Where the unknowns go: complementary groups first, free groups last.
 
     groups : in that order. at : the slice of each. free_from : where the free groups begin. size : unknowns in all.
-    extra : groups other than forces, friction multipliers and object motion.
+    extra : groups other than forces and object motion.
     """
 
     groups: tuple[Unknown, ...]
@@ -85,10 +85,10 @@ class Layout:
         first = self.at.get("r_T") or self.at.get("r_S")
         return 0 if first is None else first.start
 
-    @staticmethod
-    def labels(groups: tuple[Unknown, ...]) -> tuple[str, ...]:
-        """A name for every unknown of these groups, such as "r_T[2]"."""
-        return tuple(f"{g.name}[{k}]" for g in groups for k in range(g.count))
+
+def labels(groups: tuple[Unknown, ...]) -> tuple[str, ...]:
+    """A name for every unknown of these groups, such as "r_T[2]"."""
+    return tuple(f"{g.name}[{k}]" for g in groups for k in range(g.count))
 
 
 def layout(unknowns: Iterable[Unknown]) -> Layout:

@@ -18,7 +18,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact
-from handlcp.grasp.assembly.problem import assemble_contact, assemble_lcp
+from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
@@ -120,7 +120,7 @@ def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
 def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
     """By the active sets of the LCP with a multiplier a face."""
     scene, effects, section = problem.scene, problem.effects, problem.section
-    lcp = assemble_lcp(scene, section, problem.asked)
+    lcp = GraspProblem(problem)
 
     def passes(z: Array) -> bool:
         return judge(scene, effects, section, lcp.candidate(z)).residuals.passes
@@ -152,6 +152,6 @@ def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
 
 def _coarse(problem: GraspContact, seconds: float) -> Iterator[Candidate]:
     """Equilibria of the coarse pyramid, as far as they can be listed in time."""
-    table = mode_table(assemble_contact(problem.scene, Pyramid(_COARSE), problem.asked))
+    table = mode_table(GraspContact(problem.scene, Pyramid(_COARSE), problem.asked))
     if table is not None and table.choices <= PER_SECOND * seconds:
         yield from (c for c in table.visit()[0] if c is not None)

@@ -9,8 +9,8 @@ from handlcp.grasp.answer.make_solution import Judged, make_solution, solution_o
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.catalogue import stamped
-from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble, assemble_contact
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -57,7 +57,7 @@ def _in_stages(
     """One stage after the other; `first` is the first one's proposal, where that is known."""
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
-    problem = (assemble if chain is None else assemble_contact)(scene, section, stamped(spec.effects))
+    problem = (assemble if chain is None else GraspContact)(scene, section, stamped(spec.effects))
     trace: list[str] = []
     best: Judged | None = None
     for name, proposal in proposals(problem, solver, natural_start(problem, start), first):

@@ -88,4 +88,3 @@ class Transmission:
     def for_joints(self, joints: Sequence[str]) -> Elasticity:
         """The elasticity of these joints. Raises InputError, UnknownName."""
         raise NotImplementedError
-

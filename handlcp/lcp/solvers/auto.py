@@ -16,6 +16,7 @@ import numpy as np
 from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.base import ContactSolver
@@ -102,7 +103,7 @@ class Auto:
         return f"search, {self.search_seconds:g} s at most"
 
     def _on_lcp(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
-        if start is not None or problem.contact is None:
+        if start is not None or not isinstance(problem, WithMultipliers):
             yield from self._without_contacts(problem, start)
             return
 
@@ -150,13 +151,13 @@ class Auto:
         # A plane's interval, and contacts without friction, are the same with any faces
         flat = m == 2 or len(problem.blocks) == 0
         own = m if 3 <= m <= _MANY else 8
-        if problem.pyramid is not None:
+        if problem.flat is not None:
             if flat or own == m:
                 yield "Lemke", lambda: from_pyramids.pivoted(own)
             yield f"Newton from Lemke, {own} faces", lambda: from_pyramids.newton(own)
         others = OtherStarts(_TRIES, seed=seed)
         yield "Newton from other starts", lambda: _in_units_of_limits(others, problem, None)
-        if problem.pyramid is not None and not flat:
+        if problem.flat is not None and not flat:
             for faces in _FACES:
                 if faces != own:
                     yield f"Newton from Lemke, {faces} faces", lambda f=faces: from_pyramids.newton(f)  # type: ignore[misc]
@@ -172,10 +173,10 @@ class _FromPyramids:
     def pivoted(self, faces: int) -> Proposal:
         """Lemke's answer for a pyramid, as an x of the problem."""
         if faces not in self.answers:
-            assert self.problem.pyramid is not None
-            lcp, back = self.problem.pyramid(faces)
+            assert self.problem.flat is not None  # nothing else is planned
+            lcp = WithMultipliers(self.problem, self.problem.flat(faces))
             p = Lemke(seed=self.seed).propose(lcp.scaled)
-            self.answers[faces] = replace(p, z=back(p.z))
+            self.answers[faces] = replace(p, z=lcp.back(p.z))
         return self.answers[faces]
 
     def newton(self, faces: int) -> Proposal | None:

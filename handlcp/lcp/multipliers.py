@@ -1,0 +1,135 @@
+"""Friction as a plain LCP: one multiplier for each face of the set that a block's tangential unknowns may be in.
+
+    y_T = -N λ,    0 ≤ λ ⟂ limit · x_N - Nᵀ x_T ≥ 0
+
+with the faces' outward normals in the columns of N; the multipliers stand behind the normal unknowns. Where the block F
+of the free unknowns is well conditioned, they are eliminated, and a standard LCP is left (paper, equation (17)):
+
+    x_F = x₀ - X x_C,  X = F⁻¹ M_FC,  x₀ = -F⁻¹ q_F,    S = M_CC - M_CF X,  s = q_C + M_CF x₀
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import lapack
+
+from handlcp.check import Array, Ints, read_only
+from handlcp.lcp.contact import ContactProblem, FrictionSets
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.problem import LCP, Scaled
+from handlcp.lcp.scaling import Units
+from handlcp.tolerances import ELIMINATE_RCOND
+
+__all__ = ["WithMultipliers"]
+
+
+class WithMultipliers(LCP):
+    """A contact problem as an `LCP`.
+
+    contact : the contact problem. sets : flat ones to take in place of its own; None: its own. eliminated : whether the
+    free unknowns were. rcond : estimate of the reciprocal condition of their block, which decided that.
+    """
+
+    def __init__(self, contact: ContactProblem, sets: FrictionSets | None = None) -> None:
+        self.contact = contact
+        self._sets = sets = contact.sets if sets is None else sets
+        normals = [_normals(sets, int((block[1:] >= 0).sum())) for block in contact.blocks]
+        self.faces = tuple([N.shape[1] for N in normals])
+        count, many, pairs = contact.n, sum(self.faces), int((contact.role == 1).sum())
+        first = int(contact.blocks[:, 0].max(initial=-1)) + 1  # where the multipliers stand
+        at = np.arange(count)
+        self._place = at + many * (at >= first)  # of the unknowns of the contact problem
+        M, q = np.zeros((count + many,) * 2), np.zeros(count + many)
+        M[np.ix_(self._place, self._place)], q[self._place] = contact.M, contact.q
+        z, w = np.empty(len(q)), np.empty(len(q))
+        z[self._place], w[self._place] = contact.units.z, contact.units.w
+        self._multipliers = slice(first, first + many)
+        for block, limit, N in zip(contact.blocks, sets.limits, normals, strict=True):
+            own, tangents = slice(first, first + N.shape[1]), self._place[block[1 : 1 + len(N)]]
+            M[tangents, own], M[own, tangents], M[own, block[0]] = N, -N.T, limit
+            z[own], w[own] = w[tangents[0]], z[block[0]]
+            first = own.stop
+        c = pairs + many
+        self._back: tuple[Array, Array] | None = None
+        S, s, X, x0, self.rcond = _eliminated(M, q, c)
+        free = np.arange(len(q)) >= c
+        if self.rcond > ELIMINATE_RCOND:
+            M, q, free, z, w, self._back = S, s, free[:c], z[:c], w[:c], (X, x0)
+        self._hold(Scaled(read_only(M), read_only(q), free, Units(read_only(z), read_only(w))))
+
+    @property
+    def eliminated(self) -> bool:
+        """Whether the free unknowns are no unknowns of this problem."""
+        return self._back is not None
+
+    def back(self, z: Array) -> Array:
+        """(n,) x of the contact problem from z of this one, natural units."""
+        if self._back is not None:
+            X, x0 = self._back
+            z = np.concatenate([z, x0 - X @ z])
+        return z[self._place]
+
+    def lift(self, x: Array) -> Array:
+        """(n,) z of this problem from x of the contact problem, natural units: multipliers follow from the slip y_T."""
+        contact, sets = self.contact, self._sets
+        z = np.zeros(contact.n + sum(self.faces))
+        z[self._place] = x
+        slip = contact.M @ x + contact.q
+        lift_flat(slip, contact.blocks, sets.faces, z[self._multipliers])
+        if len(sets.normals) and (contact.blocks[:, 3] >= 0).any():
+            from scipy.optimize import nnls  # half a second of import that only soft contacts should pay
+
+            at = self._multipliers.start
+            for block, faces in zip(contact.blocks, self.faces, strict=True):
+                if block[3] >= 0:
+                    z[at : at + faces] = nnls(sets.normals.T, -slip[block[1:]])[0]
+                at += faces
+        return z[: self.n]
+
+
+def _normals(sets: FrictionSets, tangents: int) -> Array:
+    """(tangents, m) outward normals of the faces of a block with so many tangents."""
+    if tangents == 1:
+        return np.array([[1.0, -1.0]])
+    if tangents == 3:
+        return sets.normals.T
+    angles = 2 * np.pi * np.arange(sets.faces) / sets.faces
+    normals = np.vstack([np.cos(angles), np.sin(angles)])
+    normals[abs(normals) < 1e-15] = 0.0  # cos(π/2) and its like: an exact zero couples nothing
+    return normals
+
+
+def _eliminated(M: Array, q: Array, c: int) -> tuple[Array, Array, Array, Array, float]:
+    """(S, s, X, x₀, rcond) of the module's docstring; without meaning where rcond, of F, is 0: F is singular."""
+    F = M[c:, c:]
+    lu, pivots, singular = lapack.dgetrf(F)
+    rcond = 0.0 if singular else float(lapack.dgecon(lu, abs(F).sum(axis=0).max(initial=0.0))[0])
+    if rcond == 0.0:
+        return M, q, F, q[c:], rcond
+    B, _ = lapack.dgetrs(lu, pivots, np.column_stack([M[c:, :c], q[c:]]))
+    X, x0 = B[:, :-1], -B[:, -1]
+    return M[:c, :c] - M[:c, c:] @ X, q[:c] + M[:c, c:] @ x0, X, x0, rcond
+
+
+@kernel
+def lift_flat(slip: Array, blocks: Ints, faces: int, multipliers: Array) -> None:
+    """Write λ ≥ 0 with Σ λ_j n_j = -slip for the blocks before the first with three tangents: on the end of an interval,
+    or on the two faces of a polygon whose normals enclose it.
+    """
+    at, step = 0, 2.0 * np.pi / max(faces, 1)
+    for k in range(len(blocks)):
+        if blocks[k, 3] >= 0:
+            return
+        a = -slip[blocks[k, 1]]
+        if blocks[k, 2] < 0:
+            multipliers[at], multipliers[at + 1] = max(a, 0.0), max(-a, 0.0)
+            at += 2
+            continue
+        b = -slip[blocks[k, 2]]
+        angle = np.arctan2(b, a) % (2.0 * np.pi)
+        first = int(angle / step)
+        rest = angle - first * step
+        size = np.hypot(a, b) / np.sin(step)
+        multipliers[at + first % faces] = size * max(np.sin(step - rest), 0.0)
+        multipliers[at + (first + 1) % faces] += size * max(np.sin(rest), 0.0)
+        at += faces
