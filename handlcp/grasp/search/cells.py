@@ -1,8 +1,9 @@
-"""Contact modes on round friction sets: cells of the disc or the ball that enclose force and slip.
+"""Contact modes on friction sets: cells of the disc, the polygon or the ball that enclose force and slip.
 
 A contact is open, sticks, or slides within a cell. In each mode its force and its motion are nonnegative multiples of a
 few generators. Rays cut the disc into sectors; meridians and parallels, as in `friction.limit_set`, cut the ball into
-cells. Sliding in a cell, the force lies on the patch of the set's surface and the slip in the opposite cell: the one is
+cells. A polygon's faces have their middles where the rays meet the disc, and lie between the sectors' outer points: its
+cells are those of the disc with as many rays. Sliding in a cell, the force lies on the patch of the set's surface and the slip in the opposite cell: the one is
 enclosed by the corners n_a, the points where the tangents (tangent planes) of two neighbours meet,
 (n_a + n_b) / (1 + n_a·n_b), and where all of the cell's do; the other by the cone of the -n_a.
 """
@@ -15,7 +16,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools
 
-__all__ = ["Modes", "round_modes", "slide_bits"]
+__all__ = ["Modes", "cell_modes", "slide_bits"]
 
 _SECTORS = 16  # that enclose the disc
 _MERIDIANS, _PARALLELS = 8, 2  # of the ball; the latter from the equator to a pole
@@ -23,19 +24,21 @@ _MERIDIANS, _PARALLELS = 8, 2  # of the ball; the latter from the equator to a p
 Modes = tuple[Array, Array, Bools, Bools]
 
 
-def round_modes(mu: float, tangents: int) -> Modes:
+def cell_modes(limit: float, tangents: int, faces: int) -> Modes:
     """Force generators (1 + d, a), motion generators (1 + d, b), and which of them each mode allows, (modes, a) and
     (modes, b); components: the d tangents, then the normal.
+
+    limit : radius of the disc or the ball, or distance of the polygon's faces. faces : of the polygon; 0: the disc.
 
     Modes: open; touching, or stuck where there is friction; sliding within each cell. Motion generators end with the
     normal: the gap.
     """
-    if tangents == 0 or mu <= 0.0:
+    if tangents == 0 or limit <= 0.0:
         up = np.eye(1 + tangents)[:, -1:]
         return up, up, np.array([[False], [True]]), np.array([[True], [False]])
-    normals, points, corners, patch, whole = _sectors() if tangents == 2 else _cells()
+    normals, points, corners, patch, whole = _sectors(faces or _SECTORS) if tangents == 2 else _cells()
     (d, n), p = normals.shape, points.shape[1]
-    force = np.vstack([mu * points, np.ones(p)])
+    force = np.vstack([limit * points, np.ones(p)])
     motion = np.hstack([np.vstack([-normals, np.zeros(n)]), np.eye(1 + d)[:, -1:]])
     closed = np.zeros((len(corners) + 1, 1), bool)
     A = np.vstack([np.zeros(p, bool), whole, patch])
@@ -51,10 +54,9 @@ def slide_bits(slides: int) -> Array:
     return np.array([((order ^ (order >> 1)) >> k) & 1 for k in range(int(slides - 1).bit_length())], dtype=float)
 
 
-@lru_cache(maxsize=1)
-def _sectors() -> tuple[Array, Array, Bools, Bools, Bools]:
-    """As `_cells`, for the disc: the rays between sectors, and where the tangents at neighbouring rays meet."""
-    m = _SECTORS
+@lru_cache(maxsize=16)
+def _sectors(m: int) -> tuple[Array, Array, Bools, Bools, Bools]:
+    """As `_cells`, for m sectors: the rays between them, and where the tangents at neighbouring rays meet."""
     a, one = 2 * np.pi * np.arange(m) / m, np.eye(m, dtype=bool)
     rays = np.vstack([np.cos(a), np.sin(a)])
     outer = np.vstack([np.cos(a + np.pi / m), np.sin(a + np.pi / m)]) / np.cos(np.pi / m)  # between j and j + 1

@@ -1,10 +1,10 @@
 """Where the solvers fail on a grasp that could be held: an exact search, for an answer or the proof of none.
 
 limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
-pyramids, a plane      every choice of contact modes (`mode_walk`) where they are few enough, else the active sets
-of the LCP with a multiplier a face (`lcp.search`)
-the cone               every choice of modes on a pyramid of four faces, whose equilibria are places to start from,
-then the mixed-integer program over cells that enclose the cone (`cone_modes`)
+pyramids, a plane      every choice of contact modes (`mode_walk`) where they are few enough
+the cone               every choice of modes on a pyramid of four faces, whose equilibria are places to start from
+then                   the mixed-integer program over cells that enclose cone or pyramid (`mode_program`); in a plane
+and on polyhedra the active sets of the LCP with a multiplier a face (`lcp.search`)
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.search.cone_modes import Program
+from handlcp.grasp.search.mode_program import Program
 from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move
 from handlcp.grasp.verify.holdable import jammed, least_total
@@ -113,8 +113,11 @@ def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
                 break
         if not doubtful:
             return Outcome(f"{words} none", bounds=_wide(problem.scene))
-        end = max(end, time.monotonic() + 0.5 * seconds)
-    return _on_active_sets(problem, max(end - time.monotonic(), 0.5 * seconds))
+    end = max(end, time.monotonic() + 0.5 * seconds)
+    # The program's cells enclose a disc, a polygon or a ball, but no interval and no polyhedron
+    if problem.faces == 2 or problem.scene.soft:
+        return _on_active_sets(problem, max(end - time.monotonic(), 0.5 * seconds))
+    return _by_program(problem, end)
 
 
 def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
@@ -139,10 +142,14 @@ def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
     end = time.monotonic() + seconds
     if (candidate := first_certified(problem, _coarse(problem, 0.5 * seconds))) is not None:
         return Outcome(f"from the pyramid of {_COARSE} faces, solution", candidate)
-    program, bounds = Program(problem), _wide(problem.scene)
-    b = bounds[0] / problem.scene.units.force
-    cuts = 0
-    for points in program.visit(b, max(end, time.monotonic() + 0.5 * seconds), _CUTS):
+    return _by_program(problem, max(end, time.monotonic() + 0.5 * seconds))
+
+
+def _by_program(problem: GraspContact, end: float) -> Outcome:
+    """By the mixed-integer program over contact modes."""
+    bounds, cuts = _wide(problem.scene), 0
+    program, b = Program(problem), bounds[0] / problem.scene.units.force
+    for points in program.visit(b, end, _CUTS):
         if (candidate := first_certified(problem, points)) is not None:
             return Outcome("over contact modes, solution", candidate)
         cuts += 1

@@ -62,14 +62,14 @@ def _newton(p: Contacts, scale: float, x: Array, tolerance: float, rank_toleranc
 @kernel
 def _from(p: Contacts, x: Array, cold: bool, tolerance: float, rank_tolerance: float) -> tuple[Array, int, float]:
     """(answer, steps, residual) of Newton's method from x, which is left alone."""
-    best, before = x.copy(), 0
+    best, before, r = x.copy(), 0, np.inf
     if not cold and p.faces > 2:  # a good start lies on the right faces already
         before, r = contact_newton(p, best, _STEPS, tolerance, rank_tolerance)
         if r <= tolerance:
             return best, before, r
-        best[:] = x
-    steps, r = _newton(p, 1.0, best, tolerance, rank_tolerance)
-    return best, before + steps, r
+    other = x.copy()
+    steps, r_other = _newton(p, 1.0, other, tolerance, rank_tolerance)
+    return (other, before + steps, r_other) if not r_other > r else (best, before + steps, r)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""The mixed-integer program whose points are equilibria on the cone, in some choice of contact modes.
+"""The mixed-integer program whose points are equilibria on cones or pyramids, in some choice of contact modes.
 
 A contact is open, sticks, or slides within one of the cells that enclose its friction set (`cells`). In each mode its
 force r and its motion v are nonnegative multiples of a few generators.
@@ -27,7 +27,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact
-from handlcp.grasp.search.cells import round_modes, slide_bits
+from handlcp.grasp.search.cells import cell_modes, slide_bits
 from handlcp.grasp.verify.limits_at_answer import every_limit, motions_in_si, stacked
 
 __all__ = ["Program"]
@@ -44,7 +44,7 @@ class Program:
         scene = self.scene = problem.scene
         kind, limits = scene.kind, scene.limits(problem.section)
         contacts = [(i, own[own >= 0]) for i, own in enumerate(kind.contact_components) if own[0] >= 0]
-        modes = [round_modes(float(limits[i]), len(own) - 1) for i, own in contacts]
+        modes = [cell_modes(float(limits[i]), len(own) - 1, problem.faces) for i, own in contacts]
         codes = [slide_bits(len(A) - 2) for _, _, A, _ in modes]
         sizes = [(F.shape[1], V.shape[1], len(A), len(c)) for (F, V, A, _), c in zip(modes, codes, strict=True)]
         self.every = every_limit(scene, problem.effects)
