@@ -18,17 +18,8 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.search.mode_steps import (
-    SIGNS,
-    Modes,
-    Walk,
-    contradicts,
-    eliminate,
-    fits,
-    invert,
-    last,
-    new_walk,
-    pivot_floor,
-)
+    CONTRADICTS, REGULAR, SIGNS, Modes, Walk, fits, hand_on, last, new_walk, solve_contact,
+)  # fmt: skip
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.tolerances import RANK
@@ -44,10 +35,6 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
     P (N, N), c (N,), N = 3n: components that a contact lacks are zero.
     """
     n, N, w = len(m.choices), len(c), new_walk(P, c)
-    floor = np.zeros((n, m.choices.max()))
-    for i in range(n):
-        for k in range(m.choices[i]):
-            floor[i, k] = pivot_floor(P, i, k, m)
     mode = np.full(n, -1, np.int64)
     x, y = np.zeros(N), np.zeros(N)
     found, forces, frees = np.zeros((most, N)), np.zeros((most, N)), np.zeros((most, n), np.int64)
@@ -61,12 +48,13 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
             continue
         if singular >= i:  # the contacts before this one were eliminated; now this one, if it can be
             singular = n
-            if not invert(w, i, k, m, floor[i, k]):
-                if contradicts(w, i, k, m):
-                    continue
+            what = solve_contact(w, i, k, m)
+            if what == CONTRADICTS:
+                continue
+            if what != REGULAR:
                 singular = i
         if i < n - 1:
-            if singular == n and not eliminate(w, i, k, m):
+            if singular == n and not hand_on(w, i, k, m):
                 singular = i
             i += 1
             continue
@@ -112,7 +100,7 @@ def _others(w: Walk, mode: Ints, m: Modes, y: Array) -> None:
 def _fresh(forces: Array, x: Array) -> bool:
     """Whether these forces (N,) differ from all that were found (k, N)."""
     near = 0.1 * SIGNS * max(1.0, np.max(np.abs(x)))
-    for known in forces:
+    for known in forces:  # noqa: SIM110  kernels know no all()
         if np.max(np.abs(known - x)) <= near:
             return False
     return True
