@@ -1,0 +1,129 @@
+"""Doors into a hand: the URDFs that ship, how tips touch objects, how joints carry torques, how a finger curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+import handlcp as hl
+from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
+from handlcp.hand.curvature import contact_hessian
+from handlcp.hand.detect import nearest
+from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
+from handlcp.hand.patch import RIM
+from handlcp.hand.patch import _needed as _points_needed
+from handlcp.hand.tips import sphere_tip
+from handlcp.hand.torques import torque_check
+
+__all__ = [
+    "RIM",
+    "SHIPPED",
+    "allegro",
+    "ball_near",
+    "configuration",
+    "curvature",
+    "deflection",
+    "effort",
+    "elastic_flexibility",
+    "full_positions",
+    "gaps",
+    "is_one_spring_a_joint",
+    "jacobian_at",
+    "knows_all_limits",
+    "mimic",
+    "points_needed",
+    "psyonic",
+    "torque_check_of",
+    "under_load",
+    "urdf",
+]
+
+
+# ---------------------------------------------------------------- how tips touch
+def ball_near(radius: float, centre: Any, obj: Object) -> Any:
+    """How a ball stands to an object: gap, position on the object, tip_point on the ball, normal into the object."""
+    return nearest(sphere_tip(radius), np.asarray(centre, float), np.eye(3), obj)
+
+
+def gaps(hand: Hand, q: Any, obj: Object) -> np.ndarray:
+    """(n,) signed gaps of the fingertips in a posture."""
+    s = hand.at(q)
+    each = zip(hand.tips.every, s.tip_positions, s.tip_rotations, strict=True)
+    return np.array([nearest(hand.tip_shapes(i), p, R, obj).gap for i, p, R in each])
+
+
+def points_needed(points: np.ndarray, heights: np.ndarray, up: np.ndarray) -> Sequence[int]:
+    """Which of the points (n, 3) on a plane keep an object from coming nearer to it, whatever small motion it makes."""
+    return _points_needed(points, heights, up)
+
+
+# ---------------------------------------------------------------- joints
+def mimic(hand: Hand) -> tuple[np.ndarray, np.ndarray]:
+    """(C (joints, nv), offset (joints,)): positions of all joints, those that follow included, are C q + offset."""
+    return hand.kinematics.coupling, hand.kinematics.offset
+
+
+def full_positions(hand: Hand, q: np.ndarray) -> np.ndarray:
+    """(joints,) of all joints at a posture of the independent ones."""
+    coupling, offset = mimic(hand)
+    return coupling @ q + offset
+
+
+def configuration(hand: Hand, q: np.ndarray) -> np.ndarray:
+    """A posture as Pinocchio wants it for `hand.model`."""
+    return hand.kinematics.configuration(q)
+
+
+def jacobian_at(state: HandState, points: np.ndarray) -> np.ndarray:
+    """(n, 3, nv) of points (n, 3) that move with the fingertips, one each, world axes."""
+    return state.jacobian_at(points, state.hand.tips.every)
+
+
+def curvature(state: HandState, points: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """(3n, nv, nv) derivative of their Jacobian in the axes of frames (n, 3, 3)."""
+    return contact_hessian(state, state.hand.tips.every, points, frames)
+
+
+# ---------------------------------------------------------------- what gives way
+def deflection(hand: Hand, torque: np.ndarray) -> np.ndarray:
+    """(nv,) by how much the joints give way under a torque (nv,)."""
+    return hand.stiffness.deflection(torque)
+
+
+def elastic_flexibility(hand: Hand, jacobian: np.ndarray) -> np.ndarray:
+    """J K⁻¹ Jᵀ of a Jacobian (m, nv), without pads."""
+    return hand.stiffness.compliance(jacobian)
+
+
+def effort(hand: Hand, torque: np.ndarray) -> Any:
+    """What tendons or actuators do under a torque: names and values."""
+    return hand.stiffness.effort(torque)
+
+
+def is_one_spring_a_joint(hand: Hand) -> bool:
+    """Whether all joints have the same spring and nothing else."""
+    return hand.stiffness.uniform
+
+
+def under_load(grasp: HandGrasp) -> hl.GeometricStiffness:
+    """What forces r (n, 3) do to a grasp's joints: stiffness(r) is added, compliance(r) left, and change(r) is that of
+    the contacts' flexibility.
+    """
+    (effect,) = (e for e in grasp.effects if isinstance(e, hl.GeometricStiffness))
+    return effect
+
+
+# ---------------------------------------------------------------- torques
+def torque_check_of(
+    joints: Sequence[str], torque: Any, limits: Any, known: Sequence[bool] | None = None
+) -> TorqueCheck:
+    """Torques beside limits, some of which may not be known; None: all are."""
+    told = (True,) * len(joints) if known is None else tuple(known)
+    return torque_check(tuple(joints), np.asarray(torque, float), np.asarray(limits, float), told)
+
+
+def knows_all_limits(hand: Hand) -> bool:
+    """Whether no joint's torque limit is unknown."""
+    return all(hand.torques.known)

@@ -1,0 +1,125 @@
+"""What tests put in the place of something inside, one function for each: nobody else names such a target.
+
+Each takes pytest's `monkeypatch`, so that what it puts there is gone after the test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from handlcp.grasp import first as _first
+from handlcp.grasp.catalogue import BY_NAME
+
+Patch = pytest.MonkeyPatch
+
+__all__ = [
+    "another_effect",
+    "certifier_believes_nobody",
+    "chunks_of",
+    "clock_of_shares",
+    "costs_of_effects",
+    "everything_to_processes",
+    "no_newton_on_cones",
+    "no_solve_takes_more_than",
+    "nothing_is_eliminated",
+    "paper_command",
+    "paper_report",
+    "watched_first_stage",
+    "watched_members_of_modes",
+    "without_module",
+]
+
+
+# ---------------------------------------------------------------- many grasps
+def chunks_of(patch: Patch, count: int) -> None:
+    """`solve_many` hands out so many grasps at a time."""
+    patch.setattr("handlcp.grasp.many._CHUNK", count)
+
+
+def everything_to_processes(patch: Patch) -> None:
+    """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
+    patch.setattr("handlcp.grasp.processes._ALONE", 0.0)
+
+
+# ---------------------------------------------------------------- stages of a solve
+def nothing_is_eliminated(patch: Patch) -> None:
+    """No free block counts as well enough conditioned to be eliminated."""
+    patch.setattr("handlcp.grasp.assemble.ELIMINATE_RCOND", 2.0)
+
+
+def no_newton_on_cones(patch: Patch, solver: Any) -> None:
+    """`solve(accuracy=...)` looks for the equilibrium on the cone with this solver."""
+    patch.setattr("handlcp.grasp.accuracy._NEWTON", solver)
+
+
+def no_solve_takes_more_than(patch: Patch, solves: int) -> None:
+    """A grasp whose flexibility depends on its forces is solved so many times at most."""
+    patch.setattr("handlcp.hand.geometric._MOST", solves)
+
+
+def watched_first_stage(patch: Patch) -> list[Any]:
+    """What the first stage finds while shares are measured: steps in `iterations`, forces (n, 3) in `forces`."""
+    seen: list[Any] = []
+
+    def watched(*arguments: Any) -> Any:
+        seen.append(_first.find(*arguments))
+        return seen[-1]
+
+    patch.setattr("handlcp.grasp.share.find", watched)
+    return seen
+
+
+def watched_members_of_modes(patch: Patch) -> list[Any]:
+    """The choices of modes for which a member is asked for; none has one."""
+    asked: list[Any] = []
+    patch.setattr("handlcp.grasp.mode_table.Table._member", lambda self, mode: asked.append(mode))
+    return asked
+
+
+def certifier_believes_nobody(patch: Patch) -> None:
+    """No candidate of the search over modes is an equilibrium."""
+    patch.setattr("handlcp.grasp.equilibria.Believer.__call__", lambda self, candidates: None)
+
+
+# ---------------------------------------------------------------- clocks
+def clock_of_shares(patch: Patch, clock: Callable[[dict[int, Callable[[], bool]]], dict[int, float]]) -> None:
+    """`explain(measure=True)` has its times from here: runs by number (-1: with every effect) → seconds."""
+    patch.setattr("handlcp.grasp.share.best_times", clock)
+
+
+# ---------------------------------------------------------------- studies
+def another_effect(patch: Patch, kind: type) -> None:
+    """The catalogue has one effect more."""
+    patch.setattr("handlcp.study.catalogue.effects.BY_NAME", (*BY_NAME, kind))
+
+
+def costs_of_effects(patch: Patch, costs: Callable[[], dict[str, Any]]) -> None:
+    """The command line has its costs of effects from here."""
+    patch.setattr("handlcp.study.catalogue.costs", costs)
+
+
+def paper_command(patch: Patch, command: Callable[..., int]) -> None:
+    """What the command line runs for the paper."""
+    patch.setattr("handlcp.study.paper.paper_command", command)
+
+
+def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
+    """The paper's command prints this report."""
+    patch.setattr("handlcp.study.paper.report.run", made)
+
+
+def without_module(patch: Patch, name: str) -> None:
+    """As if a package that is optional were not installed."""
+    import builtins
+
+    real = builtins.__import__
+
+    def missing(module: str, *arguments: Any, **words: Any) -> Any:
+        if module.startswith(name):
+            raise ImportError(module)
+        return real(module, *arguments, **words)
+
+    patch.setattr(builtins, "__import__", missing)

@@ -1,0 +1,47 @@
+"""Doors into what people look at: tables, units, records, pictures and their geometry, figures of studies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import handlcp as hl
+from handlcp.show import convergence as convergence_figure
+from handlcp.show import picture as _picture
+from handlcp.show import shapes, tables, units
+from handlcp.show import work_precision as work_precision_figure
+from handlcp.show.accuracy_table import all_tables
+from handlcp.show.bodies import environment_bodies, stub_bodies
+from handlcp.show.camera import facing
+from handlcp.show.overlay import nice, rim
+from handlcp.show.raster import fill
+from handlcp.show.record import record
+from handlcp.show.verdict import SMALL_TURN
+
+__all__ = [
+    "SMALL_TURN",
+    "all_tables",
+    "camera_of",
+    "convergence_figure",
+    "draw",
+    "environment_bodies",
+    "facing",
+    "fill",
+    "nice",
+    "record",
+    "rim",
+    "save",
+    "shapes",
+    "stub_bodies",
+    "tables",
+    "units",
+    "work_precision_figure",
+]
+
+draw, save = _picture.draw, _picture.save
+
+
+def camera_of(grasp: hl.Grasp) -> Any:
+    """From where the picture of a grasp without bodies is taken."""
+    return _picture._camera(grasp, [], None, np.array([c.position for c in grasp.contacts]))

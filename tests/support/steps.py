@@ -1,0 +1,143 @@
+"""A solve step by step, for those who time its parts: the one call of the first stage, and the same from Python."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import handlcp as hl
+from handlcp.check import read_only
+from handlcp.grasp import (
+    first as _first,  # its kernels are looked up there, where a clock may have been put around them
+)
+from handlcp.grasp.assemble import assemble
+from handlcp.grasp.conclude import conclude
+from handlcp.grasp.effects import CoulombPlanar, CoulombPyramid, FingerFlexibility, ObjectBalance, UnilateralContact
+from handlcp.grasp.share import best_times, measured
+from handlcp.grasp.soft_form import assembled
+from handlcp.lcp import NSNGRK, certify, proposals
+from handlcp.lcp.certify import certify_contact
+from tests.support.grasp import arrays, contact_problem, judge_of, section_of
+
+__all__ = [
+    "ByHand",
+    "OneCall",
+    "assembly",
+    "assembly_by_hand",
+    "best_times",
+    "certificate",
+    "first_found",
+    "shares",
+]
+
+
+class OneCall:
+    """The first stage of `grasp.solve`, part by part: a row of numbers in, a row of numbers out."""
+
+    def __init__(self, grasp: hl.Grasp, faces: Any) -> None:
+        """Effects and layout, known from an earlier scene of the kind."""
+        self.grasp, self.section = grasp, section_of(grasp, faces)
+        self.kind = _first.kind_of(arrays(grasp), self.section)
+        self.numbers, self.row = np.empty((1, self.kind.scene_width)), np.empty((1, self.kind.answer_width))
+        self.given = read_only(self.numbers.view())
+
+    @property
+    def unknowns(self) -> int:
+        """Of the problem that is solved."""
+        return self.kind.design.layout.size
+
+    def pack(self) -> None:
+        """The scene as a row of numbers."""
+        _first.pack(arrays(self.grasp), self.section, self.numbers[0])
+
+    def answer(self) -> None:
+        """Units, stamps, solver, certificate, states: one compiled call."""
+        _first.answers(self.given, self.kind.pattern, _first.NOWHERE, 0, self.row)
+
+    def read(self) -> Any:
+        """What came out, as a row that nobody writes to any more."""
+        found = _first.Found(self.kind, self.row[0].copy())
+        assert found.passes
+        return found
+
+    def conclude(self, found: Any) -> hl.GraspSolution:
+        """The answer in SI, torques, limits."""
+        return self.grasp._answered(self.section, found)
+
+
+class ByHand:
+    """The same from Python: every step leaves here what the next one takes."""
+
+    def __init__(self, grasp: hl.Grasp, faces: Any) -> None:
+        self.grasp, self.faces, self.section = grasp, faces, section_of(grasp, faces)
+
+    def units(self) -> None:
+        """Natural units and blocks of the scene, computed when first asked for."""
+        arrays(self.grasp).units  # noqa: B018
+
+    def assemble(self) -> None:
+        """Effects stamped."""
+        self.problem = contact_problem(self.grasp, self.faces, ())
+
+    def scale(self) -> None:
+        """Rows scaled."""
+        self.problem.prepared  # noqa: B018
+
+    def solve(self, seed: int | None = None) -> Any:
+        """What NSNGRK proposes; as the first stage does it where a seed is given, as the chain does it elsewhere."""
+        if seed is None:
+            _, self.proposal = next(proposals(self.problem))
+        else:
+            self.proposal = NSNGRK(max_iterations=self.problem.n, seed=seed).propose_contact(self.problem)
+        return self.proposal
+
+    def decode(self) -> Any:
+        """Forces and motion."""
+        self.candidate = self.problem.candidate(self.proposal.z)
+        return self.candidate
+
+    def certify(self) -> Any:
+        """The certifier's verdict, from the physics."""
+        self.verdict = judge_of(self.grasp, self.problem.effects, self.section, self.candidate)
+        return self.verdict
+
+    def conclude(self) -> hl.GraspSolution:
+        """States, uniqueness, the answer in SI, without what a hand adds to it."""
+        g = self.grasp
+        return conclude(
+            arrays(g), g.reference, g.names, self.problem.effects, self.section, self.candidate, self.verdict, 0, ()
+        )
+
+    def finish(self) -> hl.GraspSolution:
+        """The same with what a hand adds."""
+        return self.grasp._solution(self.problem.effects, self.section, self.candidate, self.verdict, 1, ())
+
+
+def first_found(grasp: hl.Grasp, faces: Any, seed: int = 0) -> Any:
+    """What the first stage finds: proposal, forces, twist, motion, residuals, states, passes, unique, outcome."""
+    return _first.find(arrays(grasp), section_of(grasp, faces), seed)
+
+
+# ---------------------------------------------------------------- assembly
+def assembly(grasp: hl.Grasp, faces: Any) -> Any:
+    """The problem of a grasp with the effects that its data call for."""
+    return assembled(arrays(grasp), section_of(grasp, faces), ())
+
+
+def assembly_by_hand(grasp: hl.Grasp, faces: Any) -> Any:
+    """The same with the four effects that a scene of hard fingers needs listed here: no catalogue, none asked for."""
+    planar, section = arrays(grasp).plane is not None, section_of(grasp, faces)
+    friction = CoulombPlanar() if planar else CoulombPyramid(section)
+    return assemble(arrays(grasp), (ObjectBalance(), UnilateralContact(), friction, FingerFlexibility()))
+
+
+def certificate(problem: Any, z: np.ndarray, proposed: np.ndarray | None = None) -> Any:
+    """The certifier's word, from M and q: on z in SI, or on what was proposed for a problem with friction as a set."""
+    return certify(problem, z) if proposed is None else certify_contact(problem, proposed)
+
+
+# ---------------------------------------------------------------- shares of the time
+def shares(grasp: hl.Grasp, faces: Any, solution: hl.GraspSolution, clock: Any) -> Any:
+    """`grasp.explain(faces, measure=True)` with times from a clock."""
+    return measured(grasp, grasp.explain(faces), section_of(grasp, faces), solution, clock)

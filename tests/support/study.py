@@ -1,0 +1,56 @@
+"""Doors into the studies: what is left out and planned, the paper's figures as carried over, its rows and misses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from handlcp.study.accuracy.left_out import UNDETERMINED, variants
+from handlcp.study.accuracy.plan import settings
+from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
+from handlcp.study.paper.data import NUMBERS, Number, raw
+from handlcp.study.paper.examples import PRELOAD
+from handlcp.study.paper.misses import Miss
+from handlcp.study.paper.no_equilibrium import no_equilibrium, search_grasp
+from handlcp.study.paper.nsngrk_as_printed import RES, STEPS, run_case
+from handlcp.study.paper.printed import compatibility, signed_forces
+from handlcp.study.paper.render import render
+from handlcp.study.paper.rows import Mark, mark_of, rows_of
+
+__all__ = [
+    "CERTIFIED",
+    "LOOSE",
+    "NOT_RUN",
+    "NUMBERS",
+    "OTHER",
+    "PRELOAD",
+    "RES",
+    "STEPS",
+    "UNDETERMINED",
+    "Mark",
+    "Miss",
+    "Number",
+    "compatibility",
+    "left_out",
+    "mark_of",
+    "no_equilibrium",
+    "planned_rows",
+    "raw",
+    "render",
+    "rows_of",
+    "run_case",
+    "search_grasp",
+    "signed_forces",
+]
+
+
+def left_out(grasp: Any) -> dict[str, Any]:
+    """The grasp without each effect that the study of accuracy leaves out, by the effect's name."""
+    return {name: without for name, _, without in variants(grasp)}
+
+
+def planned_rows(methods: Iterable[Any], faces: tuple[int, ...], tolerances: tuple[float, ...]) -> int:
+    """How many rows a study of these methods has in a scene with pyramids, where nobody asks for faces or tolerances
+    and these are the study's own.
+    """
+    return sum(map(len, settings(tuple(methods), (faces, False), (tolerances, False), True).values()))
