@@ -27,11 +27,11 @@ import numpy as np
 from rich.console import Console
 
 import handlcp as hl
-from handlcp.grasp.achieved import Bracket
 from tests.benchmarks.clock import Task, best_times
 from tests.benchmarks.corpus import Faces, PeersFolder, as_case
 from tests.benchmarks.force_truth import Truth, force_error, refine
 from tests.benchmarks.report import opened, plain_table
+from tests.support.grasp import Bracket, arrays
 
 REQUESTS = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)
 FACES = (4, 8, 16, 32, 64)
@@ -154,7 +154,7 @@ def print_law(console: Console, grasps: dict[str, hl.Grasp], known: dict[str, Kn
     """How the true error of pyramids depends on their faces, and how often they bracket the cone."""
     rows = []
     sliding = [n for n, g in grasps.items() if "sliding" in g.solve("cone", QUICK, throw=False).contact_state]
-    sliding = [n for n in sliding if grasps[n].scene.rough]
+    sliding = [n for n in sliding if arrays(grasps[n]).rough]
     table = plain_table(
         f"True force error of pyramids, {len(sliding)} scenes where something slides", "faces", "inscribed:\nmedian",
         "90 %", "circumscribed:\nmedian", "90 %", "normal forces\nbracketed", "of all contacts\nof a scene",

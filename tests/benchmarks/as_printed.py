@@ -29,7 +29,7 @@ from rich.console import Console
 import handlcp as hl
 from handlcp.lcp import AsPrinted, proposals
 from handlcp.study.convergence import measured_rate
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
 from tests.benchmarks.report import plain_table
 
 TOL, FACES, SEEDS = 1e-8, 16, range(5)

@@ -25,14 +25,11 @@ import numpy as np
 from rich.console import Console
 
 import handlcp as hl
-from handlcp.grasp.assemble import GraspProblem, assemble
-from handlcp.grasp.changed import changed
-from handlcp.grasp.effects import CoulombPlanar, CoulombPyramid, FingerFlexibility, ObjectBalance, UnilateralContact
-from handlcp.grasp.pyramid import Interval, as_section
-from handlcp.grasp.soft_form import assembled
 from tests.benchmarks.clock import median_times
 from tests.benchmarks.report import conditions, opened, plain_table
 from tests.hand.composition import EFFECTS, HANDS, made
+from tests.support.grasp import anew, changed
+from tests.support.steps import assembly, assembly_by_hand
 
 __all__ = ["main"]
 
@@ -57,7 +54,7 @@ def measure(console: Console, name: str, faces: Any, rounds: int) -> list[dict[s
     answers = {effect: grasp.solve(faces) for effect, grasp in scenes.items()}
 
     def solves(grasp: hl.HandGrasp) -> Callable[[], Any]:
-        return lambda: grasp._placed().solve(faces)
+        return lambda: anew(grasp).solve(faces)
 
     times = median_times({effect: solves(grasp) for effect, grasp in scenes.items()}, rounds)
     bare, n = answers["none"], len(answers["none"].forces)
@@ -85,23 +82,16 @@ def measure(console: Console, name: str, faces: Any, rounds: int) -> list[dict[s
     return rows
 
 
-def by_hand(grasp: hl.Grasp, section: Any) -> GraspProblem:
-    """The four effects that the bare scene needs, listed here: no catalogue, none asked for."""
-    friction = CoulombPlanar() if isinstance(section, Interval) else CoulombPyramid(section)
-    return assemble(grasp.scene, (ObjectBalance(), UnilateralContact(), friction, FingerFlexibility()))
-
-
 def absent(console: Console, name: str, rounds: int) -> dict[str, float]:
     """Print and return what effects cost that are not named, and what those do that say nothing; 8 faces."""
     grasp, twin, still = made(name).grasp, made(name).grasp, neutral(name)
-    section = as_section(8, planar=grasp.scene.plane is not None)
     times = median_times(
         {
-            "solve": lambda: grasp._placed().solve(),
-            "solve, once more": lambda: twin._placed().solve(),
-            "neutral": lambda: still._placed().solve(),
-            "assembly": lambda: assembled(grasp.scene, section, ()),
-            "assembly by hand": lambda: by_hand(grasp, section),
+            "solve": lambda: anew(grasp).solve(),
+            "solve, once more": lambda: anew(twin).solve(),
+            "neutral": lambda: anew(still).solve(),
+            "assembly": lambda: assembly(grasp, 8),
+            "assembly by hand": lambda: assembly_by_hand(grasp, 8),
         },
         10 * rounds,
     )
@@ -110,7 +100,7 @@ def absent(console: Console, name: str, rounds: int) -> dict[str, float]:
         "its assembly against the four effects that it needs": times["assembly"] / times["assembly by hand"],
         "its solve, were two compliances and a command of zero named": times["neutral"] / times["solve"],
     }
-    p, q = assembled(grasp.scene, section, ()).scaled, by_hand(grasp, section).scaled
+    p, q = assembly(grasp, 8).scaled, assembly_by_hand(grasp, 8).scaled
     same = np.array_equal(p.M, q.M) and np.array_equal(p.q, q.q)
     table = plain_table("A scene that names no effect", "", "ratio", "µs")
     pairs = (("solve, once more", "solve"), ("assembly", "assembly by hand"), ("neutral", "solve"))

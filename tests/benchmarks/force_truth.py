@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import handlcp as hl
+from tests.support.grasp import arrays
 
 __all__ = ["Truth", "force_error", "refine"]
 
@@ -86,7 +87,7 @@ class _Laws:
     """F (N,) longdouble and its derivative (N, N) double, unknowns (forces 3n, motion 6, z̄) in units of the scene."""
 
     def __init__(self, grasp: hl.Grasp, rho: float) -> None:
-        s = self.scene = grasp.scene
+        s = self.scene = arrays(grasp)
         u = s.units
         self.force, self.motion, self.length, n = u.force, u.motion, u.length, s.n
         self.reference, self.centre = grasp.reference, u.centre

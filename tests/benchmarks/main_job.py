@@ -1,6 +1,6 @@
 """What the main job costs: posture → torques for the five-finger hand, against bare Pinocchio in the same run.
 
-    python tests/benchmarks/main_job.py
+    python -m tests.benchmarks.main_job
 
 Prints the split of one warm call, NSNGRK's cost per step, and import times. Absolute times move with the machine and
 its load; the ratios are what carries over. Medians over many calls, garbage collection off.
@@ -23,11 +23,8 @@ from rich.console import Console
 from rich.table import Table
 
 import handlcp as hl
-from handlcp.check import read_only
-from handlcp.grasp.answer import answers
-from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
-from handlcp.grasp.pyramid import as_section
-from handlcp.lcp.kernels.kaczmarz import kaczmarz
+from tests.support.lcp import Kaczmarz
+from tests.support.steps import OneCall
 
 FACES = 8
 
@@ -53,7 +50,7 @@ def main_job(console: Console) -> None:
     q = hand.close_on(ball, squeeze=3e-3)
     detected = hand.at(q).grasp(ball, hl.Coulomb(0.6))
     contacts, load = detected.contacts, np.array([0, 0, -0.2 * 9.81, 0, 0, 0])
-    offset, reference = detected.scene.offset, detected.reference
+    offset, reference = detected.offset, detected.reference
     model, data = hand.model, hand.model.createData()
     tips = [model.getFrameId(name) for name in hand.fingertips]
 
@@ -71,29 +68,26 @@ def main_job(console: Console) -> None:
 
     state = hand.at(q)
     g = grasp(state)
-    section, scene = as_section(FACES), g.scene
-    kind = kind_of(scene, section)
-    numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
-    pack(scene, section, numbers[0])
-    given = read_only(numbers.view())
-    answers(given, kind.pattern, NOWHERE, 0, rows)
-    found, stream = Found(kind, rows[0].copy()), hl.GraspStream(g, FACES)
+    call = OneCall(g, FACES)
+    call.pack()
+    call.answer()
+    found, stream = call.read(), hl.GraspStream(g, FACES)
 
     one = median_us(bare)
     rows = [
         ("bare Pinocchio: FK, joint Jacobians, 5 frame Jacobians", one),
         ("hand.at(q): FK, Jacobians, E at the tips", median_us(lambda: hand.at(q))),
         ("state.grasp(contacts): J and E at the contacts, contact axes", median_us(lambda: grasp(state))),
-        ("the scene as a row of numbers", median_us(lambda: pack(scene, section, numbers[0]))),
+        ("the scene as a row of numbers", median_us(call.pack)),
         (
             "units, stamps, solver, certificate, states: one call",
-            median_us(lambda: answers(given, kind.pattern, NOWHERE, 0, rows)),
+            median_us(call.answer),
         ),
-        ("the answer in SI, torques, limits", median_us(lambda: g._answered(section, found))),
+        ("the answer in SI, torques, limits", median_us(lambda: call.conclude(found))),
     ]
     total = median_us(whole)
     table = Table(
-        title=f"posture → torques, five fingers, {FACES} faces, {kind.design.layout.size} unknowns",
+        title=f"posture → torques, five fingers, {FACES} faces, {call.unknowns} unknowns",
         title_justify="left",
     )
     for name in ("step", "µs", "× bare"):
@@ -121,12 +115,11 @@ def kaczmarz_step(console: Console) -> None:
     for n in (45, 90, 180, 360, 720):
         A = rng.normal(size=(n, n)) / np.sqrt(n)
         M = A @ A.T + (A - A.T)
-        MT, MMT, q = np.ascontiguousarray(M.T), M @ M.T, rng.normal(size=n)
-        free, history, steps = np.zeros(n, bool), np.empty((0, 2)), 2000
+        q, steps = rng.normal(size=n), 2000
+        method = Kaczmarz(M, q, np.zeros(n, bool))
 
-        def run(M=M, MT=MT, MMT=MMT, q=q, free=free, history=history, n=n, steps=steps):
-            state = np.zeros(1, np.uint64)
-            kaczmarz(M, MT, MMT, q, free, np.zeros(n), q.copy(), state, steps, 0.0, 0, history, True)
+        def run(method=method, q=q, n=n, steps=steps):
+            method.run(np.zeros(n), q.copy(), 0, steps)
 
         us = median_us(run, 15, 2) / steps
         table.add_row(str(n), f"{us:.3f}", f"{1e3 * us / n:.1f}")

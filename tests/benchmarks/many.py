@@ -13,6 +13,7 @@ from rich.console import Console
 import handlcp as hl
 from tests.benchmarks.real_time import Walk
 from tests.benchmarks.report import plain_table
+from tests.support.grasp import arrays
 
 __all__ = ["measure", "sweep"]
 
@@ -22,7 +23,7 @@ COUNTS = (100, 1_000, 10_000, 100_000)
 def sweep(count: int, strength: float, seed: int = 0) -> list[hl.Grasp]:
     """The five-finger hand and its ball under random loads of so many newtons (and newtons times 1.5 cm)."""
     rng, grasp = np.random.default_rng(seed), Walk().grasp(0)
-    load = np.array([*grasp.scene.force, 0, 0, 0])
+    load = np.array([*arrays(grasp).force, 0, 0, 0])
     pulls = rng.normal(size=(count, 6)) * strength * np.array([1, 1, 1, 0.015, 0.015, 0.015]) / np.sqrt(3)
     return [grasp.replace(wrench=load + pull) for pull in pulls]
 

@@ -16,6 +16,7 @@ from rich.console import Console
 import handlcp as hl
 from tests.benchmarks.clock import median_times
 from tests.benchmarks.report import plain_table
+from tests.support.grasp import arrays
 
 __all__ = ["Walk", "growth", "measure"]
 
@@ -34,8 +35,8 @@ class Walk:
         ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
         q = self.hand.close_on(ball, squeeze=3e-3)
         seen = self.hand.at(q).grasp(ball, hl.Coulomb(0.6))
-        self.contacts, self.offset, self.reference = seen.contacts, seen.scene.offset, seen.reference
-        rng, load = np.random.default_rng(0), np.array([*seen.scene.force, 0, 0, 0])
+        self.contacts, self.offset, self.reference = seen.contacts, seen.offset, seen.reference
+        rng, load = np.random.default_rng(0), np.array([*arrays(seen).force, 0, 0, 0])
         turns = np.linspace(0, 2 * np.pi, POSTURES, endpoint=False)[:, None]
         way = rng.normal(size=(2, 10)) * 5e-3
         pull = rng.normal(size=(2, 6)) * np.array([0.3, 0.3, 0.3, 5e-3, 5e-3, 5e-3]) * strength

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import gc
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -16,22 +15,16 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from numba.core.dispatcher import Dispatcher
 from rich.console import Console
 
 import handlcp as hl
-from handlcp.check import read_only
-from handlcp.grasp import first
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.certify import judge
-from handlcp.grasp.first import NOWHERE, Found, kind_of, pack
-from handlcp.grasp.pyramid import as_section
 from handlcp.lcp import proposals
-from handlcp.lcp.certify import certify, certify_contact
 from tests.benchmarks.calls import assembled, call_solve, call_solve_lcp
 from tests.benchmarks.clock import best_times
 from tests.benchmarks.corpus import Faces, as_case
 from tests.benchmarks.report import plain_table
+from tests.support.kernels import kernels
+from tests.support.steps import ByHand, OneCall, certificate
 
 __all__ = ["measure"]
 
@@ -41,37 +34,30 @@ BY_STEPS = "the one call of grasp.solve, step by step"
 
 def solving(grasp: hl.Grasp, faces: Faces) -> Iterator[str]:
     """`grasp.solve` where the first stage answers."""
-    section = as_section(faces)
-    kind = kind_of(grasp.scene, section)
+    call = OneCall(grasp, faces)
     yield "effects and layout, known from an earlier scene"
-    numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
-    pack(grasp.scene, section, numbers[0])
+    call.pack()
     yield "the scene as a row of numbers"
-    first.answers(read_only(numbers), kind.pattern, NOWHERE, 0, rows)
+    call.answer()
     yield "units, stamps, solver, certificate, states: one call"
-    found = Found(kind, rows[0])
-    assert found.passes
-    grasp._answered(section, found)
+    call.conclude(call.read())
     yield "the answer in SI"
 
 
 def step_by_step(grasp: hl.Grasp, faces: Faces) -> Iterator[str]:
     """What that one call does, and what the later stages do, step by step from Python."""
-    section = as_section(faces)
-    grasp.scene.units  # noqa: B018  computed on first use
-    yield "natural units and blocks of the scene"
-    problem = assemble_contact(grasp.scene, section, ())
-    yield "assembly: effects stamped"
-    problem.prepared  # noqa: B018
-    yield "scaling of rows"
-    _, proposal = next(proposals(problem))
-    yield "solver: NSNGRK"
-    candidate = problem.candidate(proposal.z)
-    yield "decoding into forces and motion"
-    verdict = judge(grasp.scene, problem.effects, section, candidate)
-    yield "certificate, from the physics"
-    grasp._solution(problem.effects, section, candidate, verdict, 1, ())
-    yield "states, uniqueness, the answer in SI"
+    steps = ByHand(grasp, faces)
+    for step, name in (
+        (steps.units, "natural units and blocks of the scene"),
+        (steps.assemble, "assembly: effects stamped"),
+        (steps.scale, "scaling of rows"),
+        (steps.solve, "solver: NSNGRK"),
+        (steps.decode, "decoding into forces and motion"),
+        (steps.certify, "certificate, from the physics"),
+        (steps.finish, "states, uniqueness, the answer in SI"),
+    ):
+        step()
+        yield name
 
 
 def solving_lcp(problem: Any, faces: Faces) -> Iterator[str]:
@@ -84,11 +70,11 @@ def solving_lcp(problem: Any, faces: Faces) -> Iterator[str]:
     if faces == "cone":
         z = proposal.z * problem.units.z
         yield "units"
-        certify_contact(problem, proposal.z)
+        certificate(problem, z, proposal.z)
     else:
         z = problem.lift(proposal.z) * problem.scaled.units.z
         yield "multipliers from the slip, units"
-        certify(problem, z)
+        certificate(problem, z)
     yield "certificate, from M and q"
 
 
@@ -96,11 +82,11 @@ class Inside:
     """Seconds spent in compiled functions since last asked."""
 
     def __init__(self) -> None:
-        self._seconds = 0.0
+        self.seconds = 0.0
 
     def take(self) -> float:
         """The seconds, and start again from zero."""
-        seconds, self._seconds = self._seconds, 0.0
+        seconds, self.seconds = self.seconds, 0.0
         return seconds
 
     def clocked(self, kernel: Any) -> Callable[..., Any]:
@@ -109,7 +95,7 @@ class Inside:
         def call(*args: Any) -> Any:
             start = time.perf_counter()
             out = kernel(*args)
-            self._seconds += time.perf_counter() - start
+            self.seconds += time.perf_counter() - start
             return out
 
         return call
@@ -120,10 +106,8 @@ def clocks() -> Iterator[Inside]:
     """While open, every call from Python of the package's compiled functions is timed; all must be compiled by then."""
     inside = Inside()
     with ExitStack() as stack:
-        for module in [m for name, m in sys.modules.items() if name.startswith("handlcp.")]:
-            for name, value in list(vars(module).items()):
-                if isinstance(value, Dispatcher):
-                    stack.enter_context(patch.object(module, name, inside.clocked(value)))
+        for module, name, kernel in list(kernels()):
+            stack.enter_context(patch.object(module, name, inside.clocked(kernel)))
         yield inside
 
 

@@ -10,9 +10,11 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
+import handlcp as hl
 from handlcp.cli import app
-from handlcp.hand.library import urdf
-from handlcp.version import VERSION
+from handlcp.study.catalogue import Cost, entries
+from tests.support import patches
+from tests.support.hand import urdf
 
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
@@ -138,7 +140,7 @@ def test_json_is_one_object_with_everything_and_no_nan():
     assert found["residuals"]["worst"] < 1e-8
     assert found["uniqueness"]["forces_determined"] is True
     assert found["certificate"] is found["required_preload_m"] is found["proven_within"] is None
-    assert found["versions"]["handlcp"] == VERSION
+    assert found["versions"]["handlcp"] == hl.__version__
 
 
 def test_json_of_a_scene_that_does_not_hold_has_null_for_forces_and_a_certificate(tmp_path):
@@ -211,17 +213,15 @@ def test_keys_lists_what_a_scene_file_may_hold():
 
 
 def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
-    import handlcp.study.catalogue as catalogue
-
     found = strict(run("effects", "--json").stdout)["effects"]
-    assert [e["title"] for e in found] == [e.title for e in catalogue.entries()]
+    assert [e["title"] for e in found] == [e.title for e in entries()]
     assert {e["cost"] for e in found} == {None}
     text = run("effects", width="80").stdout
-    for e in catalogue.entries():
+    for e in entries():
         assert e.title in text
         for key in e.file_keys:
             assert key in text
-    monkeypatch.setattr(catalogue, "costs", lambda: {e.title: catalogue.Cost(-3, 1.25) for e in catalogue.entries()})
+    patches.costs_of_effects(monkeypatch, lambda: {e.title: Cost(-3, 1.25) for e in entries()})
     assert {str(e["cost"]) for e in strict(run("effects", "--measure", "--json").stdout)["effects"]} == {
         "{'unknowns': -3, 'ratio': 1.25}"
     }
@@ -231,17 +231,15 @@ def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
 
 
 def test_paper_passes_on_the_studys_verdict(monkeypatch):
-    import handlcp.study.paper as study
-
     asked = []
-    monkeypatch.setattr(study, "paper_command", lambda json, console: asked.append(json) or 1)
+    patches.paper_command(monkeypatch, lambda json, console: asked.append(json) or 1)
     assert run("paper", "--json").exit_code == 1
     assert asked == [True]
 
 
 def test_version():
     done = run("--version")
-    assert (done.exit_code, done.stdout) == (0, f"handlcp {VERSION}\n")
+    assert (done.exit_code, done.stdout) == (0, f"handlcp {hl.__version__}\n")
 
 
 def test_as_a_program_of_its_own():

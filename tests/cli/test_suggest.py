@@ -6,14 +6,12 @@ import json
 
 from typer.testing import CliRunner
 
-from handlcp.cli.app import app
+from handlcp.cli import app
 
 SCENE = "examples/allegro_pinch.toml"
 
 
 def run(*words):
-    import handlcp.cli  # noqa: F401  registers the commands
-
     return CliRunner().invoke(app, ["solve", SCENE, *words])
 
 

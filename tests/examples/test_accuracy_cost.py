@@ -33,7 +33,7 @@ def test_it_prints_its_tables_writes_its_pictures_and_measures_what_mechanics_as
     assert all(p.stat().st_size > 20_000 for p in paths)
     (_, hand), (_, cube) = costs
     # Five fingers hold 0.3 kg alike; the hand hangs, so that +z is down
-    frames = load(EXAMPLES / "ball_five_fingers.toml").build().scene.frames
+    frames = load(EXAMPLES / "ball_five_fingers.toml").build().frames
     down = np.einsum("ij,ij->i", frames[:, 2], np.array(hand.reference.forces))
     np.testing.assert_allclose(-down, 0.3 * 9.81 / 5, rtol=1e-3)
     # On the cube 8 inscribed faces give the forces of Table 6, which are not those on the cone

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from handlcp.scene import load
-from handlcp.show.tables import friction_used
-from handlcp.show.verdict import SMALL_TURN, verdict
+from handlcp.show import verdict
+from tests.support.grasp import arrays
+from tests.support.show import SMALL_TURN, tables
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 G = 9.81
@@ -40,19 +41,19 @@ def test_each_scene_is_held_by_its_motors_with_small_motions_and_forces_of_a_few
     assert 0.02 < s.torque_check.utilisation.max() < 0.6
     assert 0.5 < s.normal_force.max() < 10.0
     assert np.linalg.norm(s.object_displacement[3:]) < SMALL_TURN
-    np.testing.assert_allclose(s.forces_world.sum(0), -grasp.scene.force, atol=1e-7 * np.abs(s.forces).max())
+    np.testing.assert_allclose(s.forces_world.sum(0), -arrays(grasp).force, atol=1e-7 * np.abs(s.forces).max())
 
 
 def test_the_cube_hangs_in_friction_and_its_flanks_pull_against_the_front():
     grasp, s = solved("cube_three_fingers")
     front, left, right = s.forces_world
     # No normal of this cube has a vertical part: friction carries 0.2 kg · g
-    assert abs(grasp.scene.frames[:, 2, 2]).max() < 1e-9
+    assert abs(grasp.frames[:, 2, 2]).max() < 1e-9
     assert s.forces_world[:, 2].sum() == pytest.approx(0.2 * G, rel=1e-9)
     # The flanks' friction balances the front finger's push, half each
     assert left[0] == pytest.approx(-front[0] / 2, rel=1e-6)
     np.testing.assert_allclose(left * (1, -1, 1), right, atol=1e-6)
-    assert max(friction_used(grasp, s)) < CONE
+    assert max(tables.friction_used(grasp, s)) < CONE
 
 
 def test_the_cubes_binding_joint_bears_its_fingertips_force_times_its_lever():
@@ -61,7 +62,7 @@ def test_the_cubes_binding_joint_bears_its_fingertips_force_times_its_lever():
     angle = 2 * np.pi / 3  # finger 2 stands here on a circle of 45 mm; its joints turn about the tangent
     axis = np.array([np.sin(angle), -np.cos(angle), 0.0])
     base = 0.045 * np.array([np.cos(angle), np.sin(angle), 0.0])
-    expected = axis @ np.cross(grasp.scene.positions[1] - base, s.forces_world[1])
+    expected = axis @ np.cross(arrays(grasp).positions[1] - base, s.forces_world[1])
     row = s.torque_check["finger_2_proximal"]
     assert row.torque == pytest.approx(expected, rel=1e-9)
     assert row.torque == pytest.approx(0.301, abs=0.001)
@@ -101,15 +102,17 @@ def test_the_allegros_thumb_carries_the_ball_and_the_other_two_fingers():
     assert s.torque_check.binding == "joint_14.0", "the thumb's own joint gives out first"
     assert s.torque_check["joint_14.0"].utilisation == pytest.approx(0.25, abs=0.02)
     assert [s.torque_check[f"joint_{k}.0"].torque for k in (8, 9, 10, 11)] == [0.0] * 4, "the ring finger is at rest"
-    assert max(friction_used(grasp, s)) < CONE
+    assert max(tables.friction_used(grasp, s)) < CONE
 
 
 def test_the_psyonic_holds_the_can_by_friction_alone():
     grasp, s = solved("psyonic_grasp")
-    vertical = grasp.scene.frames[:, 0, 2]
+    vertical = grasp.frames[:, 0, 2]
     assert abs(vertical).max() < 1e-3, "the can's wall is upright: no normal force can carry it"
     assert s.forces_world[:, 0].sum() == pytest.approx(0.2 * G, rel=1e-7)
-    sliding = [used for used, state in zip(friction_used(grasp, s), s.contact_state, strict=True) if state == "sliding"]
+    sliding = [
+        used for used, state in zip(tables.friction_used(grasp, s), s.contact_state, strict=True) if state == "sliding"
+    ]
     assert sliding
     assert all(CONE - 1e-6 <= used <= 1 + 1e-6 for used in sliding)
     assert s.contact_state[0] == "sticking", "the thumb does not slide"
@@ -121,7 +124,7 @@ def test_the_psyonics_coupled_joints_bear_what_virtual_work_says():
     tips = [hand.fingertips.index(name) for name in s.names]
     local = [
         R.T @ (p - t)
-        for R, p, t in zip(grasp.state.tip_rotations[tips], grasp.scene.positions, grasp.state.tip_positions[tips],
+        for R, p, t in zip(grasp.state.tip_rotations[tips], arrays(grasp).positions, grasp.state.tip_positions[tips],
                            strict=True)
     ]  # fmt: skip
     for joint in range(hand.nv):
@@ -142,7 +145,7 @@ def test_the_table_bears_the_box_the_fingers_and_most_of_the_push():
     assert s.contact_state[2:] == ("sticking",) * 4
     assert table[:, 0].sum() == pytest.approx(-1.36, abs=0.01), "of 1.5 N"
     # A foot that sticks sinks by its flexibility times its force, and the rigid box with it
-    u, arms = s.object_displacement, grasp.scene.positions[2:] - grasp.reference
+    u, arms = s.object_displacement, arrays(grasp).positions[2:] - grasp.reference
     sunk = u[:3] + np.cross(u[3:], arms)
     np.testing.assert_allclose(sunk, -1e-4 * table, rtol=1e-9, atol=1e-15)
 

@@ -12,10 +12,10 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import load
-from handlcp.show.verdict import verdict
-from handlcp.study.paper.data import table
-from handlcp.study.paper.examples import Example, example
-from handlcp.study.paper.rows import Mark, rows_of
+from handlcp.show import verdict
+from handlcp.study.paper import Example, example, table
+from tests.support.grasp import arrays
+from tests.support.study import Mark, rows_of
 
 PAPER = pathlib.Path(__file__).parents[2] / "examples" / "paper"
 E_T, E_N, MU, WEIGHT = 6e-6, 1.5e-6, 0.6, 5.0
@@ -82,7 +82,7 @@ def test_the_planar_object_moves_as_table_1_prints_in_mm_and_mrad():
     printed = [x.value for x in table(1).object]
     # The paper's external wrench is what the fingers exert: its displacement is minus the object's
     np.testing.assert_allclose(s.object_displacement[[0, 1, 5]] * 1e3, np.multiply(printed, (-1, -1, 1)), rtol=1e-9)
-    retreat = grasp.scene.flexibility @ s.forces.ravel() * 1e3
+    retreat = arrays(grasp).flexibility @ s.forces.ravel() * 1e3
     tips = [table(1).fingertip[k + 1][0].value for k in range(6)]
     np.testing.assert_allclose(retreat[2::3], tips, atol=1e-9)
     assert s.uniqueness.forces_determined

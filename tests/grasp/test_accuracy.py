@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp import accuracy as module
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.force_error import force_error as estimate
 from handlcp.scene import load
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
 from tests.benchmarks.force_truth import force_error, refine
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.hard_cases.scenes import around, backwards, fingers
+from tests.support import patches
+from tests.support.grasp import arrays, claimed_force_error
 
 pytestmark = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision on this machine to know the truth with"
@@ -73,7 +72,7 @@ def near(grasp, solution):
 
 def disturbed(rng, grasp, solution, by):
     """The solution with its forces and its motion moved by a share of the natural units."""
-    units = grasp.scene.units
+    units = arrays(grasp).units
     forces = solution.forces + by * units.force * rng.normal(size=solution.forces.shape) * (solution.forces != 0)
     motion = units.motion * np.r_[rng.normal(size=3), rng.normal(size=3) / units.length]
     return replace(solution, forces=forces, object_displacement=solution.object_displacement + by * motion)
@@ -122,7 +121,7 @@ def test_claims_hold_with_effects_that_were_asked_for():
         s = grasp.solve(accuracy=1e-9)
         assert near(grasp, s) <= 2 * s.accuracy.error <= 2e-9
         pyramid = grasp.solve(accuracy=3e-2, solver=hl.Lemke())
-        assert "pyramid" in pyramid.accuracy.setting or not grasp.scene.rough
+        assert "pyramid" in pyramid.accuracy.setting or not arrays(grasp).rough
         assert near(grasp, pyramid) <= min(2 * pyramid.accuracy.error, 3e-2)
 
 
@@ -139,7 +138,7 @@ def test_estimates_follow_the_true_error_of_answers_that_are_less_than_exact(by)
     rng = np.random.default_rng(0)
     for grasp in rings():
         s = disturbed(rng, grasp, grasp.solve("cone"), by)
-        claimed = estimate(assemble_contact(grasp.scene, hl.grasp.pyramid.Cone(), grasp.effects), s)
+        claimed = claimed_force_error(grasp, s)
         true = force_error(s.forces, refine(grasp, s))
         assert true / 2 <= claimed <= 10 * true + 1e-11
 
@@ -160,10 +159,9 @@ def test_estimates_hold_where_contacts_are_about_to_change_their_state(seed):
     grasp = backwards("", rng, *places, mu, E, "cone", states=states).grasp()
     answer = grasp.solve("cone", throw=False)
     assert answer.held
-    problem = assemble_contact(grasp.scene, hl.grasp.pyramid.Cone(), grasp.effects)
     for by in (0.0, 1e-12, 1e-10, 1e-9):
         s = disturbed(rng, grasp, answer, by)
-        assert force_error(s.forces, refine(grasp, s)) <= estimate(problem, s)
+        assert force_error(s.forces, refine(grasp, s)) <= claimed_force_error(grasp, s)
 
 
 def test_estimates_know_that_levers_far_from_the_origin_are_rounded():
@@ -245,7 +243,7 @@ def test_the_cone_is_reached_from_a_pyramid_where_the_solver_does_not_find_it():
 
 @pytest.mark.parametrize("solver", [_BlindOnCones(), hl.Lemke()])
 def test_without_an_equilibrium_on_the_cone_nothing_is_claimed(solver, monkeypatch):
-    monkeypatch.setattr(module, "_NEWTON", _BlindOnCones())
+    patches.no_newton_on_cones(monkeypatch, _BlindOnCones())
     s = cube_example().solve(accuracy=0.5, solver=solver, throw=False)
     assert s.held
     assert np.isnan(s.accuracy.error)

@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.holdable import is_escape, jammed, least_total
-from handlcp.grasp.kernels import nearest_in_polygon
 from tests.grasp.scenes import cube_example, pinch, ring
+from tests.support.grasp import arrays, at_centre, nearest_in_polygon
+from tests.support.grasp import judged as judged_with
+from tests.support.search import is_escape, jammed, least_total
 
 PYRAMID = hl.Pyramid(8)
 
 
-def judged(g, forces, twist, extra=None):
-    return judge(g.scene, g.problem(PYRAMID).effects, PYRAMID, Candidate(forces, twist, extra or {})).residuals
+def judged(g, forces, twist):
+    return judged_with(g, PYRAMID, forces, twist)
 
 
 @pytest.fixture(params=range(4))
@@ -24,9 +23,7 @@ def answer(request):
     contacts, data = ring(np.random.default_rng(request.param))
     g = hl.Grasp(contacts, **data)
     s = g.solve()
-    u = s.object_displacement
-    centre = np.r_[u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:]]
-    return g, s.forces.copy(), centre
+    return g, s.forces.copy(), at_centre(g, s)
 
 
 def test_the_answer_passes(answer):
@@ -47,7 +44,7 @@ def test_every_corrupted_motion_is_refused(answer):
     for i in range(6):
         for change in (1e-4, -1e-4, np.nan):
             bad = u.copy()
-            bad[i] += change * g.scene.units.motion / (1 if i < 3 else g.scene.units.length)
+            bad[i] += change * arrays(g).units.motion / (1 if i < 3 else arrays(g).units.length)
             assert not judged(g, f, bad).passes
 
 
@@ -92,10 +89,8 @@ def test_moving_along_a_loose_direction_keeps_every_law_and_another_direction_do
     g = cube_example()
     s = g.solve(8)
     d = s.uniqueness.directions[0]
-    shift = np.cross(d[3:], g.scene.units.centre - g.reference)
-    centre = lambda u: np.r_[u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:]]  # noqa: E731
-    u = centre(s.object_displacement)
-    step = np.r_[d[:3] + shift, d[3:]] * 1e-8 / np.linalg.norm(d)  # the slips may turn by 1e-7 m only
+    u = at_centre(g, s)
+    step = at_centre(g, d) * 1e-8 / np.linalg.norm(d)  # the slips may turn by 1e-7 m only
     assert judged(g, s.forces, u + step).passes
     assert judged(g, s.forces, u - step).passes
     other = np.roll(step, 1)
@@ -107,12 +102,10 @@ def test_the_smallest_motion_is_given():
     s = g.solve(8)
     d = s.uniqueness.directions[0]
     for t in (-1e-7, 1e-7):
-        u = s.object_displacement + t * d / np.linalg.norm(d)
-        shifted = np.r_[u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:]]
+        shifted = at_centre(g, s.object_displacement + t * d / np.linalg.norm(d))
         if judged(g, s.forces, shifted).passes:
-            own = s.object_displacement
-            now = np.r_[own[:3] + np.cross(own[3:], g.scene.units.centre - g.reference), own[3:]]
-            size = np.r_[np.ones(3), np.full(3, g.scene.units.length)]
+            now = at_centre(g, s)
+            size = np.r_[np.ones(3), np.full(3, arrays(g).units.length)]
             assert np.linalg.norm(shifted * size) >= np.linalg.norm(now * size) * (1 - 1e-9)
 
 
@@ -166,16 +159,16 @@ def test_what_escapes_is_proven_by_signs(seed):
         at = t[:3] + np.cross(t[3:], a)
         edges = c.rotation @ np.vstack([0.3 * np.cos(angles), 0.3 * np.sin(angles), np.ones(8)])
         assert (at @ edges >= -1e-9).all()  # no force of the finger resists
-    assert g.scene.force @ t[:3] + g.scene.moment @ t[3:] > 0  # and the load drives it
+    assert arrays(g).force @ t[:3] + arrays(g).moment @ t[3:] > 0  # and the load drives it
 
 
 def test_an_escape_that_does_no_work_or_is_resisted_is_no_proof():
     g = pinch()
-    w = g.scene.natural.w
-    assert not is_escape(g.scene, PYRAMID, w, np.zeros(6))
-    assert not is_escape(g.scene, PYRAMID, w, -w)
-    assert not is_escape(g.scene, PYRAMID, w, w)  # downwards: friction resists
-    assert not is_escape(g.scene, PYRAMID, w, np.full(6, np.nan))
+    w = arrays(g).natural.w
+    assert not is_escape(g, PYRAMID, np.zeros(6))
+    assert not is_escape(g, PYRAMID, -w)
+    assert not is_escape(g, PYRAMID, w)  # downwards: friction resists
+    assert not is_escape(g, PYRAMID, np.full(6, np.nan))
 
 
 def test_undecided_carries_its_trace_and_claims_nothing():
@@ -197,13 +190,13 @@ def test_a_bound_on_the_total_force_below_what_the_load_needs_is_named(faces):
     s = g.solve(faces, throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM
     least = 2 / np.cos(np.pi / faces)
-    assert least_total(g.scene, hl.Pyramid(faces), g.scene.natural.w) == pytest.approx(least)
+    assert least_total(g, faces) == pytest.approx(least)
     assert s.diagnosis.endswith(f"the total normal force is bounded to 0.001 N, and balance needs {least:.4g} N")
 
 
 def test_no_total_force_balances_what_cannot_be_held():
     g = pinch(mu=0.0, load=(0, 0, -1.0))
-    assert least_total(g.scene, PYRAMID, g.scene.natural.w) is None
+    assert least_total(g, PYRAMID) is None
 
 
 def test_rigid_fingers_that_overlap_the_object_are_named():
@@ -215,5 +208,5 @@ def test_rigid_fingers_that_overlap_the_object_are_named():
     touching = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0))
     aside = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0), preload=[1e-3, -1e-3])
     soft = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0), preload=1e-3, flexibility=1e-4)
-    assert jammed(g.scene)
-    assert not any(jammed(x.scene) for x in (touching, aside, soft))
+    assert jammed(g)
+    assert not any(jammed(x) for x in (touching, aside, soft))

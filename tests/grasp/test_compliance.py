@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.changed import changed
-from handlcp.grasp.effects import Compliance, softened, stamped
-from handlcp.study.accuracy.left_out import variants
-
-from .scenes import pinch, ring
+from tests.grasp.scenes import pinch, ring
+from tests.support.effects import compliances, has_an_equation_of_its_own, softened, stamps
+from tests.support.grasp import arrays, changed
+from tests.support.study import left_out
 
 RNG = np.random.default_rng(11)
 ROOT = RNG.normal(size=(6, 6)) * np.array([1e-2] * 3 + [1e-1] * 3)[:, None]
@@ -22,7 +21,7 @@ BLOCKS = np.array([a @ a.T for a in RNG.normal(size=(4, 3, 3)) * 1e-2])
 
 def hand_built(g, wrist=WRIST, blocks=BLOCKS):
     """The sum by the textbook: a column for each unit force."""
-    s, n = g.scene, len(g.contacts)
+    s, n = arrays(g), len(g.contacts)
     E = g.flexibility.copy()
     for j in range(3 * n):
         force = s.frames[j // 3][:, j % 3]
@@ -80,22 +79,22 @@ def test_a_force_on_one_finger_moves_all_tips():
     contacts, data = ring(np.random.default_rng(5), n=3)
     c = 2e-3
     g = hl.Grasp(contacts, data["wrench"], effects=[hl.SoftWrist((c, c, c, 0, 0, 0), (9.0, 9.0, 9.0))])
-    R = g.scene.frames
+    R = g.frames
     expected = np.block([[c * R[i].T @ R[j] for j in range(3)] for i in range(3)])
-    np.testing.assert_allclose(g.scene.flexibility, expected, atol=1e-9 * c)
+    np.testing.assert_allclose(arrays(g).flexibility, expected, atol=1e-9 * c)
     at, spin = np.array([0.1, 0.2, 0.3]), 0.5
     g = hl.Grasp(contacts, data["wrench"], effects=[hl.SoftWrist((0, 0, 0, spin, spin, spin), at)])
-    W = np.hstack([np.cross(p - at, r.T).T for p, r in zip(g.scene.positions, R, strict=True)])
-    np.testing.assert_allclose(g.scene.flexibility, spin * W.T @ W, rtol=1e-9, atol=1e-12)
+    W = np.hstack([np.cross(p - at, r.T).T for p, r in zip(arrays(g).positions, R, strict=True)])
+    np.testing.assert_allclose(arrays(g).flexibility, spin * W.T @ W, rtol=1e-9, atol=1e-12)
 
 
 def test_both_equal_an_e_built_by_hand_and_give_the_same_answer():
     g = soft_ring()
     E = hand_built(g)
-    np.testing.assert_allclose(g.scene.flexibility, E, rtol=1e-9, atol=1e-9 * abs(E).max())
-    np.testing.assert_array_equal(g.scene.flexibility, g.scene.flexibility.T)
-    assert np.linalg.eigvalsh(g.scene.flexibility - g.flexibility).min() > -1e-15
-    plain = changed(g, effects=(), flexibility=g.scene.flexibility)
+    np.testing.assert_allclose(arrays(g).flexibility, E, rtol=1e-9, atol=1e-9 * abs(E).max())
+    np.testing.assert_array_equal(arrays(g).flexibility, arrays(g).flexibility.T)
+    assert np.linalg.eigvalsh(arrays(g).flexibility - g.flexibility).min() > -1e-15
+    plain = changed(g, effects=(), flexibility=arrays(g).flexibility)
     for faces in (8, "cone"):
         a, b = g.solve(faces), plain.solve(faces)
         np.testing.assert_array_equal(a.forces, b.forces)
@@ -115,7 +114,7 @@ def test_the_balance_of_energy_counts_the_compliance():
     r = (s.forces - free.forces).ravel()
     work = np.r_[data["wrench"]] @ (s.object_displacement - free.object_displacement)
     assert work > 0
-    np.testing.assert_allclose(r @ g.scene.flexibility @ r, work, rtol=1e-9)
+    np.testing.assert_allclose(r @ arrays(g).flexibility @ r, work, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -124,7 +123,7 @@ def test_the_balance_of_energy_counts_the_compliance():
 def test_zero_compliance_is_none_and_absence_leaves_every_bit(zero):
     contacts, data = ring(np.random.default_rng(3))
     without, neutral = hl.Grasp(contacts, **data), hl.Grasp(contacts, **data, effects=zero)
-    assert without.scene.flexibility is without.flexibility
+    assert arrays(without).flexibility is without.flexibility
     for faces in (6, "cone"):
         a, b = without.problem(faces), neutral.problem(faces)
         np.testing.assert_array_equal(a.M, b.M)
@@ -148,16 +147,16 @@ def test_compliances_bring_no_unknowns_and_explain_lists_them_with_why():
 
 def test_replacing_anything_neither_loses_nor_doubles_them():
     g = soft_ring()
-    added = g.scene.flexibility - g.flexibility
+    added = arrays(g).flexibility - g.flexibility
     size = abs(added).max()
     for other in (g.replace(wrench=(0, 0, -1, 0, 0, 0)), g.replace(preload=0.03), g.replace().replace()):
-        np.testing.assert_array_equal(other.scene.flexibility, g.scene.flexibility)
+        np.testing.assert_array_equal(arrays(other).flexibility, arrays(g).flexibility)
         assert other.effects == g.effects
     harder = g.replace(flexibility=1e-5).replace(wrench=(0, 0, -1, 0, 0, 0))
     np.testing.assert_array_equal(harder.flexibility, 1e-5 * np.eye(12))
-    np.testing.assert_allclose(harder.scene.flexibility - harder.flexibility, added, atol=1e-15 * size)
+    np.testing.assert_allclose(arrays(harder).flexibility - harder.flexibility, added, atol=1e-15 * size)
     again = pickle.loads(pickle.dumps(g))
-    np.testing.assert_array_equal(again.scene.flexibility, g.scene.flexibility)
+    np.testing.assert_array_equal(arrays(again).flexibility, arrays(g).flexibility)
 
 
 def test_they_stand_beside_effects_with_rows():
@@ -165,7 +164,7 @@ def test_they_stand_beside_effects_with_rows():
     more = [hl.TotalForceBound(60.0), hl.PrescribedForce(0, (0.1, 0.0, 4.0))]
     g = soft_ring(effects=[*more, WRIST])
     assert g.stamped == tuple(more)
-    plain = changed(g, effects=tuple(more), flexibility=g.scene.flexibility)
+    plain = changed(g, effects=tuple(more), flexibility=arrays(g).flexibility)
     np.testing.assert_array_equal(g.problem().scaled.M, plain.problem().scaled.M)
     a, b = g.solve(throw=False), plain.solve(throw=False)
     assert a.held
@@ -183,9 +182,9 @@ def test_a_planar_scene_feels_only_what_lies_in_its_plane():
     cut[1::3] = 0
     cut[:, 1::3] = 0
     assert abs(cut).max() > 0
-    np.testing.assert_allclose(g.scene.flexibility - g.flexibility, cut, atol=1e-9 * abs(cut).max())
+    np.testing.assert_allclose(arrays(g).flexibility - g.flexibility, cut, atol=1e-9 * abs(cut).max())
     s = g.solve()
-    np.testing.assert_array_equal(s.forces, changed(g, effects=(), flexibility=g.scene.flexibility).solve().forces)
+    np.testing.assert_array_equal(s.forces, changed(g, effects=(), flexibility=arrays(g).flexibility).solve().forces)
     height, tilt, w = 0.05, 0.3, 1.0  # a wrist below the plane, turning about x: a pull along y tilts it
     lone = pinch_in_plane(hl.SoftWrist((0, 0, 0, tilt, 0, 0), at=(0, 0, -height)), w)
     still = pinch_in_plane(hl.SoftWrist((0, 0, 0, 0, 0, 0)), w)
@@ -205,12 +204,12 @@ def test_many_at_once_and_a_stream_see_them():
     g = soft_ring()
     stream = hl.GraspStream(g)
     np.testing.assert_allclose(stream.update().forces, g.solve().forces, rtol=1e-9)
-    moved = g.scene.positions + 1e-3
+    moved = arrays(g).positions + 1e-3
     update = stream.update(positions=moved)
-    E = softened(g.flexibility, g.effects, moved, g.scene.frames, False)
-    assert abs(E - g.scene.flexibility).max() > 1e-6, "the wrist's arm changed"
+    E = softened(g, g.flexibility, moved)
+    assert abs(E - arrays(g).flexibility).max() > 1e-6, "the wrist's arm changed"
     now = stream.grasp
-    np.testing.assert_array_equal(now.scene.flexibility, E)
+    np.testing.assert_array_equal(arrays(now).flexibility, E)
     np.testing.assert_array_equal(now.flexibility, g.flexibility)
     np.testing.assert_allclose(update.forces, now.solve(start=g.solve()).forces, rtol=1e-9, atol=1e-12)
 
@@ -221,26 +220,26 @@ def test_a_hand_on_a_soft_wrist_in_a_grasp_and_along_a_stream():
     q = hand.close_on(ball, squeeze=3e-3)
     effects = [hl.SoftWrist((1e-4, 1e-4, 1e-4, 0.2, 0.2, 0.2)), hl.ContactCompliance((1e-4, 1e-4, 5e-4))]
     plain, g = hand.at(q).grasp(ball), hand.at(q).grasp(ball, effects=effects)
-    np.testing.assert_array_equal(g.flexibility, plain.scene.flexibility)
-    expected = softened(plain.scene.flexibility, effects, g.scene.positions, g.scene.frames, False)
-    np.testing.assert_array_equal(g.scene.flexibility, expected)
+    np.testing.assert_array_equal(g.flexibility, arrays(plain).flexibility)
+    expected = softened(g, arrays(plain).flexibility)
+    np.testing.assert_array_equal(arrays(g).flexibility, expected)
     stream = hl.GraspStream(g)
     stream.update(q + 0.01)
     there = hand.at(q + 0.01)
     contacts = [hl.Contact(c.position, c.normal, c.friction) for c in g.contacts]
     for name in ("scene", "own"):
         one, two = stream.grasp, there.grasp(contacts, effects=effects)
-        a, b = (one.scene, two.scene) if name == "scene" else (one, two)
+        a, b = (arrays(one), arrays(two)) if name == "scene" else (one, two)
         np.testing.assert_allclose(a.flexibility, b.flexibility, atol=1e-12 * abs(b.flexibility).max())
 
 
 def test_the_study_leaves_each_of_them_out_once():
-    names = {name: g for name, _, g in variants(soft_ring())}
+    names = left_out(soft_ring())
     assert {"contact compliance", "soft wrist"} <= set(names)
     assert [type(e) for e in names["soft wrist"].effects] == [hl.ContactCompliance]
     rigid = names["finger flexibility"]
     np.testing.assert_array_equal(rigid.flexibility, 0)
-    assert rigid.scene.flexibility.any()
+    assert arrays(rigid).flexibility.any()
 
 
 @pytest.mark.parametrize(
@@ -267,10 +266,10 @@ def test_bad_compliances_name_the_argument(make, argument):
     assert caught.value.argument == argument
 
 
-@pytest.mark.parametrize("effect", Compliance.__subclasses__())
+@pytest.mark.parametrize("effect", compliances())
 def test_every_compliance_has_an_equation_of_its_own_and_stamps_nothing(effect):
-    assert effect.equation != Compliance.equation
-    assert stamped((effect(np.ones(3) if effect is hl.ContactCompliance else np.ones(6)),)) == ()
+    assert has_an_equation_of_its_own(effect)
+    assert stamps(effect(np.ones(3) if effect is hl.ContactCompliance else np.ones(6))) == ()
 
 
 def test_rigid_fingers_are_told_apart_from_the_compliance_asked_for():

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp.kernels.arrow import Arrow
-from handlcp.lcp.kernels.contact import Contacts, project, rows, work
 from tests.grasp.scenes import cube_example, pinch, ring
+from tests.support.lcp import contact_rows, projection
 
 
 def scenes(count=8):
@@ -95,16 +94,15 @@ def test_kaczmarz_alone_converges_on_the_cone():
 @pytest.mark.parametrize("faces", [0, 2, 3, 4, 7, 16])
 def test_the_derivative_of_the_projection_is_its_difference_quotient(faces):
     rng = np.random.default_rng(faces)
-    P, D, A, B, unused = np.empty(2), np.empty((2, 3)), np.empty(2), np.empty(2), np.empty((2, 3))
     h, mu = 1e-7, 0.8
     for _ in range(100):
         x, y, n = rng.normal(), 0.0 if faces == 2 else rng.normal(), rng.uniform(0.1, 2)
-        project(x, y, mu * n, mu, faces, P, D)
+        P, D = projection(x, y, mu * n, mu, faces)
         for k, (dx, dy, dn) in enumerate(np.eye(3) * h):
             if faces == 2 and k == 1:
                 continue
-            project(x + dx, y + dy, mu * (n + dn), mu, faces, A, unused)
-            project(x - dx, y - dy, mu * (n - dn), mu, faces, B, unused)
+            A, _ = projection(x + dx, y + dy, mu * (n + dn), mu, faces)
+            B, _ = projection(x - dx, y - dy, mu * (n - dn), mu, faces)
             quotient = (A - B) / (2 * h)
             if abs(quotient - D[:, k]).max() > 1e-5:  # a corner between the two points: a one-sided value will do
                 sides = [(A - P) / h, (P - B) / h]
@@ -112,27 +110,11 @@ def test_the_derivative_of_the_projection_is_its_difference_quotient(faces):
 
 
 def test_subgradients_of_contact_rows_are_their_difference_quotients():
-    g = cube_example()
-    p = g.problem("cone")
-    rng = np.random.default_rng(0)
-    n = p.n
-
-    order, starts, own, side, below, q, role, rho, blocks = p.prepared
-    M = p.M[np.ix_(order, order)]
-    contacts = Contacts(Arrow(own, side, below, starts), q, role, rho, blocks, p.limits, p.faces)
-
-    def evaluate(x):
-        F, g = np.empty(n), work(n)
-        rows(contacts, x, M @ x + q, F, g)
-        J = g.b[:, :1] * M[g.row[:, 0]] + g.b[:, 1:] * M[g.row[:, 1]]
-        for i in range(n):
-            for a in range(3):
-                J[i, g.unit[i, a]] += g.c[i, a]
-        return F, J
-
+    p = cube_example().problem("cone")
+    rng, n, h = np.random.default_rng(0), p.n, 1e-6
     for _ in range(20):
         x = rng.normal(size=n)
-        _, J = evaluate(x)
-        h = 1e-6
-        quotient = np.column_stack([(evaluate(x + h * e)[0] - evaluate(x - h * e)[0]) / (2 * h) for e in np.eye(n)])
+        _, J = contact_rows(p, x)
+        ends = [(contact_rows(p, x + h * e)[0], contact_rows(p, x - h * e)[0]) for e in np.eye(n)]
+        quotient = np.column_stack([(ahead - behind) / (2 * h) for ahead, behind in ends])
         np.testing.assert_allclose(J, quotient, atol=1e-5)

@@ -6,29 +6,12 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.diagnosis import Within, describe_motion, diagnose
 from tests.grasp.scenes import pinch
+from tests.support.grasp import Within, describe_motion, diagnose, diagnosed
 
 PAIR = np.array([[-0.01, 0, 0], [0.01, 0, 0]])
 NAMES = ("finger 1", "finger 2")
 ZERO = np.zeros(3)
-
-
-def said(g, s, **more):
-    u = s.uniqueness
-    return diagnose(
-        s.status,
-        s.names,
-        g.scene.positions,
-        reference=g.reference,
-        forces=s.forces,
-        states=s.contact_state,
-        offset=g.scene.offset,
-        escape=s.certificate,
-        loose=None if u is None else u.directions,
-        forces_determined=u is None or u.forces_determined,
-        **more,
-    )
 
 
 def way(twist, p=PAIR, c=ZERO, names=NAMES):
@@ -61,20 +44,21 @@ def test_a_screw_names_both():
 def test_not_holdable_says_where_the_object_goes():
     contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Frictionless()) for p in PAIR]
     g = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
-    text = said(g, g.solve(throw=False))
+    text = diagnosed(g, g.solve(throw=False))
     assert text == "no finger forces within friction balance the load: the object slides out along (0, 0, -1)"
 
 
 def test_a_held_pinch_still_spins_about_its_line():
     g = pinch()
     assert (
-        said(g, g.solve()) == "held; all fingers stick; the object can still spin about the line through left and right"
+        diagnosed(g, g.solve())
+        == "held; all fingers stick; the object can still spin about the line through left and right"
     )
 
 
 def test_states_are_told_by_name():
     g = pinch(load=(25.0, 0, 0))
-    assert said(g, g.solve()).startswith("held; left does not push")
+    assert diagnosed(g, g.solve()).startswith("held; left does not push")
     text = diagnose(
         hl.Status.SOLVED,
         ("finger 1", "finger 2", "finger 3"),
@@ -96,7 +80,7 @@ def test_several_loose_directions_are_counted():
     assert "all fingers slide" in text
     assert "other forces" in text
     untouched = pinch(squeeze=-1e-3, load=(0, 0, 0))
-    assert said(untouched, untouched.solve()) == (
+    assert diagnosed(untouched, untouched.solve()) == (
         "in balance without any contact force; no finger pushes; the object is loose in every direction"
     )
 

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp import effects
-from handlcp.grasp.catalogue import BY_NAME, FROM_DATA
-from handlcp.grasp.environment import ENVIRONMENT
 from tests.grasp.scenes import cube_example, pinch, ring
+from tests.support.effects import ENVIRONMENT, KINDS, kinds_in_the_catalogue, limits_kept, limits_of, page_of
+from tests.support.grasp import arrays
 
 
 def sizes(g, faces=8):
@@ -92,17 +91,13 @@ def test_explain_accounts_for_every_unknown():
     on = {line.title for line in e.effects if line.on}
     off = {line.title for line in e.effects if not line.on}
     assert on == {"object balance", "unilateral contact", "Coulomb friction, pyramid", "finger flexibility"}
-    kinds = [getattr(effects, name) for name in effects.__all__]
-    kinds = [k for k in kinds if isinstance(k, type) and issubclass(k, hl.grasp.Effect) and "why" in vars(k)]
-    assert on | off == {k.title for k in kinds if k is not hl.grasp.Effect} | {ENVIRONMENT.title}
+    assert on | off == {*KINDS, ENVIRONMENT}
     assert "27" in str(e)
 
 
-@pytest.mark.parametrize("effect", FROM_DATA + BY_NAME)
+@pytest.mark.parametrize("effect", kinds_in_the_catalogue())
 def test_every_effect_states_its_equation_on_top_of_its_file_and_all_that_the_catalogue_wants(effect):
-    import sys
-
-    formulas = [line for line in sys.modules[effect.__module__].__doc__.splitlines() if line.startswith("    ")]
+    formulas = [line for line in page_of(effect).splitlines() if line.startswith("    ")]
     assert any(set(line) & set("=≤⟂") for line in formulas)
     assert all((effect.title, effect.equation, effect.when, effect.brings, effect.source))
 
@@ -145,28 +140,28 @@ def test_a_solve_makes_limits_once_and_another_scene_its_own(faces):
     g.solve(faces)
     g.problem(faces)
     g.explain(faces)
-    assert effect.asked == [g.scene]
+    assert effect.asked == [arrays(g)]
     heavier = g.replace(wrench=(0, 0, -2.0, 0, 0, 0))
     heavier.solve(faces)
-    assert effect.asked[1:] == [heavier.scene]
+    assert effect.asked[1:] == [arrays(heavier)]
 
 
 def test_equal_effects_on_one_scene_keep_their_own_limits_and_many_do_not_pile_up():
-    scene = pinch().scene
+    g = pinch()
     for k in range(1, 100):
         for effect in (hl.TotalForceBound(float(k)), hl.TotalForceBound(float(k))):
-            assert effect.present(scene)[0].room[0] == k
-            assert effect.present(scene) is effect.present(scene)
-    assert len(scene.made) <= 20
+            assert limits_of(effect, g)[0].room[0] == k
+            assert limits_of(effect, g) is limits_of(effect, g)
+    assert len(limits_kept(g)) <= 20
 
 
 def test_limits_travel_with_their_scene_and_cannot_be_written_to():
     g = pinch(effects=[hl.FingerForceBound(6.0)])
     s = g.solve()
     again = pickle.loads(pickle.dumps(g))
-    assert again.scene.made[0][0] is again.effects[0]
+    assert limits_kept(again)[0][0] is again.effects[0]
     np.testing.assert_array_equal(again.solve().forces, s.forces)
-    (limit,) = g.effects[0].present(g.scene)
+    (limit,) = limits_of(g.effects[0], g)
     with pytest.raises(ValueError, match="read-only"):
         limit.room[0] = 1.0
     with ThreadPoolExecutor(4) as pool:

@@ -9,8 +9,9 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError
-from handlcp.grasp.environment import ENVIRONMENT
 from tests.grasp.scenes import pinch, ring
+from tests.support.effects import ENVIRONMENT
+from tests.support.grasp import arrays
 
 A, W = 0.02, 3.0  # m: half an edge of the box; N: its weight
 STIFF, SOFT = 1e-5, 1e-4  # m/N of the table, and of the fingers
@@ -188,8 +189,8 @@ def test_a_soft_wrist_carries_the_fingers_and_not_the_table():
     wrist = hl.SoftWrist([0, 0, 2e-4, 0, 0, 0])
     data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
     g = hl.Grasp(sides(), DOWN, **data, effects=[wrist])
-    np.testing.assert_array_equal(g.scene.flexibility[6:, 6:], g.flexibility[6:, 6:])
-    np.testing.assert_array_equal(g.scene.flexibility[6:, :6], 0.0)
+    np.testing.assert_array_equal(arrays(g).flexibility[6:, 6:], g.flexibility[6:, 6:])
+    np.testing.assert_array_equal(arrays(g).flexibility[6:, :6], 0.0)
     fingers, table = 1 / (SOFT / 2 + 2e-4), 4 / STIFF
     carried = g.solve().forces_world[2:, 2].sum()
     np.testing.assert_allclose(carried, W * table / (fingers + table), **EXACT)
@@ -202,7 +203,7 @@ def test_the_objects_surface_gives_way_under_fingers_and_table(blocks):
     data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
     g = hl.Grasp(sides(), DOWN, **data, effects=[hl.ContactCompliance(given)])
     more = np.diag([3e-5] * 6 + [0.0 if blocks == "fingers" else 3e-5] * 12)
-    np.testing.assert_array_equal(g.scene.flexibility, g.flexibility + more)
+    np.testing.assert_array_equal(arrays(g).flexibility, g.flexibility + more)
 
 
 def test_a_fixture_may_push_with_a_known_force():
@@ -218,12 +219,12 @@ def test_replacing_numbers_keeps_the_environments_own():
     h = g.replace(flexibility=2 * SOFT, preload=[1e-3, 2e-3], wrench=(0, 0, -1, 0, 0, 0))
     np.testing.assert_array_equal(h.flexibility[6:, 6:], g.flexibility[6:, 6:])
     np.testing.assert_array_equal(h.flexibility[:6, :6], np.eye(6) * 2 * SOFT)
-    np.testing.assert_array_equal(h.scene.offset[:, 2], [-1e-3, -2e-3, *[1e-6] * 4])
+    np.testing.assert_array_equal(arrays(h).offset[:, 2], [-1e-3, -2e-3, *[1e-6] * 4])
     every = np.zeros((6, 3))
     every[2:, 2] = 5e-6
-    np.testing.assert_array_equal(g.replace(offset=every).scene.offset, every)
-    np.testing.assert_array_equal(g.replace(offset=every[:2]).scene.offset[2:, 2], 1e-6)
-    assert h.scene.environment == 4
+    np.testing.assert_array_equal(arrays(g.replace(offset=every)).offset, every)
+    np.testing.assert_array_equal(arrays(g.replace(offset=every[:2])).offset[2:, 2], 1e-6)
+    assert arrays(h).environment == 4
 
 
 def test_required_preload_squeezes_the_fingers_alone():
@@ -246,13 +247,13 @@ def test_what_is_not_held_is_said_of_contacts_and_preload_of_fingers():
 
 def test_explain_counts_the_environment_where_there_is_one():
     on = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor()).explain(measure=True)
-    line = next(e for e in on.effects if e.title == ENVIRONMENT.title)
+    line = next(e for e in on.effects if e.title == ENVIRONMENT)
     assert line.on
     assert line.why.startswith("4 of the 6 contacts: environment 1, ")
     assert line.cost == 0
     assert line.share is not None
     assert dict((n, c) for e in on.effects for n, c, _ in e.unknowns)["r_N"] == 6
-    off = next(e for e in pinch().explain().effects if e.title == ENVIRONMENT.title)
+    off = next(e for e in pinch().explain().effects if e.title == ENVIRONMENT)
     assert not off.on
 
 
@@ -273,7 +274,7 @@ def test_a_grasp_with_an_environment_is_the_grasp_with_as_many_contacts_more():
 
 def test_pickled_it_is_the_same():
     g = pickle.loads(pickle.dumps(hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor())))
-    assert g.scene.environment == 4
+    assert arrays(g).environment == 4
     e = pickle.loads(pickle.dumps(floor(gap=1e-3)))
     np.testing.assert_array_equal(e.gap, 1e-3)
     many = hl.solve_many([g, g])
@@ -307,7 +308,7 @@ def test_bad_input_names_the_argument(change, argument):
 def test_contacts_without_a_name_are_numbered_over_all_environments():
     g = hl.Grasp(sides(), environment=[floor(), floor(height=1e-3), hl.Environment(top())])
     assert g.names[2:] == (*(f"environment {k}" for k in range(1, 9)), "top")
-    assert g.scene.environment == 9
+    assert arrays(g).environment == 9
 
 
 def test_two_contacts_of_one_name_are_refused():

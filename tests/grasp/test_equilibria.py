@@ -9,29 +9,19 @@ import pytest
 from scipy.optimize import linprog
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.certify import judge
-from handlcp.grasp.effects import Effect
-from handlcp.grasp.equilibria import applicable, find_equilibrium
-from handlcp.grasp.pyramid import as_section
-from handlcp.study.paper.examples import PRELOAD, example
+from handlcp.grasp import Effect
+from handlcp.study.paper import example
 from tests.grasp.scenes import pinch, ring
+from tests.support.grasp import arrays
+from tests.support.search import applicable, searched
+from tests.support.study import PRELOAD
 
 C = 1e-4
 
 
-def searched(g, faces, **more):
-    section = as_section(faces, planar=g.scene.plane is not None)
-    problem = assemble_contact(g.scene, section, g.effects)
-    r = find_equilibrium(g.scene, problem.effects, section, **more)
-    if r.candidate is not None:
-        assert judge(g.scene, problem.effects, section, r.candidate).residuals.passes
-    return r
-
-
 def exists(g, m):
     """Whether some choice of modes has a point, by one linear program a choice; nothing of the search is used."""
-    s, a = g.scene, 2 * np.pi * np.arange(m) / m
+    s, a = arrays(g), 2 * np.pi * np.arange(m) / m
     scale = np.trace(s.flexibility) / len(s.flexibility)
     f0 = max(np.abs(s.force).max(), 1e-9)
     G, E, d = s.grasp_matrix, s.flexibility / scale, s.offset.ravel() / (scale * f0)
@@ -112,7 +102,7 @@ def test_planar_scenes_and_prescribed_forces():
 
 def test_a_bound_below_the_answer_is_part_of_the_statement():
     g = pinch()
-    unit = g.scene.units.force
+    unit = arrays(g).units.force
     r = searched(g, 4, bound=1.0 / unit)  # the answer has 10 N
     assert (r.outcome, round(r.force_bound, 9)) == ("none", 1.0)
 
@@ -125,11 +115,10 @@ class Pushed(Effect):
 
 
 def test_an_effect_that_moves_contacts_by_more_than_its_limits_is_not_for_this_search():
-    g, section = pinch(), hl.Pyramid(4)
     assert applicable((hl.TotalForceBound(5.0), hl.FingerForceBound(5.0), hl.TorqueSaturation()))
     assert not applicable((Pushed(),))
     with pytest.raises(ValueError, match="search the assembled problem"):
-        find_equilibrium(g.scene, (Pushed(),), section)
+        searched(pinch(), 4, Pushed())
 
 
 def test_no_time_is_no_claim():

@@ -9,28 +9,21 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.overload import is_overload, overload
-from handlcp.grasp.pyramid import as_section
 from tests.grasp.scenes import pinch, ring
+from tests.support.grasp import arrays, at_centre, judged
+from tests.support.search import is_overload, overload
 
 C, SQUEEZE = 1e-4, 1e-3  # m/N and m of the pinch: 10 N a finger where nothing is bounded
 SECTIONS = [4, 8, "cone"]
 EXACT = {"rtol": 1e-9, "atol": 1e-15}
 
 
-def at_centre(g, s):
-    u = s.object_displacement
-    return np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
-
-
 def work_balances(g, s, bounds):
     """Where no contact slides: the load's work on the object = Σ r·(E r + d) + Σ r̄ z̄ (virtual work on the answer)."""
     r = s.forces.ravel()
-    put_in = g.scene.wrench @ at_centre(g, s)
-    taken = r @ g.scene.flexibility @ r + r @ g.scene.offset.ravel() + bounds @ s.extra["z̄_i"]
-    size = abs(r @ g.scene.offset.ravel())
+    put_in = arrays(g).wrench @ at_centre(g, s)
+    taken = r @ arrays(g).flexibility @ r + r @ g.offset.ravel() + bounds @ s.extra["z̄_i"]
+    size = abs(r @ g.offset.ravel())
     assert abs(put_in - taken) < 1e-9 * size
 
 
@@ -163,23 +156,16 @@ def test_the_certifier_rejects_what_it_should(faces):
     free = hl.Grasp(contacts, **data).solve(faces)
     bound = 0.8 * free.normal_force.max()
     g = hl.Grasp(contacts, **data, effects=[hl.FingerForceBound(bound)])
-    s, section = g.solve(faces), as_section(faces)
-    effects = g.problem(faces).effects
-
-    def residuals(forces, extra):
-        return judge(g.scene, effects, section, Candidate(forces, at_centre(g, s), extra)).residuals
-
-    z = s.extra["z̄_i"]
-    assert residuals(s.forces, {"z̄_i": z}).passes
+    s = g.solve(faces)
+    z, twist = s.extra["z̄_i"], at_centre(g, s)
+    assert judged(g, faces, s.forces, twist, {"z̄_i": z}).passes
     for i in range(len(z)):
         for change in (1e-4, -1e-4, np.nan, np.inf):
             bad = z.copy()
             bad[i] += change * max(z)
-            assert not residuals(s.forces, {"z̄_i": bad}).passes
+            assert not judged(g, faces, s.forces, twist, {"z̄_i": bad}).passes
     # the free grasp's answer keeps every law but the bound
-    u = free.object_displacement
-    there = np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
-    over = judge(g.scene, effects, section, Candidate(free.forces, there, {"z̄_i": 0 * z})).residuals
+    over = judged(g, faces, free.forces, at_centre(g, free), {"z̄_i": 0 * z})
     assert max(over.balance, over.normal, over.cone, over.slip) < 1e-8
     assert over.effects > 1e-2
 
@@ -192,14 +178,13 @@ def test_bounds_too_low_for_the_load_are_proven_so(faces):
     assert s.status is hl.Status.NO_EQUILIBRIUM
     assert s.required_preload is None
     assert s.diagnosis.endswith("the per-finger force bound leaves no force that balances it")
-    section = as_section(faces)
-    proof = overload(g.scene, section, g.effects)
-    assert is_overload(g.scene, section, g.effects, proof)
-    assert not is_overload(g.scene, section, g.effects, -proof)
-    assert not is_overload(g.scene, section, g.effects, np.full(8, np.nan))
+    proof = overload(g, faces)
+    assert is_overload(g, faces, proof)
+    assert not is_overload(g, faces, -proof)
+    assert not is_overload(g, faces, np.full(8, np.nan))
     enough = pinch(effects=[hl.FingerForceBound(1.0 / np.cos(np.pi / 4) + 1e-3)])
-    assert overload(enough.scene, section, enough.effects) is None
-    assert not is_overload(enough.scene, section, enough.effects, proof)
+    assert overload(enough, faces) is None
+    assert not is_overload(enough, faces, proof)
     assert enough.solve(faces).held
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-
-from .scenes import pinch, ring
+from tests.grasp.scenes import pinch, ring
+from tests.support.grasp import arrays
 
 
 @pytest.fixture
@@ -34,10 +34,10 @@ def test_a_sensor_below_the_fingertip_reads_force_and_torque_in_its_own_axes(sol
     """Rigid link between sensor and contact: the same force, and its moment about the sensor."""
     g, wrench, s = solved
     rng = np.random.default_rng(0)
-    where = g.scene.positions + rng.normal(size=(5, 3)) * 0.02
+    where = arrays(g).positions + rng.normal(size=(5, 3)) * 0.02
     axes = np.linalg.qr(rng.normal(size=(5, 3, 3)))[0]
     f = s.forces_world
-    m = np.cross(g.scene.positions - where, f)
+    m = np.cross(arrays(g).positions - where, f)
     turn = axes.transpose(0, 2, 1)
     forces, torques = (turn @ f[:, :, None])[:, :, 0], (turn @ m[:, :, None])[:, :, 0]
     found = hl.wrench_from_fingertip_forces(g, forces, torques, positions=where, frames=axes)

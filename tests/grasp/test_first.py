@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.certify import judge
-from handlcp.grasp.conclude import conclude
-from handlcp.grasp.first import find
-from handlcp.grasp.pyramid import as_section
-from handlcp.lcp import NSNGRK
-from handlcp.lcp.status import Status
-
-from .scenes import cube_example, pinch, ring
+from tests.grasp.scenes import cube_example, pinch, ring
+from tests.support.grasp import arrays
+from tests.support.steps import ByHand, first_found
 
 SECTIONS = (4, 8, hl.Pyramid(6, inscribed=False), "cone")
 
@@ -43,12 +37,9 @@ GRASPS = tuple(scenes())
 def test_one_compiled_call_gives_the_bits_of_its_steps(faces):
     several = 0
     for g in GRASPS:
-        section = as_section(faces, planar=g.scene.plane is not None)
-        found = find(g.scene, section, 0)
-        problem = assemble_contact(g.scene, section, ())
-        p = NSNGRK(max_iterations=problem.n).propose_contact(problem)
-        candidate = problem.candidate(p.z)
-        verdict = judge(g.scene, problem.effects, section, candidate)
+        found, steps = first_found(g, faces), ByHand(g, faces)
+        steps.assemble()
+        p, candidate, verdict = steps.solve(seed=0), steps.decode(), steps.certify()
         np.testing.assert_array_equal(found.proposal.z, p.z)
         assert (found.outcome, found.iterations) == (p.outcome, p.iterations)
         np.testing.assert_array_equal(found.forces, candidate.forces)
@@ -57,7 +48,7 @@ def test_one_compiled_call_gives_the_bits_of_its_steps(faces):
         assert found.residuals == verdict.residuals
         assert found.passes == verdict.residuals.passes
         if found.passes:
-            slow = conclude(g.scene, g.reference, g.names, problem.effects, section, candidate, verdict, 0, ())
+            slow = steps.conclude()
             assert found.states == slow.contact_state or not found.unique
             free = slow.uniqueness
             assert found.unique == (not free.loose_motions and free.forces_determined) or not found.unique
@@ -68,7 +59,7 @@ def test_one_compiled_call_gives_the_bits_of_its_steps(faces):
 def test_a_grasp_that_nothing_else_is_asked_of_is_solved_in_that_call():
     g = GRASPS[3]
     s = g.solve()
-    assert s.status is Status.SOLVED
+    assert s.status is hl.Status.SOLVED
     assert len(s.trace) == 1
     assert not s.forces.flags.writeable
     assert s.residuals.worst < 1e-12
@@ -141,6 +132,6 @@ def test_replace_is_the_constructor_with_other_numbers():
         made = hl.Grasp(contacts, **more | changes, reference=g.reference)
         other = g.replace(**changes)
         for name in ("force", "moment", "flexibility", "offset"):
-            np.testing.assert_allclose(getattr(other.scene, name), getattr(made.scene, name), atol=1e-15)
+            np.testing.assert_allclose(getattr(arrays(other), name), getattr(arrays(made), name), atol=1e-15)
     with pytest.raises(hl.InputError, match="wrench"):
         g.replace(wrench=(1, 2))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp import arguments
 from tests.grasp.scenes import pinch
+from tests.support.grasp import load_about
 
 P, N = (0, 0, 0), (0, 0, 1)
 TWO = [hl.Contact((0, 0, 0), (0, 0, 1)), hl.Contact((0, 0, 1), (0, 0, -1))]
@@ -85,12 +85,12 @@ def test_grasps(change, name):
 def test_forces_above_the_reference_turn_about_it():
     """Lifted by h along the normal a, a force f has the moment h a × f."""
     x, z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
-    np.testing.assert_allclose(arguments.wrench((2, 3, 4), z, 0.1), (2, 3, 0, -0.3, 0.2, 4))
-    np.testing.assert_allclose(arguments.wrench((2, 3, 4), -z, -0.1), (2, 3, 0, -0.3, 0.2, -4))
-    arguments.wrench((0, 2, 3, 7, -0.3, 0.2), x, 0.1)
+    np.testing.assert_allclose(load_about((2, 3, 4), z, 0.1), (2, 3, 0, -0.3, 0.2, 4))
+    np.testing.assert_allclose(load_about((2, 3, 4), -z, -0.1), (2, 3, 0, -0.3, 0.2, -4))
+    load_about((0, 2, 3, 7, -0.3, 0.2), x, 0.1)
     for wrong in [(0, 2, 3, 7, 0, 0), (0, 2, 3, 7, 0.3, -0.2)]:
         with pytest.raises(hl.InputError, match="above the reference"):
-            arguments.wrench(wrong, x, 0.1)
+            load_about(wrong, x, 0.1)
 
 
 @pytest.mark.parametrize("faces", [2, 0, -8, 8.0, "eight", True])

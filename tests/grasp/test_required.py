@@ -7,10 +7,17 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError
-from handlcp.grasp.pyramid import as_section
-from handlcp.grasp.required import holds, required_friction, required_preload, smallest, with_friction, with_preload
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
 from tests.grasp.scenes import pinch
+from tests.support.grasp import (
+    arrays,
+    holds_with,
+    required_friction,
+    required_preload,
+    smallest,
+    with_friction,
+    with_preload,
+)
 
 C = 1e-4  # m/N, the pinch's flexibility
 
@@ -50,9 +57,8 @@ def test_example_4_needs_a_few_micrometres_on_all_fingers(faces):
     grasp = example(4).grasp
     r = required_preload(grasp, faces)
     assert 3e-6 < r.value < 5e-6
-    section = as_section(faces)
-    assert holds(with_preload(grasp, r.value), section)
-    assert not holds(with_preload(grasp, r.value * (1 - r.tolerance)), section)
+    assert holds_with(grasp, faces, r.value)
+    assert not holds_with(grasp, faces, r.value * (1 - r.tolerance))
     assert required_friction(grasp, faces).value is None, "no friction makes up for the missing squeeze"
 
 
@@ -93,8 +99,8 @@ def test_holding_that_is_not_monotone_gives_a_value_that_holds_and_a_tolerance_l
 
 @pytest.mark.parametrize("tolerance", [1e-17, 1e-100])
 def test_a_tolerance_finer_than_floats_ends_at_neighbouring_ones(tolerance):
-    squeeze = required_preload(pinch(squeeze=0.0), 8, tolerance, check=lambda g: g.scene.offset[0, 2] <= -1.23e-4)
-    friction = required_friction(pinch(squeeze=1e-3), 8, tolerance, check=lambda g: g.scene.mu[0] >= 0.123)
+    squeeze = required_preload(pinch(squeeze=0.0), 8, tolerance, check=lambda g: g.offset[0, 2] <= -1.23e-4)
+    friction = required_friction(pinch(squeeze=1e-3), 8, tolerance, check=lambda g: arrays(g).mu[0] >= 0.123)
     for r, exact in ((squeeze, 1.23e-4), (friction, 0.123)):
         assert (r.value, r.fails) == (exact, np.nextafter(exact, 0.0))
         assert len(r.checked) < 200
@@ -114,14 +120,14 @@ def test_without_preload_the_search_for_friction_says_that_this_is_missing():
 def test_changed_grasps_keep_everything_else():
     g = pinch(load=(1.0, 2.0, -3.0), reference=(0.1, 0.2, 0.3), effects=[hl.PrescribedForce(0, (0, 0, 5.0))])
     more = with_preload(g, 1e-4)
-    np.testing.assert_allclose(more.scene.offset[:, 2], [-1e-3, -1.1e-3])
+    np.testing.assert_allclose(more.offset[:, 2], [-1e-3, -1.1e-3])
     for a in ("positions", "frames", "flexibility", "force"):
-        np.testing.assert_array_equal(getattr(more.scene, a), getattr(g.scene, a))
-    np.testing.assert_allclose(more.scene.moment, g.scene.moment, atol=1e-15)
+        np.testing.assert_array_equal(getattr(arrays(more), a), getattr(arrays(g), a))
+    np.testing.assert_allclose(arrays(more).moment, arrays(g).moment, atol=1e-15)
     assert (more.names, more.effects, type(more)) == (g.names, g.effects, type(g))
     slick = with_friction(g, 0.1)
-    np.testing.assert_array_equal(slick.scene.mu, 0.1)
-    np.testing.assert_array_equal(g.scene.mu, 0.5)
+    np.testing.assert_array_equal(arrays(slick).mu, 0.1)
+    np.testing.assert_array_equal(arrays(g).mu, 0.5)
     assert g.contacts[0].mu == 0.5
 
 

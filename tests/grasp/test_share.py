@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.first import find
-from handlcp.grasp.pyramid import as_section
-from handlcp.grasp.share import best_times, measured
-
-from .scenes import cube_example, pinch, ring
+from tests.grasp.scenes import cube_example, pinch, ring
+from tests.support import patches
+from tests.support.steps import best_times, shares
 
 
 def flat():
@@ -37,7 +35,7 @@ def heavy():
     return hand.at(hand.close_on(ball, squeeze=4e-3)).grasp(ball, finger_weight=True)
 
 
-def patches():
+def soft_patches():
     contacts, data = ring(np.random.default_rng(6))
     laws = [hl.SoftFinger(0.6, 0.006, 2.0), hl.AnisotropicCoulomb(0.9, 0.7), hl.Coulomb(0.6), hl.SoftFinger(0.5, 0.004)]
     foot = hl.Contact((0, 0, 0), (0, 0, 1), hl.AnisotropicCoulomb(0.4, 0.3))
@@ -69,7 +67,7 @@ def resting():
 
 SCENES = {
     "pinch": pinch, "cube": cube_example, "plane": flat, "effects": loaded, "sliding": sliding, "hand": heavy,
-    "patches": patches, "limited": limited, "given": given, "resting": resting,
+    "patches": soft_patches, "limited": limited, "given": given, "resting": resting,
 }  # fmt: skip
 ALWAYS = {"object balance", "unilateral contact"}
 
@@ -85,8 +83,7 @@ def test_the_scene_without_an_effect_has_the_answer_that_it_is_started_at(name, 
     """Each run ends in a certified answer, and its share is what leaving it out saves."""
     g = SCENES[name]()
     solution = g.solve(faces, throw=False)
-    section = as_section(faces, planar=g.scene.plane is not None)
-    e = measured(g, g.explain(faces), section, solution, count)
+    e = shares(g, faces, solution, count)
     assert solution.held
     assert e.seconds == 2.0
     for line in e.effects:
@@ -95,16 +92,10 @@ def test_the_scene_without_an_effect_has_the_answer_that_it_is_started_at(name, 
 
 def test_an_answer_is_reached_from_itself_in_no_steps(monkeypatch):
     """The scene without friction, or without flexibility, is solved by the old forces: nothing is searched for."""
-    g, seen = sliding(), []
-
-    def watched(*arguments):
-        seen.append(find(*arguments))
-        return seen[-1]
-
-    monkeypatch.setattr("handlcp.grasp.share.find", watched)
+    g, seen = sliding(), patches.watched_first_stage(monkeypatch)
     solution = g.solve("cone")
     assert "sliding" in solution.contact_state
-    measured(g, g.explain("cone"), as_section("cone"), solution, count)
+    shares(g, "cone", solution, count)
     assert len(seen) > 2
     for found in seen:
         assert found.iterations == 0

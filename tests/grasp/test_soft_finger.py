@@ -7,14 +7,8 @@ import pytest
 from scipy.optimize import nnls
 
 import handlcp as hl
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.limit_surface import limit_surface
-from handlcp.grasp.pyramid import as_section
-from handlcp.grasp.scene import shifted
-from handlcp.grasp.soft_form import chain_form
-from handlcp.grasp.soft_modes import soft_modes
-from handlcp.lcp.kernels.polyhedron import nearest_in_polyhedron
+from tests.support.grasp import arrays, at_centre, judged, limit_surface, soft_modes
+from tests.support.lcp import nearest_in_polyhedron
 
 SOFT = hl.SoftFinger(0.5, 0.005, 3.0)
 
@@ -133,7 +127,7 @@ def test_forces_and_moments_balance_the_load(seed):
         for i, c in enumerate(g.contacts):
             f = s.forces_world[i]
             total += np.append(f, np.cross(c.position, f) + s.torsion[i] * c.normal)
-        load = np.append(g.scene.force, g.scene.moment)
+        load = np.append(arrays(g).force, arrays(g).moment)
         np.testing.assert_allclose(total, -load, atol=1e-9 * abs(load).max())
 
 
@@ -185,8 +179,8 @@ def test_the_nearest_point_of_a_polyhedron_is_feasible_and_what_is_left_lies_in_
     for m in (3, 4, 8, 16):
         normals = limit_surface(hl.Pyramid(m)).outward
         for _ in range(100):
-            s, a, p, D = rng.standard_normal(3) * 3, rng.uniform(0.1, 2), np.empty(3), np.empty((3, 4))
-            nearest_in_polyhedron(s, a, normals, p, D)
+            s, a = rng.standard_normal(3) * 3, rng.uniform(0.1, 2)
+            p = nearest_in_polyhedron(s, a, normals)
             slack = a - normals @ p
             assert slack.min() > -1e-10
             active = normals[slack < 1e-9]
@@ -279,9 +273,8 @@ def constructed(seed):
 @pytest.mark.parametrize("seed", range(24))
 def test_where_there_is_an_equilibrium_the_certifier_knows_it_and_nobody_says_none(seed):
     g, forces, moments, u = constructed(seed)
-    section, levers = as_section("cone"), np.array([c.friction.lever for c in g.contacts])
-    candidate = Candidate(forces, shifted(u, g.scene.units.centre), {}, moments / levers)
-    assert judge(g.scene, chain_form(g.scene, section, ()).effects, section, candidate).residuals.worst < 1e-10
+    levers = np.array([c.friction.lever for c in g.contacts])
+    assert judged(g, "cone", forces, at_centre(g, u), torsion=moments / levers).worst < 1e-10
     s = g.solve("cone", hl.Auto(search_seconds=0.3), throw=False)
     assert s.status in (hl.Status.SOLVED, hl.Status.UNDECIDED)
 

@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.equilibria import Believer
-from handlcp.grasp.others import seeded
-from handlcp.grasp.pyramid import as_section
 from tests.grasp.scenes import pinch, ring
 from tests.grasp.test_equilibria import exists
 from tests.hard_cases.checker import laws
 from tests.hard_cases.scenes import ENOUGH, Case
+from tests.support.grasp import arrays
+from tests.support.search import from_seeds
 
 
 def hook(mu, a=1e-3, b=0.9e-3, e=0.05e-3, stuck=(-1.3, 1.0)):
@@ -108,7 +106,7 @@ def test_a_family_of_forces_counts_once():
 
 # ---------------------------------------------------------------- spatial scenes
 def case(g, faces):
-    s = g.scene
+    s = arrays(g)
     w = np.r_[s.force, s.moment]
     return Case("", s.positions, s.frames, s.mu, s.flexibility, s.offset, w, faces)
 
@@ -144,17 +142,13 @@ def test_none_is_missed(seed):
     found = g.equilibria(m)
     assert found.complete
     assert bool(len(found)) == exists(g, m)
-    section = as_section(m)
-    problem = assemble_contact(g.scene, section, ())
-    believed = Believer(g.scene, problem.effects, section)
-    for candidate in seeded(problem, 6, seed=100):
-        if (c := believed([candidate])) is not None:
-            assert any(abs(c.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
+    for c in from_seeds(g, m, 6, seed=100):
+        assert any(abs(c.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
 
 
 def test_planar_scenes_with_strong_coupling_by_many_seeds():
     """Planar, μ = 1.5: several of these scenes have more than one; seeds find no other than the list."""
-    rng, section, several = np.random.default_rng(0), as_section(8, planar=True), 0
+    rng, several = np.random.default_rng(0), 0
     for _ in range(40):
         a = rng.uniform(0, 2 * np.pi, 3)
         contacts = [hl.Contact(x, -x, hl.Coulomb(1.5)) for x in np.column_stack([np.cos(a), np.sin(a)])]
@@ -163,11 +157,8 @@ def test_planar_scenes_with_strong_coupling_by_many_seeds():
         found = g.equilibria()
         several += len(found) > 1
         assert found.complete
-        problem = assemble_contact(g.scene, section, ())
-        believed = Believer(g.scene, problem.effects, section)
-        for candidate in seeded(problem, 3):
-            if (c := believed([candidate])) is not None:
-                assert any(abs(c.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
+        for c in from_seeds(g, 8, 3):
+            assert any(abs(c.forces - s.forces).max() < 1e-6 * abs(s.forces).max() for s in found)
     assert several
 
 
@@ -192,7 +183,7 @@ def test_a_bound_on_total_force_leaves_the_list_complete():
     found = hook(1.5).equilibria()
     g = hook(1.5)
     bounded = hl.Grasp(
-        g.contacts, (0, 10.0, 0), flexibility=g.flexibility, offset=g.scene.offset, effects=[hl.TotalForceBound(1e3)]
+        g.contacts, (0, 10.0, 0), flexibility=g.flexibility, offset=g.offset, effects=[hl.TotalForceBound(1e3)]
     ).equilibria()
     assert bounded.complete
     for a, b in zip(found, bounded, strict=True):

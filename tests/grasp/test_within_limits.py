@@ -8,31 +8,21 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.equilibria import find_equilibrium
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.mode_table import mode_table
-from handlcp.grasp.overload import overload
-from handlcp.grasp.pyramid import as_section
-from handlcp.grasp.soft_form import assembled
-from handlcp.lcp.search import search
 from tests.grasp.scenes import pinch, ring
 from tests.grasp.test_uniqueness import hook
+from tests.support.grasp import arrays, candidate, residuals
+from tests.support.search import (
+    active_sets,
+    choices_of_modes,
+    members_of_modes,
+    overload,
+    saturation,
+    searched,
+)
 
 C = 1e-4  # m/N
 SECTIONS = [4, 8, "cone"]
 NO_SEARCH = hl.Auto(search_seconds=0.0)
-
-
-def searched(g, faces, *more_effects, **more):
-    section = as_section(faces, planar=g.scene.plane is not None)
-    effects = (*assemble_contact(g.scene, section, g.effects).effects, *more_effects)
-    r = find_equilibrium(g.scene, effects, section, **more)
-    if r.candidate is not None:
-        assert judge(g.scene, effects, section, r.candidate).residuals.passes
-    return r
 
 
 def two_pairs(load, effects, squeeze=(2e-4, 1e-3), mu=(0.5, 0.5)):
@@ -60,7 +50,7 @@ def test_a_bounded_pair_holds_as_much_as_its_bound_and_the_squeeze_of_the_other_
     assert found.outcome == "solution"
     np.testing.assert_allclose(found.candidate.extra["z̄_i"].sum(), 2 * (1e-3 - 4 * C), rtol=1e-9)
     beyond = two_pairs(1.01 * limit, bounds)
-    assert overload(beyond.scene, as_section(faces), beyond.effects) is None
+    assert overload(beyond, faces) is None
     assert searched(beyond, faces).outcome == "none"
     s = beyond.solve(faces, throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM
@@ -81,7 +71,7 @@ def test_a_total_bound_opens_the_fingers_that_hold_as_far_as_the_others(faces):
     assert found.outcome == "solution"
     np.testing.assert_allclose(found.candidate.extra["z̄"], 1e-3 - 2 * C, rtol=1e-9)
     beyond = g(1.5 * limit)
-    assert overload(beyond.scene, as_section(faces), beyond.effects) is None
+    assert overload(beyond, faces) is None
     assert beyond.solve(faces, throw=False).status is hl.Status.NO_EQUILIBRIUM
 
 
@@ -113,8 +103,8 @@ def test_a_bound_that_nothing_reaches_stands_in_nobodys_way(faces):
 def test_none_is_said_of_limits_that_give_way_up_to_the_stated_motion():
     """One finger bounded to 6 N gives way by 2 (δ - 6 C) = 0.8 mm: more, in natural units, than its force."""
     g = pinch(effects=[hl.FingerForceBound([6.0, np.inf])])
-    unit = g.scene.units.motion
-    assert 6.0 / g.scene.units.force < 0.79e-3 / unit
+    unit = arrays(g).units.motion
+    assert 6.0 / arrays(g).units.force < 0.79e-3 / unit
     short = searched(g, 8, bound=0.79e-3 / unit)
     assert (short.outcome, short.motion_bound) == ("none", pytest.approx(0.79e-3))
     assert searched(g, 8, bound=0.81e-3 / unit).outcome == "solution"
@@ -137,15 +127,12 @@ def bounded_ring(seed):
 @pytest.mark.parametrize("seed", [102, 106, 132, 144, 150])
 @pytest.mark.parametrize("faces", [3, 4])
 def test_it_agrees_with_the_search_over_active_sets_and_with_all_modes_one_by_one(seed, faces):
-    g, section = bounded_ring(seed), as_section(faces)
-    p = assembled(g.scene, section, g.effects)
-    oracle = search(
-        p, seconds=60.0, accept=lambda z: judge(g.scene, p.effects, section, p.candidate(z)).residuals.passes
-    )
-    assert oracle.outcome != "unknown"
-    assert searched(g, faces, seconds=60.0).outcome == oracle.outcome
+    g = bounded_ring(seed)
+    oracle = active_sets(g, faces, seconds=60.0)
+    assert oracle != "unknown"
+    assert searched(g, faces, seconds=60.0).outcome == oracle
     every = g.equilibria(faces)
-    assert (len(every) > 0) == (oracle.outcome == "solution")
+    assert (len(every) > 0) == (oracle == "solution")
     assert every.complete or "degenerate" in every.why
 
 
@@ -168,9 +155,7 @@ def yielding(rng, kind, forces):
     torque, state = forces.ravel() @ J, rng.integers(0, 3, 4)
     limits = abs(torque) + np.where(state < 2, 0.0, rng.uniform(0.01, 0.3, 4))
     s = np.where(state == 0, rng.uniform(0, 0.03, 4), 0.0)
-    effect = hl.TorqueSaturation().for_grasp(
-        "", n, Joints(("",) * 4, J, np.zeros(4), limits, np.eye(4), lambda: np.zeros((len(J), 4, 4))), ()
-    )
+    effect = saturation(n, J, limits)
     return effect, [("s⁺", J.T, np.where(torque > 0, s, 0.0)), ("s⁻", -J.T, np.where(torque < 0, s, 0.0))]
 
 
@@ -201,7 +186,7 @@ def put_together(seed, kind, faces):
         else:
             forces[i] += most * forces[i, 2] * out
             v[i] = -rng.uniform(0, 2e-3) * out
-    plain = hl.Grasp(contacts, flexibility=E).scene
+    plain = arrays(hl.Grasp(contacts, flexibility=E))
     to_centre = plain.units.centre
     twist = np.r_[u[:3] + np.cross(u[3:], to_centre), u[3:]]
     effect, groups = yielding(rng, kind, forces)
@@ -211,7 +196,7 @@ def put_together(seed, kind, faces):
     wrench = np.r_[w[:3], w[3:] + np.cross(to_centre, w[:3])]
     data = {"flexibility": E, "offset": offset.reshape(n, 3)}
     g = hl.Grasp(contacts, wrench[[0, 1, 5]] if planar else wrench, **data)
-    answer = Candidate(forces, twist, {name: s for name, _, s in groups})
+    answer = candidate(forces, twist, {name: s for name, _, s in groups})
     return g, effect, answer
 
 
@@ -220,13 +205,12 @@ def put_together(seed, kind, faces):
 @pytest.mark.parametrize("seed", range(3))
 def test_where_there_is_an_equilibrium_it_never_says_none(seed, faces, kind):
     g, effect, answer = put_together(seed, kind, faces)
-    section = as_section(4 if faces == 2 else faces, planar=faces == 2)
-    effects = (*assemble_contact(g.scene, section, ()).effects, effect)
-    assert judge(g.scene, effects, section, answer).residuals.passes
-    assert searched(g, 4 if faces == 2 else faces, effect, seconds=30.0).outcome == "solution"
+    asked = 4 if faces == 2 else faces
+    assert residuals(g, asked, answer, effect).passes
+    assert searched(g, asked, effect, seconds=30.0).outcome == "solution"
     if faces != "cone":  # nor do all modes one by one
-        found = mode_table(assemble_contact(g.scene, section, (effect,))).visit()[0]
-        assert any(c is not None and judge(g.scene, effects, section, c).residuals.passes for c in found)
+        found = members_of_modes(g, asked, effect)
+        assert any(c is not None and residuals(g, asked, c, effect).passes for c in found)
 
 
 # ---------------------------------------------------------------- all of them
@@ -239,7 +223,7 @@ def test_a_hook_whose_stuck_finger_is_bounded_still_has_three_equilibria():
         g.contacts,
         (0, 10.0, 0),
         flexibility=g.flexibility,
-        offset=g.scene.offset,
+        offset=g.offset,
         effects=[hl.FingerForceBound([0.7, np.inf, np.inf])],
     )
     found = bounded.equilibria()
@@ -251,14 +235,10 @@ def test_a_hook_whose_stuck_finger_is_bounded_still_has_three_equilibria():
 
 @pytest.mark.parametrize("room", [5.0, 1e12])
 def test_limits_both_ways_are_three_modes_and_out_of_reach_hide_no_equilibrium(room):
-    free, section = hook(1.5), as_section(8, planar=True)
-    J = np.random.default_rng(0).normal(size=(9, 2)) * 0.05
-    joints = Joints(("", ""), J, np.zeros(2), np.full(2, room), np.eye(2), lambda: np.zeros((9, 2, 2)))
-    effect = hl.TorqueSaturation().for_grasp("", 3, joints, ())
-    effects = (*assemble_contact(free.scene, section, ()).effects, effect)
-    plain, table = (mode_table(assemble_contact(free.scene, section, asked)) for asked in ((), (effect,)))
-    assert table.choices == 9 * plain.choices
-    every = [c for c in table.visit()[0] if judge(free.scene, effects, section, c).residuals.passes]
+    free, J = hook(1.5), np.random.default_rng(0).normal(size=(9, 2)) * 0.05
+    effect = saturation(3, J, np.full(2, room))
+    assert choices_of_modes(free, 8, effect) == 9 * choices_of_modes(free, 8)
+    every = [c for c in members_of_modes(free, 8, effect) if residuals(free, 8, c, effect).passes]
     assert sorted(c.forces[0, 2] for c in every) == pytest.approx([0.0, 17 / 35, 1.0], abs=1e-9)
     assert all((c.extra[name] == 0.0).all() for c in every for name in ("s⁺", "s⁻"))
 
@@ -293,8 +273,7 @@ def test_two_limits_that_are_too_low_only_together_are_named_together():
     def g(*chosen):
         return hl.Grasp([*contacts, up], (0, -4.0, 0), flexibility=C, preload=1e-3, effects=chosen)
 
-    section = as_section(8, planar=True)
-    assert all(overload(g(e).scene, section, (e,)) is None for e in effects)
+    assert all(overload(g(e), 8) is None for e in effects)
     s = g(*effects).solve(throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM
     assert s.diagnosis.endswith(

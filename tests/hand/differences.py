@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from tests.support.hand import configuration
+
 __all__ = ["Kinematics", "differences", "kinematics"]
 
 STEP = 1e-3  # rad; fourth-order differences leave about 1e-13 of rounding and 1e-14 of truncation
@@ -51,8 +53,12 @@ class Kinematics:
     def weight(self, gravity):
         """(nv,) how the fingers' potential energy grows with q."""
         self.model.gravity.linear = gravity
-        configuration, data = self.hand.kinematics.configuration, self.model.createData()
-        return differences(lambda x: np.array(pin.computePotentialEnergy(self.model, data, configuration(x))), self.q)
+        data = self.model.createData()
+
+        def energy(x):
+            return np.array(pin.computePotentialEnergy(self.model, data, configuration(self.hand, x)))
+
+        return differences(energy, self.q)
 
     def bending(self, forces):
         """(nv, nv) ∂(Jᵀ f)/∂q of forces (k, 3) that stay as they are in the world."""

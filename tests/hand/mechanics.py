@@ -24,6 +24,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 import handlcp as hl
 from tests.hand.differences import kinematics
+from tests.support.grasp import arrays
 
 
 @dataclass
@@ -78,7 +79,7 @@ def support(law, faces, planar):
 
 def laws(asked, s, faces):
     """By how much each law is missed, relative, by name."""
-    g, planar = asked.grasp, asked.grasp.scene.plane is not None
+    g, planar = asked.grasp, arrays(asked.grasp).plane is not None
     n, k = len(g.contacts), len(g.fingertips)
     p = np.array([c.position for c in g.contacts])
     R = g.frames

@@ -10,7 +10,7 @@ import pytest
 
 from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import Audit, Hand, audit_urdf, example_hand
-from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
+from tests.support.hand import SHIPPED, allegro, psyonic, urdf
 
 from .conftest import MIMIC
 

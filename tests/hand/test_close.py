@@ -8,18 +8,11 @@ import numpy as np
 import pytest
 
 from handlcp.errors import InputError, NotReached, UnknownName
-from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, example_hand
-from handlcp.hand.detect import nearest
+from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Sphere, example_hand
+from tests.support.grasp import arrays
+from tests.support.hand import gaps
 
 from .test_objects import box_file
-
-
-def gaps(hand: Hand, q: np.ndarray, obj: Object) -> np.ndarray:
-    """(n,) signed gaps of the fingertips."""
-    s = hand.at(q)
-    return np.array(
-        [nearest(hand.tip_shapes(i), s.tip_positions[i], s.tip_rotations[i], obj).gap for i in hand.tips.every]
-    )
 
 
 @pytest.mark.parametrize("name", ["two_finger", "three_finger", "five_finger"])
@@ -40,7 +33,7 @@ def test_upright_hands_touch(name: str, shape: str, tmp_path: Path) -> None:
     assert (q >= hand.lower).all()
     assert (q <= hand.upper).all()
     np.testing.assert_array_equal(hand.close_on(obj), q)  # deterministic, bit by bit
-    assert hand.at(q).grasp(obj).scene.n == len(hand.fingertips)
+    assert arrays(hand.at(q).grasp(obj)).n == len(hand.fingertips)
 
 
 def test_the_ring_closes_on_a_disc() -> None:

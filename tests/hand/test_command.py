@@ -13,7 +13,9 @@ from handlcp import Contact, GraspStream
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand, HandGrasp, Sphere, example_hand
 from handlcp.scene import read
-from tests.texts import BOX_IN_TWO_FINGERS
+from tests.support.grasp import arrays
+from tests.support.hand import deflection
+from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 
 from .levers import PAD, C, K, L, lever_hand, lever_pinch
 
@@ -35,7 +37,7 @@ def test_flexing_a_pinch_inwards_preloads_it(write: Writer, faces: int | str) ->
 def test_outwards_it_opens_the_contacts(write: Writer) -> None:
     """The tips go away by L δq, and nothing holds the object."""
     grasp = lever_pinch(lever_hand(write), joint_offset=[-0.1, -0.1])
-    np.testing.assert_allclose(grasp.scene.offset, [[0, 0, 0.1 * L]] * 2, **EXACT)
+    np.testing.assert_allclose(grasp.offset, [[0, 0, 0.1 * L]] * 2, **EXACT)
     assert not grasp.solve(throw=False).held
 
 
@@ -54,10 +56,10 @@ def test_sideways_it_drags_the_object_along() -> None:
     given = state.grasp(BALL, joint_offset=command)
     plain = state.grasp(BALL)
     tips = state.grasp(BALL, offset=-(plain.jacobian @ command).reshape(-1, 3))
-    assert abs(tips.scene.offset[:, :2]).max() > 1e-4
-    np.testing.assert_allclose(given.scene.offset, tips.scene.offset, atol=1e-18)
+    assert abs(tips.offset[:, :2]).max() > 1e-4
+    np.testing.assert_allclose(given.offset, tips.offset, atol=1e-18)
     np.testing.assert_allclose(given.solve().forces, tips.solve().forces, atol=1e-12)
-    np.testing.assert_allclose(given.tip_offset, plain.scene.offset, atol=1e-18)
+    np.testing.assert_allclose(given.tip_offset, plain.offset, atol=1e-18)
 
 
 def test_to_first_order_it_is_the_overlap_of_the_posture_commanded() -> None:
@@ -67,8 +69,8 @@ def test_to_first_order_it_is_the_overlap_of_the_posture_commanded() -> None:
     errors = []
     for step in (1e-3, 5e-4):
         command = np.tile([step, 2 * step], 5)
-        there = five.at(state.q + command).grasp(BALL).scene.offset[:, 2]
-        errors.append(abs(state.grasp(BALL, joint_offset=command).scene.offset[:, 2] - there).max())
+        there = five.at(state.q + command).grasp(BALL).offset[:, 2]
+        errors.append(abs(state.grasp(BALL, joint_offset=command).offset[:, 2] - there).max())
     assert errors[0] < 1e-5
     assert errors[1] < 0.3 * errors[0]
 
@@ -102,7 +104,7 @@ def test_virtual_work_of_what_the_motors_put_in(write: Writer) -> None:
     s = g.solve()
     r = s.forces.ravel()
     load = np.array([0.4, 0, -1.0]) @ s.object_displacement[:3]
-    assert load == pytest.approx(r @ g.scene.flexibility @ r - s.torques @ command, rel=1e-9)
+    assert load == pytest.approx(r @ arrays(g).flexibility @ r - s.torques @ command, rel=1e-9)
 
 
 def test_replacing_keeps_it_or_changes_it(write: Writer) -> None:
@@ -111,12 +113,12 @@ def test_replacing_keeps_it_or_changes_it(write: Writer) -> None:
     lifted = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2, 0, 0, 0))
     np.testing.assert_allclose(lifted.solve().normal_force, L * 0.1 / C, **EXACT)
     more = g.replace(preload=1e-3)  # comes beside it, as in state.grasp
-    np.testing.assert_allclose(more.scene.offset, lever_pinch(hand, joint_offset=[0.1, 0.1], preload=1e-3).scene.offset)
+    np.testing.assert_allclose(more.offset, lever_pinch(hand, joint_offset=[0.1, 0.1], preload=1e-3).offset)
     half = more.replace(joint_offset={"left_joint": 0.05, "right_joint": 0.05})
-    np.testing.assert_allclose(half.scene.offset[:, 2], -1e-3 - 0.05 * L, **EXACT)
+    np.testing.assert_allclose(half.offset[:, 2], -1e-3 - 0.05 * L, **EXACT)
     np.testing.assert_allclose(half.tip_offset[:, 2], -1e-3, **EXACT)
     none = half.replace(joint_offset=[0, 0])
-    np.testing.assert_allclose(none.scene.offset[:, 2], -1e-3, **EXACT)
+    np.testing.assert_allclose(none.offset[:, 2], -1e-3, **EXACT)
     extra = lever_pinch(hand, joint_offset=[0.01, 0.01], force=(0, 0, -8.0)).required_preload()
     np.testing.assert_allclose(extra.value, 8 / (2 * 0.5 * np.cos(np.pi / 8)) * C - 0.01 * L, rtol=2e-3)
 
@@ -131,7 +133,7 @@ def test_a_stream_follows_it(five: Hand) -> None:
 
     def same(update: object, command: np.ndarray, posture: np.ndarray, **fixed: object) -> None:
         made = five.at(posture).grasp(contacts, joint_offset=command, **fixed)
-        np.testing.assert_allclose(stream.grasp.scene.offset, made.scene.offset, atol=1e-17)
+        np.testing.assert_allclose(stream.grasp.offset, made.offset, atol=1e-17)
         np.testing.assert_allclose(update.forces, made.solve().forces, atol=1e-8)
         np.testing.assert_array_equal(stream.grasp.joint_offset, command)
 
@@ -158,15 +160,15 @@ def test_fingers_that_sag_are_commanded_too(five: Hand) -> None:
         return five.at(posture).grasp(contacts, joint_offset=command, preload=preload, **fixed)
 
     def same(grasp: HandGrasp, other: HandGrasp) -> None:
-        np.testing.assert_allclose(grasp.scene.offset, other.scene.offset, atol=1e-17)
+        np.testing.assert_allclose(grasp.offset, other.offset, atol=1e-17)
         np.testing.assert_allclose(grasp.tip_offset, other.tip_offset, atol=1e-17)
 
     grasp, sagging = made(q, one, 2e-3), made(q, None, 2e-3)
     np.testing.assert_allclose(grasp.tip_offset, [[0, 0, -2e-3]] * 5, atol=1e-17)
-    shift = sagging.scene.offset - (grasp.jacobian @ one).reshape(-1, 3)
-    np.testing.assert_allclose(grasp.scene.offset, shift, atol=1e-17)
+    shift = sagging.offset - (grasp.jacobian @ one).reshape(-1, 3)
+    np.testing.assert_allclose(grasp.offset, shift, atol=1e-17)
     a, b = grasp.solve(), sagging.solve()
-    expected = five.stiffness.deflection(a.forces.reshape(-1) @ grasp.jacobian) + grasp.sag
+    expected = deflection(five, a.forces.reshape(-1) @ grasp.jacobian) + grasp.sag
     np.testing.assert_allclose(a.joint_deflection, expected, atol=1e-15)
     assert abs(a.forces - b.forces).max() > 1e-2
     same(grasp.replace(preload=1e-3), made(q, one, 1e-3))
@@ -238,6 +240,6 @@ def test_in_a_plane_only_what_lies_in_it_counts() -> None:
     g = state.grasp(contacts, fingers=fingers, plane=(0, 0, 1), joint_offset=np.full(hand.nv, 0.02))
     across = (g.jacobian @ g.joint_offset).reshape(-1, 3)
     assert abs(across[:, 1]).max() > 1e-5
-    np.testing.assert_array_equal(g.scene.offset[:, 1], 0.0)
-    np.testing.assert_allclose(g.scene.offset[:, [0, 2]], -across[:, [0, 2]], atol=1e-18)
+    np.testing.assert_array_equal(g.offset[:, 1], 0.0)
+    np.testing.assert_allclose(g.offset[:, [0, 2]], -across[:, [0, 2]], atol=1e-18)
     np.testing.assert_allclose(g.tip_offset, 0.0, atol=1e-18)

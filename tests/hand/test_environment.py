@@ -11,7 +11,8 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, NotReached
-from handlcp.hand.patch import RIM
+from tests.support.grasp import arrays
+from tests.support.hand import RIM, points_needed
 
 G = 9.81
 HALF = 0.025
@@ -123,12 +124,10 @@ def test_a_mesh_rests_on_the_hull_of_its_lowest_face(tmp_path):
 @pytest.mark.parametrize("seed", range(4))
 def test_no_small_motion_brings_a_point_left_out_below_the_plane_before_those_kept(seed):
     """Oracle: random points, random small motions h + a + b x + c y; whatever is left out never is the lowest alone."""
-    from handlcp.hand.patch import _needed
-
     rng = np.random.default_rng(seed)
     p = rng.normal(size=(60, 3)) * (1, 1, 0.05)
     p[:20, 2] = p[20, 2]  # a flat part among them
-    kept = _needed(p, p[:, 2], UP)
+    kept = points_needed(p, p[:, 2], UP)
     assert int(np.argmin(p[:, 2])) in kept or p[kept, 2].min() == p[:, 2].min()
     left = [i for i in range(len(p)) if i not in kept]
     assert left
@@ -185,7 +184,7 @@ def test_effects_act_on_the_fingers_alone(held):
     assert s.normal_force[:3].max() <= 2.0 * (1 + 1e-9)
     wrist = hl.SoftWrist([1e-4] * 3 + [0.1] * 3)
     g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table(), effects=[wrist])
-    np.testing.assert_array_equal(g.scene.flexibility[9:], g.flexibility[9:])
+    np.testing.assert_array_equal(arrays(g).flexibility[9:], g.flexibility[9:])
     weak = hl.example_hand("three_finger", joint_stiffness=6.0, torque_limits=0.15)
     weak_state = weak.at(state.q)
     yields = weak_state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table(), effects=[hl.TorqueSaturation()])
@@ -200,7 +199,7 @@ def test_all_that_changes_a_grasp_keeps_the_table(held):
         box, hl.Coulomb(0.8), preload=0.006, environment=table(), finger_weight=True, joint_offset=[0.01] * 6
     )
     h = g.replace(preload=[0.005, 0.006, 0.007], wrench=(0, 0, -1, 0, 0, 0), joint_offset=[0.02] * 6)
-    np.testing.assert_array_equal(h.scene.offset[3:], g.scene.offset[3:])
+    np.testing.assert_array_equal(h.offset[3:], g.offset[3:])
     np.testing.assert_allclose(h.tip_offset[:3, 2], [-0.005, -0.006, -0.007], atol=1e-15)
     np.testing.assert_array_equal(g.tip_sag[3:], 0.0)
     assert pickle.loads(pickle.dumps(g)).names == g.names
@@ -216,7 +215,7 @@ def test_given_contacts_take_an_environment_and_no_table(held):
     around = table().under(box)
     g = state.grasp(contacts, preload=0.006, environment=around)
     np.testing.assert_allclose(
-        g.scene.positions, state.grasp(box, hl.Coulomb(0.8), environment=around).scene.positions, atol=1e-15
+        arrays(g).positions, arrays(state.grasp(box, hl.Coulomb(0.8), environment=around)).positions, atol=1e-15
     )
     with pytest.raises(InputError, match="finds its contacts with an object"):
         state.grasp(contacts, environment=table())
@@ -235,7 +234,7 @@ def test_a_stream_follows_hand_and_table(held):
         u = stream.update(q, wrench=np.append(rng.normal(size=3) * 0.1 + [0, 0, -1.9], [0, 0, 0]), offset=shift)
         now = stream.grasp
         made = g.replace(offset=shift)
-        np.testing.assert_allclose(now.scene.offset[3:], made.scene.offset[3:], atol=1e-18)
+        np.testing.assert_allclose(now.offset[3:], made.offset[3:], atol=1e-18)
         np.testing.assert_array_equal(now.jacobian[9:], 0.0)
         there = state.hand.at(q).grasp(g.contacts[:3], environment=table().under(box))
         np.testing.assert_allclose(now.flexibility, there.flexibility, rtol=1e-12, atol=1e-18)
@@ -275,11 +274,11 @@ def test_a_stream_takes_arrays_of_fingers_and_leaves_the_table(held):
     state, box = held
     g = state.grasp(box, hl.Coulomb(0.8), preload=0.006, environment=table())
     stream = hl.GraspStream(g)
-    there = g.scene.positions[:3] + 1e-3 * UP
-    stream.update(positions=there, frames=g.scene.frames[:3], offset=np.full((3, 3), -1e-4))
-    now = stream.grasp.scene
-    np.testing.assert_array_equal(now.positions, [*there, *g.scene.positions[3:]])
-    np.testing.assert_array_equal(now.offset, [*np.full((3, 3), -1e-4), *g.scene.offset[3:]])
+    there = arrays(g).positions[:3] + 1e-3 * UP
+    stream.update(positions=there, frames=g.frames[:3], offset=np.full((3, 3), -1e-4))
+    now = arrays(stream.grasp)
+    np.testing.assert_array_equal(now.positions, [*there, *arrays(g).positions[3:]])
+    np.testing.assert_array_equal(now.offset, [*np.full((3, 3), -1e-4), *g.offset[3:]])
     for bad in ({"offset": np.zeros((4, 3))}, {"positions": np.zeros((2, 3))}, {"frames": np.zeros((5, 3, 3))}):
         with pytest.raises(InputError):
             stream.update(**bad)

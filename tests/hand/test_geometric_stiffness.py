@@ -25,14 +25,13 @@ from handlcp import (
     solve_many,
 )
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.pyramid import as_section
 from handlcp.hand import Hand, HandGrasp, HandState, example_hand
-from handlcp.hand.curvature import contact_hessian
 from handlcp.lcp import Auto
 from handlcp.scene import read
-from tests.texts import BOX_IN_TWO_FINGERS
+from tests.support import patches
+from tests.support.grasp import arrays, at_centre, judged
+from tests.support.hand import curvature, full_positions, jacobian_at, under_load
+from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 
 from .chains import A, B, chain_hand
 from .conftest import MIMIC, inside
@@ -42,11 +41,6 @@ Writer = Callable[[str], Path]
 BALL = Sphere(0.03, (0, 0, 0.085), mass=0.2)
 QUICK = Auto(search_seconds=0)
 BENT = GeometricStiffness()
-
-
-def bent(grasp: HandGrasp) -> GeometricStiffness:
-    (effect,) = (e for e in grasp.effects if isinstance(e, GeometricStiffness))
-    return effect
 
 
 def ball_grasp(stiffness: object = 5.0, squeeze: float = 3e-3, **more: object) -> HandGrasp:
@@ -66,15 +60,15 @@ def points_of(state: HandState, seed: int) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def check_hessian(hand: Hand, q: np.ndarray) -> None:
-    state, tips, h = hand.at(q), hand.tips.every, 1e-5
+    state, h = hand.at(q), 1e-5
     points, local, frames = points_of(state, 1)
 
     def jacobian(q: np.ndarray) -> np.ndarray:
         s = hand.at(q)
         moved = s.tip_positions + np.einsum("nij,nj->ni", s.tip_rotations, local)
-        return (frames.transpose(0, 2, 1) @ s.jacobian_at(moved, tips)).reshape(-1, hand.nv)
+        return (frames.transpose(0, 2, 1) @ jacobian_at(s, moved)).reshape(-1, hand.nv)
 
-    H = contact_hessian(state, tips, points, frames)
+    H = curvature(state, points, frames)
     steps = h * np.eye(hand.nv)
     differences = np.stack([(jacobian(q + e) - jacobian(q - e)) / (2 * h) for e in steps], axis=2)
     np.testing.assert_allclose(H, differences, rtol=0, atol=1e-8 * abs(H).max())
@@ -104,10 +98,10 @@ def test_one_link_has_the_tangent_stiffness_of_its_own_equilibria(write: Writer,
     state = hand.at([q, 0.0])
     g = state.grasp([Contact(state.tip_positions[0], (-1, 0, 0), tangent=(0, 0, 1))], fingers=["left_tip"],
                     effects=[BENT])  # fmt: skip
-    np.testing.assert_allclose(g.scene.frames[0], frame, atol=1e-15)
+    np.testing.assert_allclose(g.frames[0], frame, atol=1e-15)
     r = (frame.T @ f)[None]
-    np.testing.assert_allclose(bent(g).stiffness(r)[0, 0], -f @ tip, rtol=1e-9)
-    C = bent(g).compliance(r)
+    np.testing.assert_allclose(under_load(g).stiffness(r)[0, 0], -f @ tip, rtol=1e-9)
+    C = under_load(g).compliance(r)
     assert C is not None
     np.testing.assert_allclose(C[0, 0], 1 / (k - f @ tip), rtol=1e-9)
 
@@ -119,7 +113,7 @@ def test_one_link_has_the_tangent_stiffness_of_its_own_equilibria(write: Writer,
             x = commanded - L * np.array([np.cos(x), 0, -np.sin(x)]) @ (f + more) / k
         return L * np.array([np.sin(x), 0, np.cos(x)])
 
-    change = bent(g).change(r)
+    change = under_load(g).change(r)
     assert change is not None
     E = frame @ (g.flexibility + change) @ frame.T
     for push in np.eye(3)[[0, 2]] * 1e-5:
@@ -148,8 +142,8 @@ def test_two_joints_have_the_tangent_flexibility_of_their_own_equilibria(write: 
             x = commanded - at(x)[1].T @ (f + more) / K2
         return at(x)[0]
 
-    R = g.scene.frames[0]
-    change = bent(g).change((R.T @ f)[None])
+    R = g.frames[0]
+    change = under_load(g).change((R.T @ f)[None])
     assert change is not None
     E = R @ (g.flexibility + change) @ R.T
     pushes = np.eye(3)[[0, 2]] * 1e-5
@@ -179,19 +173,19 @@ def test_a_real_hands_answer_has_the_flexibility_of_its_own_forces() -> None:
     g = ball_grasp()
     s = g.solve()
     hand, state, h = g.state.hand, g.state, 1e-5
-    local = np.einsum("nji,nj->ni", state.tip_rotations, g.scene.positions - state.tip_positions)
+    local = np.einsum("nji,nj->ni", state.tip_rotations, arrays(g).positions - state.tip_positions)
 
     def torque(q: np.ndarray) -> np.ndarray:
         there = hand.at(q)
         points = there.tip_positions + np.einsum("nij,nj->ni", there.tip_rotations, local)
-        return s.forces_world.ravel() @ there.jacobian_at(points, hand.tips.every).reshape(-1, hand.nv)
+        return s.forces_world.ravel() @ jacobian_at(there, points).reshape(-1, hand.nv)
 
     K_g = np.array([(torque(state.q + e) - torque(state.q - e)) / (2 * h) for e in h * np.eye(hand.nv)])
-    np.testing.assert_allclose(bent(g).stiffness(s.forces), K_g, atol=1e-8 * abs(K_g).max())
+    np.testing.assert_allclose(under_load(g).stiffness(s.forces), K_g, atol=1e-8 * abs(K_g).max())
     C = np.linalg.inv(hand.joint_stiffness + K_g)
     E = g.jacobian @ C @ g.jacobian.T + 1e-4 * np.eye(15)
-    assert s.scene is not None
-    np.testing.assert_allclose(s.scene.flexibility, E, atol=1e-9 * abs(E).max())
+    assert arrays(s) is not None
+    np.testing.assert_allclose(arrays(s).flexibility, E, atol=1e-9 * abs(E).max())
     assert abs(E - g.flexibility).max() > 1e-3 * abs(E).max()
     np.testing.assert_allclose(s.joint_deflection, C @ s.torques, atol=1e-9)
     plain = state.grasp(BALL).replace(flexibility=E).solve(start=s)
@@ -203,11 +197,11 @@ def test_weight_and_commanded_joints_turn_with_the_fingers() -> None:
     command = np.tile([0.02, 0.05], 5)
     g = ball_grasp(finger_weight=True, joint_offset=command)
     s = g.solve()
-    hand, K_g = g.state.hand, bent(g).stiffness(s.forces)
+    hand, K_g = g.state.hand, under_load(g).stiffness(s.forces)
     given = s.forces.ravel() @ g.jacobian + g.gravity_torque + K_g @ command
     np.testing.assert_allclose((hand.joint_stiffness + K_g) @ s.joint_deflection, given, atol=1e-9)
-    assert s.scene is not None
-    moved = (s.scene.flexibility - 1e-4 * np.eye(15)) @ s.forces.ravel() + (s.scene.offset - g.tip_offset).ravel()
+    assert arrays(s) is not None
+    moved = (arrays(s).flexibility - 1e-4 * np.eye(15)) @ s.forces.ravel() + (arrays(s).offset - g.tip_offset).ravel()
     np.testing.assert_allclose(moved, g.jacobian @ (s.joint_deflection - command), atol=1e-12)
 
 
@@ -219,12 +213,14 @@ def test_behind_synergies_nothing_is_inverted(write: Writer) -> None:
     columns = {"grip": {"z1": 1.0, "m2": 0.7, "k3": -1.4}, "swing": {"w": 1.0}}
     free = Hand.from_urdf(write(re.sub("<mimic[^>]*/>", "", MIMIC)), joint_stiffness=Synergies(columns, [2.0, 3.0]))
     q = np.array([0.2, -0.4])
-    full = hand.kinematics.coupling @ q + hand.kinematics.offset
+    full = full_positions(hand, q)
     changes = []
     for h, at in ((hand, q), (free, full)):
         state = h.at(at)
         contacts = [Contact(p, (0, 0, 1)) for p in state.tip_positions]
-        changes.append(bent(state.grasp(contacts, effects=[BENT])).change(np.array([[1.0, -2.0, 3.0], [0.5, 0, 2.0]])))
+        changes.append(
+            under_load(state.grasp(contacts, effects=[BENT])).change(np.array([[1.0, -2.0, 3.0], [0.5, 0, 2.0]]))
+        )
     assert changes[0] is not None
     assert changes[1] is not None
     np.testing.assert_allclose(changes[1], changes[0], rtol=0, atol=1e-12 * abs(changes[0]).max())
@@ -253,7 +249,7 @@ def test_forces_that_have_not_settled_are_no_answer(monkeypatch: pytest.MonkeyPa
     """Two solves leave more than the certifier lets pass."""
     g = ball_grasp(preload=5e-3)
     assert g.solve().held
-    monkeypatch.setattr("handlcp.hand.geometric._MOST", 2)
+    patches.no_solve_takes_more_than(monkeypatch, 2)
     s = g.solve(throw=False)
     assert s.status is Status.UNDECIDED
     assert s.trace[-1] == "geometric stiffness: the forces still change after 2 solves"
@@ -284,13 +280,11 @@ def test_the_certifier_rejects_forces_that_have_another_flexibility() -> None:
     """The answer without the effect is none with it, and by as much as E is off."""
     g = ball_grasp()
     plain = g.state.grasp(BALL).solve("cone")
-    u = plain.object_displacement
-    u = np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
-    verdict = judge(g.scene, g.problem("cone").effects, as_section("cone"), Candidate(plain.forces, u, {}))
-    change = bent(g).change(plain.forces)
+    missed = judged(g, "cone", plain.forces, at_centre(g, plain))
+    change = under_load(g).change(plain.forces)
     assert change is not None
-    assert verdict.residuals.effects == pytest.approx(abs(change).max() / abs(g.flexibility).max())
-    assert not verdict.residuals.passes
+    assert missed.effects == pytest.approx(abs(change).max() / abs(g.flexibility).max())
+    assert not missed.passes
 
 
 # ---------------------------------------------------------------- the size of it, without asking for it
@@ -316,7 +310,7 @@ def test_one_correction_says_by_how_much_each_force_would_change(write: Writer) 
 def test_rigid_joints_have_none_of_it(write: Writer) -> None:
     hand = lever_hand(write, joint_stiffness=np.inf)
     g, plain = (lever_pinch(hand, preload=1e-3, effects=e) for e in ([BENT], []))
-    np.testing.assert_array_equal(bent(g).change(np.ones((2, 3))), 0.0)
+    np.testing.assert_array_equal(under_load(g).change(np.ones((2, 3))), 0.0)
     np.testing.assert_array_equal(g.solve().forces, plain.solve().forces)
 
 

@@ -10,7 +10,8 @@ import pytest
 from handlcp import Contact, Coulomb, Frictionless, Grasp, NoSolutionFound
 from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand import Box, Cylinder, Hand, HandGrasp, Sphere, TorqueCheck, example_hand
-from handlcp.hand.torques import torque_check
+from tests.support.grasp import arrays
+from tests.support.hand import jacobian_at, torque_check_of
 
 from .conftest import inside
 
@@ -31,7 +32,9 @@ def contacts_of(grasp: HandGrasp) -> list[Contact]:
 def test_torques_are_virtual_work_at_the_contact_points(held: HandGrasp) -> None:
     """τ · δq = Σ f · δp δp by differences of points fixed in the tip links."""
     solution, state, hand = held.solve(), held.state, held.state.hand
-    local = (state.tip_rotations.transpose(0, 2, 1) @ (held.scene.positions - state.tip_positions)[:, :, None])[:, :, 0]
+    local = (state.tip_rotations.transpose(0, 2, 1) @ (arrays(held).positions - state.tip_positions)[:, :, None])[
+        :, :, 0
+    ]
 
     def points(q: np.ndarray) -> np.ndarray:
         s = hand.at(q)
@@ -63,17 +66,17 @@ def test_flexibility_is_turned_into_contact_axes(five: Hand) -> None:
     hand = example_hand("five_finger", joint_stiffness=A @ A.T + 5 * np.eye(10), pad_flexibility=pads)
     state = hand.at(five.close_on(BALL))
     grasp = state.grasp(BALL)
-    positions, frames = grasp.scene.positions, grasp.scene.frames
-    J = state.jacobian_at(positions, hand.tips.every).reshape(15, 10)
+    positions, frames = arrays(grasp).positions, grasp.frames
+    J = jacobian_at(state, positions).reshape(15, 10)
     world = J @ np.linalg.solve(hand.joint_stiffness, J.T)
     R = np.zeros((15, 15))
     for i in range(5):
         block = slice(3 * i, 3 * i + 3)
         world[block, block] += state.tip_rotations[i] @ pads @ state.tip_rotations[i].T
         R[block, block] = frames[i]
-    np.testing.assert_allclose(grasp.scene.flexibility, R.T @ world @ R, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(arrays(grasp).flexibility, R.T @ world @ R, rtol=1e-9, atol=1e-15)
     np.testing.assert_allclose(grasp.jacobian, R.T @ J, atol=1e-15)
-    E = grasp.scene.flexibility
+    E = arrays(grasp).flexibility
     assert (E == E.T).all()
 
 
@@ -81,12 +84,12 @@ def test_contacts_given_equal_contacts_found(held: HandGrasp) -> None:
     """Contacts in a list, in a mapping, and a plain Grasp with the same arrays: the same forces."""
     state, load = held.state, np.array([0, 0, -0.03 * 9.81, 0, 0, 0])
     cs, reference = contacts_of(held), BALL.center_of_mass
-    shift = held.scene.offset
+    shift = held.offset
     expected = held.solve()
     as_list = state.grasp(cs, wrench=load, offset=shift, reference=reference)
     named = dict(reversed(list(zip(held.fingertips, cs, strict=True))))
     as_mapping = state.grasp(named, wrench=load, offset=shift, reference=reference)
-    plain = Grasp(cs, load, flexibility=held.scene.flexibility, offset=shift, reference=reference)
+    plain = Grasp(cs, load, flexibility=arrays(held).flexibility, offset=shift, reference=reference)
     for grasp in (as_list, as_mapping, plain):
         solution = grasp.solve()
         np.testing.assert_allclose(solution.forces, expected.forces, atol=1e-9)
@@ -99,13 +102,13 @@ def test_weight_acts_at_the_centre_of_mass(held: HandGrasp) -> None:
     """The same load about another reference, weight included: the same forces, and the moment that belongs to it."""
     point = np.array([0.1, 0.2, -0.3])
     other = held.state.grasp(BALL, reference=point)
-    np.testing.assert_allclose(other.scene.force, [0, 0, -0.03 * 9.81], atol=1e-15)
+    np.testing.assert_allclose(arrays(other).force, [0, 0, -0.03 * 9.81], atol=1e-15)
     arm = BALL.center_of_mass
-    np.testing.assert_allclose(other.scene.moment, np.cross(arm, other.scene.force), atol=1e-15)
-    np.testing.assert_allclose(other.scene.moment, held.scene.moment, atol=1e-15)
+    np.testing.assert_allclose(arrays(other).moment, np.cross(arm, arrays(other).force), atol=1e-15)
+    np.testing.assert_allclose(arrays(other).moment, arrays(held).moment, atol=1e-15)
     np.testing.assert_allclose(other.solve().forces, held.solve().forces, atol=1e-9)
     light = held.state.grasp(BALL, gravity=(0, 0, 0))
-    assert not light.scene.force.any()
+    assert not arrays(light).force.any()
 
 
 def test_joint_deflection_is_kinv_jt_f(five: Hand) -> None:
@@ -117,7 +120,7 @@ def test_joint_deflection_is_kinv_jt_f(five: Hand) -> None:
     torque = grasp.jacobian.T @ solution.forces.reshape(-1)
     np.testing.assert_allclose(solution.joint_deflection, torque / k, rtol=1e-12)
     retreat = grasp.jacobian @ solution.joint_deflection + 1e-4 * solution.forces.reshape(-1)
-    np.testing.assert_allclose(retreat, grasp.scene.flexibility @ solution.forces.reshape(-1), atol=1e-12)
+    np.testing.assert_allclose(retreat, arrays(grasp).flexibility @ solution.forces.reshape(-1), atol=1e-12)
 
 
 def test_fingers_weight_adds_g_of_q(held: HandGrasp) -> None:
@@ -138,7 +141,7 @@ def test_mimic_joints_load_the_joint_they_follow() -> None:
     grasp = state.grasp(cs)
     assert grasp.jacobian.shape == (15, 6)
     f = np.random.default_rng(2).normal(size=15)
-    world = (grasp.scene.frames @ f.reshape(5, 3, 1))[:, :, 0].reshape(-1)
+    world = (grasp.frames @ f.reshape(5, 3, 1))[:, :, 0].reshape(-1)
     np.testing.assert_allclose(grasp.jacobian.T @ f, state.jacobian.T @ world, atol=1e-15)
 
 
@@ -150,7 +153,7 @@ def test_the_ring_grasps_in_its_plane() -> None:
     load = (0.3, 0.1, 0.0, 0.0, 0.0, 0.002)
     found = state.grasp(disc, wrench=load, gravity=(0, -9.81, 0), plane=(0, 0, 1))
     flat = [Contact(c.position[:2], c.normal[:2], c.friction) for c in found.contacts]
-    given = state.grasp(flat, wrench=(0.3, 0.1 - 0.981, 0.002), preload=-found.scene.offset[:, 2])
+    given = state.grasp(flat, wrench=(0.3, 0.1 - 0.981, 0.002), preload=-found.offset[:, 2])
     a, b = found.solve(), given.solve()
     assert a.held
     np.testing.assert_allclose(a.forces_world, b.forces_world, atol=1e-7)
@@ -215,16 +218,14 @@ def test_torque_check_names_the_binding_joint(held: HandGrasp) -> None:
 
 def test_torque_check_without_limits_claims_nothing() -> None:
     """An unknown limit is neither used up nor ok; an explicit inf is no limit; the rows stay finite."""
-    check = torque_check(
-        ("a", "b", "c"), np.array([1.0, -2.0, 0.0]), np.array([np.inf, np.inf, 2.0]), (False, True, True)
-    )
+    check = torque_check_of(("a", "b", "c"), [1.0, -2.0, 0.0], [np.inf, np.inf, 2.0], (False, True, True))
     assert np.isfinite(check.utilisation).all()
     assert check.unknown == ("a",)
     assert not check.ok
     assert check.binding == "b"  # the first of two that use nothing of their limits
     assert "unknown" in str(check)
-    assert torque_check(("a",), np.array([1.0]), np.array([np.inf]), (True,)).ok
-    nothing = torque_check(("a",), np.array([1.0]), np.array([np.inf]), (False,))
+    assert torque_check_of(("a",), [1.0], [np.inf]).ok
+    nothing = torque_check_of(("a",), [1.0], [np.inf], (False,))
     assert nothing.binding is None
     assert not nothing.ok
 
@@ -293,7 +294,7 @@ def test_bad_arguments_are_named(
 def test_friction_by_finger(held: HandGrasp) -> None:
     """A mapping of fingertips to laws; the others get Coulomb(0.6)."""
     grasp = held.state.grasp(BALL, {"finger_2_tip": Frictionless(), "finger_3_tip": Coulomb(0.2)})
-    assert grasp.scene.mu.tolist() == [0.6, 0.0, 0.2, 0.6, 0.6]
+    assert arrays(grasp).mu.tolist() == [0.6, 0.0, 0.2, 0.6, 0.6]
 
 
 def test_box_between_two_fingers_is_held_by_friction() -> None:

@@ -15,7 +15,7 @@ import pytest
 import handlcp as hl
 from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
 from handlcp.hand import Hand, Sphere, example_hand
-from handlcp.hand.library import psyonic, urdf
+from tests.support.hand import psyonic, urdf
 
 from .conftest import MIMIC
 

@@ -12,7 +12,7 @@ import pytest
 
 from handlcp.errors import UnknownName
 from handlcp.hand import HANDS, Hand, example_hand
-from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
+from tests.support.hand import SHIPPED, allegro, knows_all_limits, psyonic, urdf
 
 ROOT = Path(__file__).parents[2]
 
@@ -92,7 +92,7 @@ def test_the_ring_is_planar_and_points_at_its_centre() -> None:
 def test_example_hands_have_sane_limits(name: str) -> None:
     """Every limit is known; the Allegro's placeholder of 15 N·m is gone."""
     hand = example_hand(name)
-    assert all(hand.torques.known)
+    assert knows_all_limits(hand)
     assert hand.torque_limits.max() < (7.0 if name == "psyonic" else 1.0)
     assert example_hand(name, torque_limits=0.3).torque_limits.tolist() == [0.3] * hand.nv
 

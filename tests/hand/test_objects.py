@@ -12,8 +12,8 @@ import pytest
 
 from handlcp.errors import InputError, NotReached
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, example_hand
-from handlcp.hand.detect import nearest
-from handlcp.hand.tips import sphere_tip
+from tests.support.grasp import arrays
+from tests.support.hand import ball_near
 
 RADIUS = 0.01
 PLACEMENT = pin.SE3(pin.exp3(np.array([0.3, -1.1, 0.7])), np.array([0.1, 0.2, 0.3]))
@@ -105,7 +105,7 @@ def test_contact_of_a_spherical_tip_is_the_closed_form(
         x, n = surface(rng)
         gap = rng.uniform(deepest, 0.05)
         centre = PLACEMENT.act(x + n * (gap + RADIUS))
-        found = nearest(sphere_tip(RADIUS), centre, np.eye(3), obj)
+        found = ball_near(RADIUS, centre, obj)
         assert found.gap == pytest.approx(gap, abs=exact)
         np.testing.assert_allclose(found.position, PLACEMENT.act(x), atol=exact)
         np.testing.assert_allclose(found.normal, -PLACEMENT.rotation @ n, atol=1e-6)
@@ -118,7 +118,7 @@ def test_a_mesh_that_is_not_convex_keeps_its_notch(tmp_path: Path) -> None:
     assert not obj.convex
     np.testing.assert_allclose(obj.center_of_mass, [0.025 / 3, 0.025 / 3, 0.005], atol=1e-8)
     for height, gap in ((0.006, 0.004), (0.0015, -0.0005), (-0.001, -0.003)):
-        found = nearest(sphere_tip(0.002), np.array([0.014, 0.01 + height, 0.005]), np.eye(3), obj)
+        found = ball_near(0.002, (0.014, 0.01 + height, 0.005), obj)
         expected = min(height, 0.004) if height > 0 else height  # the notch's other wall is 4 mm away
         assert found.gap == pytest.approx(expected - 0.002, abs=1e-8), gap
         normal = [0, -1, 0] if height < 0.004 else [-1, 0, 0]
@@ -129,7 +129,7 @@ def test_a_convex_mesh_is_its_hull_and_scales(tmp_path: Path) -> None:
     """Scale in three directions; the centre of mass is that of the volume."""
     obj = Mesh(box_file(tmp_path), (1.0, 2.0, 3.0), (1.0, 0.0, 0.0), mass=1.5)
     assert obj.convex
-    found = nearest(sphere_tip(RADIUS), np.array([1.0, 0.0, 0.2]), np.eye(3), obj)
+    found = ball_near(RADIUS, (1.0, 0.0, 0.2), obj)
     assert found.gap == pytest.approx(0.2 - 0.09 - RADIUS, abs=1e-8)
     np.testing.assert_allclose(obj.center_of_mass, [1.0, 0.0, 0.0], atol=1e-8)
 
@@ -140,11 +140,11 @@ def test_tips_can_be_the_urdf_s_collision_geometry() -> None:
     ball = Sphere(0.03, (0, 0, 0.09))
     q = np.tile([0.2, 0.1], 5)
     a, b = own.at(q).grasp(ball, max_gap=1.0), given.at(q).grasp(ball, max_gap=1.0)
-    np.testing.assert_allclose(a.scene.offset, b.scene.offset, atol=1e-15)
+    np.testing.assert_allclose(a.offset, b.offset, atol=1e-15)
     hand = example_hand("psyonic", tip_radius=None, fingertips=["Left_index_anchor"])
     state = hand.at(hand.neutral)
     far = state.tip_positions[0] + np.array([0.0, 0.0, 1.0])
-    gap = state.grasp(Sphere(0.02, far), max_gap=2.0).scene.offset[0, 2]
+    gap = state.grasp(Sphere(0.02, far), max_gap=2.0).offset[0, 2]
     assert 0.9 < gap < 1.0
 
 
@@ -156,9 +156,9 @@ def test_penetration_is_preload(five: Hand) -> None:
     for shift, preload in ((-0.002, 0.0), (0.0, 0.001), (0.0005, 0.0)):
         drum = Cylinder(radius - shift, 1.0, (0.0, 0.0, tips[0, 2]))
         g = state.grasp(drum, preload=preload)
-        np.testing.assert_allclose(g.scene.offset[:, 2], shift - preload, atol=1e-12)
+        np.testing.assert_allclose(g.offset[:, 2], shift - preload, atol=1e-12)
         np.testing.assert_allclose(
-            g.scene.positions[:, :2], tips[:, :2] * (radius - shift) / (radius + 0.008), atol=1e-12
+            arrays(g).positions[:, :2], tips[:, :2] * (radius - shift) / (radius + 0.008), atol=1e-12
         )
 
 
@@ -258,7 +258,7 @@ def test_a_dense_object_weighs_in_the_grasp(five: Hand) -> None:
     """Its weight is that of the mass it stands for."""
     ball = Sphere(0.03, (0, 0, 0.085), density=1000.0)
     g = five.at(five.close_on(ball)).grasp(ball)
-    np.testing.assert_allclose(g.scene.force, [0, 0, -9.81e3 * 4 / 3 * np.pi * 0.03**3], rtol=1e-9)
+    np.testing.assert_allclose(arrays(g).force, [0, 0, -9.81e3 * 4 / 3 * np.pi * 0.03**3], rtol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.required import with_friction
+from tests.support.grasp import arrays, with_friction
 
 SOFT = hl.SoftFinger(0.6, 0.006, 2.0)
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
@@ -62,7 +62,7 @@ def test_a_commanded_joint_turns_the_tip_as_well():
     g = held()
     command = np.linspace(-0.02, 0.03, g.state.hand.nv)
     moved = g.replace(joint_offset=command)
-    np.testing.assert_allclose(moved.scene.spin / SOFT.lever, -g.turning @ command, atol=1e-15)
+    np.testing.assert_allclose(arrays(moved).spin / SOFT.lever, -g.turning @ command, atol=1e-15)
     direct = held(joint_offset=command)
     np.testing.assert_allclose(direct.solve("cone").torsion, moved.solve("cone").torsion, atol=1e-12)
 
@@ -87,17 +87,17 @@ def test_a_hand_given_its_own_flexibility_again_is_the_same_bit_by_bit():
     for more in ({}, {"environment": hl.Table((0, 0, 0.055), flexibility=1e-3)}):
         g = held(**more)
         again = g.replace(flexibility=g.flexibility[:9, :9])
-        np.testing.assert_array_equal(again.scene.flexibility, g.scene.flexibility)
-        assert abs(g.scene.flexibility[:9, 3 * g.scene.n :]).max() > 0.0
+        np.testing.assert_array_equal(arrays(again).flexibility, arrays(g).flexibility)
+        assert abs(arrays(g).flexibility[:9, 3 * arrays(g).n :]).max() > 0.0
         softer = g.replace(flexibility=g.flexibility[:9, :9] + 1e-4 * np.eye(9))
-        assert np.linalg.eigvalsh(softer.scene.flexibility).min() > -1e-15
+        assert np.linalg.eigvalsh(arrays(softer).flexibility).min() > -1e-15
 
 
 def test_a_flexibility_below_that_of_the_joints_is_refused():
     """Joints that turn a fingertip move it, too: no E could have the one without the other."""
     with pytest.raises(hl.InputError, match="beside soft fingers"):
         held().replace(flexibility=1e-6)
-    rigid = held().replace(flexibility=0.0).scene.flexibility
+    rigid = arrays(held().replace(flexibility=0.0)).flexibility
     np.testing.assert_array_equal(np.diag(rigid)[:9], 0.0)
     assert np.diag(rigid)[9:].all()  # the pads' own
 
@@ -106,7 +106,7 @@ def test_a_flexibility_below_that_of_the_joints_is_refused():
 def test_patches_that_lose_their_friction_leave_the_grasp_of_smooth_fingers(effects):
     """Who is soft may change: flexibility, limits and torques follow."""
     smooth, made = with_friction(held(effects=effects), 0.0), held(hl.Frictionless(), effects=effects)
-    np.testing.assert_array_equal(smooth.scene.flexibility, made.scene.flexibility)
+    np.testing.assert_array_equal(arrays(smooth).flexibility, arrays(made).flexibility)
     np.testing.assert_array_equal(smooth.problem().M, made.problem().M)
     assert smooth.turning.shape == (0, 6)
     assert smooth.solve(throw=False).status is hl.Status.NOT_HOLDABLE

@@ -12,6 +12,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.hand import Hand, example_hand
+from tests.support.grasp import arrays
 
 BALL = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
 
@@ -29,8 +30,8 @@ def followed(hand, **more):
     """A grasp by given contacts: those that a ball has."""
     q = hand.close_on(BALL, squeeze=3e-3)
     seen = hand.at(q).grasp(BALL, hl.Coulomb(0.6))
-    load = np.array([*seen.scene.force, 0, 0, 0])
-    fixed = {"offset": seen.scene.offset, "reference": seen.reference} | more
+    load = np.array([*arrays(seen).force, 0, 0, 0])
+    fixed = {"offset": seen.offset, "reference": seen.reference} | more
     return q, load, lambda q, w: hand.at(q).grasp(seen.contacts, wrench=w, **fixed)
 
 
@@ -85,8 +86,8 @@ def test_flexibility_and_jacobian_are_the_hands_with_tendons_pads_and_weight(pad
         stream.update(posture, wrench=wrench)
         now, made = stream.grasp, grasp(posture, wrench)
         for name in ("flexibility", "force", "moment", "offset", "positions"):
-            wanted = getattr(made.scene, name)
-            np.testing.assert_allclose(getattr(now.scene, name), wanted, atol=1e-12 * abs(wanted).max())
+            wanted = getattr(arrays(made), name)
+            np.testing.assert_allclose(getattr(arrays(now), name), wanted, atol=1e-12 * abs(wanted).max())
         np.testing.assert_allclose(now.jacobian, made.jacobian, atol=1e-15)
         np.testing.assert_allclose(now.gravity_torque, made.gravity_torque, atol=1e-15)
         assert abs(made.gravity_torque).max() > 1e-3
@@ -107,7 +108,7 @@ def test_mimic_joints_and_some_of_the_fingers():
     stream.update(q)
     other = hand.at(q).grasp(contacts, fingers=tips)
     np.testing.assert_allclose(stream.grasp.jacobian, other.jacobian, atol=1e-15)
-    np.testing.assert_allclose(stream.grasp.scene.flexibility, other.scene.flexibility, atol=1e-15)
+    np.testing.assert_allclose(arrays(stream.grasp).flexibility, arrays(other).flexibility, atol=1e-15)
 
 
 def test_contacts_that_roll(five: Hand):
@@ -115,13 +116,13 @@ def test_contacts_that_roll(five: Hand):
     g = grasp(q, load)
     stream = hl.GraspStream(g)
     turn = hl.Contact((0, 0, 0), (np.sin(0.02), 0, np.cos(0.02))).rotation
-    positions, frames = g.scene.positions @ turn.T, turn @ g.scene.frames
+    positions, frames = arrays(g).positions @ turn.T, turn @ g.frames
     update = stream.update(positions=positions, frames=frames)
     contacts = [
         hl.Contact(p, R[:, 2], c.friction, R[:, 0], c.name)
         for p, R, c in zip(positions, frames, g.contacts, strict=True)
     ]
-    made = five.at(q).grasp(contacts, wrench=load, offset=g.scene.offset, reference=g.reference)
+    made = five.at(q).grasp(contacts, wrench=load, offset=g.offset, reference=g.reference)
     same(update, made.solve(throw=False))
     same(update, stream.grasp.solve(throw=False))
     assert [c.position.tolist() for c in stream.grasp.contacts] == positions.tolist()

@@ -11,14 +11,12 @@ import pytest
 
 from handlcp import Grasp, GraspStream, PrescribedForce, Status, TorqueSaturation
 from handlcp.errors import InputError
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.pyramid import as_section
 from handlcp.hand import Hand, HandGrasp, HandGraspSolution, Sphere, example_hand
 from handlcp.scene import read
-from handlcp.show.record import record
-from handlcp.show.verdict import verdict
-from tests.texts import BOX_IN_TWO_FINGERS
+from handlcp.show import verdict
+from tests.support.grasp import arrays, at_centre, judged
+from tests.support.scene_texts import BOX_IN_TWO_FINGERS
+from tests.support.show import record
 
 from .levers import MASS, MU, PAD, C, K, L, lever_hand, lever_pinch
 
@@ -32,11 +30,6 @@ EXACT = {"rtol": 1e-9, "atol": 1e-14}
 def saturating(hand: Hand, **more: object) -> HandGrasp:
     settings = {"preload": SQUEEZE, "effects": [TorqueSaturation()]} | more
     return lever_pinch(hand, **settings)
-
-
-def at_centre(g: Grasp, s: HandGraspSolution) -> np.ndarray:
-    u = s.object_displacement
-    return np.append(u[:3] + np.cross(u[3:], g.scene.units.centre - g.reference), u[3:])
 
 
 # ---------------------------------------------------------------- written down
@@ -67,7 +60,7 @@ def test_the_joint_that_yields_holds_its_limit_and_the_other_carries_the_rest(wr
     # virtual work, nothing slides: w·u = r·(E r + d) + τ_max s
     r = s.forces.ravel()
     work = push * u - 1.0 * s.object_displacement[2]
-    assert work == pytest.approx(r @ g.scene.flexibility @ r + r @ g.scene.offset.ravel() + 0.6 * given_way, rel=1e-9)
+    assert work == pytest.approx(r @ arrays(g).flexibility @ r + r @ g.offset.ravel() + 0.6 * given_way, rel=1e-9)
 
 
 def test_without_the_effect_the_same_joint_is_too_weak(write: Writer) -> None:
@@ -180,7 +173,7 @@ def test_other_units_of_length_change_nothing(write: Writer) -> None:
     p = g.problem("cone")
     own = [k for k, name in enumerate(p.labels) if name.startswith("s")]
     np.testing.assert_allclose(np.linalg.norm(p.M[own], axis=1), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(p.units.z[own] * L, g.scene.units.motion, rtol=1e-12)
+    np.testing.assert_allclose(p.units.z[own] * L, arrays(g).units.motion, rtol=1e-12)
 
 
 # ---------------------------------------------------------------- certificates
@@ -188,22 +181,18 @@ def test_other_units_of_length_change_nothing(write: Writer) -> None:
 def test_the_certifier_rejects_what_it_should(write: Writer, faces: int | str) -> None:
     hand = lever_hand(write, torque_limits={"right_joint": 0.6})
     g = saturating(hand, force=(1.5, 0, -1.0))
-    s, section, effects = g.solve(faces), as_section(faces), g.problem(faces).effects
-
-    def passes(forces: np.ndarray, extra: dict[str, np.ndarray], twist: np.ndarray) -> bool:
-        return judge(g.scene, effects, section, Candidate(forces, twist, extra)).residuals.passes
-
+    s = g.solve(faces)
     u = at_centre(g, s)
-    assert passes(s.forces, s.extra, u)
+    assert judged(g, faces, s.forces, u, s.extra).passes
     for name in ("s⁺", "s⁻"):
         for i in range(2):
             for change in (1e-5, -1e-5, np.nan, np.inf):
                 bad = {k: v.copy() for k, v in s.extra.items()}
                 bad[name][i] += change
-                assert not passes(s.forces, bad, u)
+                assert not judged(g, faces, s.forces, u, bad).passes
     free = lever_pinch(hand, preload=SQUEEZE, force=(1.5, 0, -1.0)).solve(faces)
     nothing = {k: 0 * v for k, v in s.extra.items()}
-    over = judge(g.scene, effects, section, Candidate(free.forces, at_centre(g, free), nothing)).residuals
+    over = judged(g, faces, free.forces, at_centre(g, free), nothing)
     assert max(over.balance, over.normal, over.cone, over.slip) < 1e-8
     assert over.effects > 1e-2
 

@@ -9,7 +9,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp
-from handlcp.study.accuracy.left_out import variants
+from tests.support.study import left_out
 
 LENGTH, CENTRE, MASS, STIFF, G = 0.08, 0.03, 0.25, 2.0, 9.81
 LINK = f"""
@@ -48,7 +48,7 @@ def test_a_one_link_finger_sags_by_its_weight_over_its_stiffness(lever: Hand, q:
     held = MASS * G * CENTRE * c
     sunk = LENGTH * c * held / STIFF
     g = pushed(lever, q, True)
-    assert g.scene.offset[0, 2] == pytest.approx(sunk, rel=1e-9)  # a gap: the tip went away from the object
+    assert g.offset[0, 2] == pytest.approx(sunk, rel=1e-9)  # a gap: the tip went away from the object
     assert g.gravity_torque[0] == pytest.approx(-held, rel=1e-9)
     assert g.sag[0] == pytest.approx(-held / STIFF, rel=1e-9)
     s = g.solve()
@@ -61,7 +61,7 @@ def test_a_one_link_finger_sags_by_its_weight_over_its_stiffness(lever: Hand, q:
 def test_a_measured_posture_has_sagged_already(lever: Hand) -> None:
     """The weight is in the torques, and nothing else changes."""
     torques, none = pushed(lever, 0.4, "torques"), pushed(lever, 0.4, False)
-    np.testing.assert_array_equal(torques.scene.offset, none.scene.offset)
+    np.testing.assert_array_equal(torques.offset, none.offset)
     a, b = torques.solve(), none.solve()
     np.testing.assert_array_equal(a.object_displacement, b.object_displacement)
     np.testing.assert_allclose(a.torques - b.torques, [-MASS * G * CENTRE * np.cos(0.4)], rtol=1e-9)
@@ -76,7 +76,7 @@ def test_an_offset_makes_up_for_the_sag() -> None:
     state = five.at(five.close_on(ball, squeeze=4e-3))
     light, heavy = state.grasp(ball), state.grasp(ball, finger_weight=True)
     assert abs(heavy.tip_sag).max() > 1e-5
-    np.testing.assert_allclose(heavy.scene.offset - light.scene.offset, heavy.tip_sag, atol=1e-18)
+    np.testing.assert_allclose(heavy.offset - light.offset, heavy.tip_sag, atol=1e-18)
     lifted = state.grasp(ball, finger_weight=True, offset=-heavy.tip_sag)
     np.testing.assert_allclose(lifted.solve().forces, light.solve().forces, atol=1e-9)
     assert abs(heavy.solve().forces - light.solve().forces).max() > 1e-3
@@ -88,12 +88,12 @@ def test_without_gravity_or_with_rigid_joints_nothing_sags(five: Hand) -> None:
     q = five.close_on(ball, squeeze=4e-3)
     off = five.at(q).grasp(ball, gravity=(0, 0, 0))
     zero = five.at(q).grasp(ball, gravity=(0, 0, 0), finger_weight=True)
-    np.testing.assert_array_equal(zero.scene.offset, off.scene.offset)
+    np.testing.assert_array_equal(zero.offset, off.offset)
     np.testing.assert_array_equal(zero.solve().forces, off.solve().forces)
     np.testing.assert_array_equal(zero.solve().torques, off.solve().torques)
     rigid = hl.example_hand("five_finger", joint_stiffness=np.inf)
     a, b = (rigid.at(q).grasp(ball, preload=1e-3, finger_weight=x) for x in (True, False))
-    np.testing.assert_array_equal(a.scene.offset, b.scene.offset)
+    np.testing.assert_array_equal(a.offset, b.offset)
 
 
 def test_in_a_plane_fingers_sag_in_it_alone() -> None:
@@ -113,8 +113,8 @@ def test_replacing_the_offset_keeps_the_sag(lever: Hand) -> None:
     """Loads, preloads and flexibilities replaced neither lose nor double it."""
     g = pushed(lever, 0.4, True)
     for other in (g.replace(wrench=(0, 0, -1, 0, 0, 0)), g.replace(preload=0.0), g.replace(flexibility=1e-3)):
-        np.testing.assert_array_equal(other.scene.offset, g.scene.offset)
-    np.testing.assert_allclose(g.replace(preload=1e-3).scene.offset, g.tip_sag - [0, 0, 1e-3], atol=1e-18)
+        np.testing.assert_array_equal(other.offset, g.offset)
+    np.testing.assert_allclose(g.replace(preload=1e-3).offset, g.tip_sag - [0, 0, 1e-3], atol=1e-18)
 
 
 def test_a_stream_sags_anew_in_every_posture() -> None:
@@ -123,7 +123,7 @@ def test_a_stream_sags_anew_in_every_posture() -> None:
     ball = hl.Sphere(0.03, (0, 0, 0.085), mass=0.1)
     q = hand.close_on(ball, squeeze=4e-3)
     g = hand.at(q).grasp(ball, finger_weight=True)
-    stream, own = hl.GraspStream(g), g.scene.offset - g.tip_sag
+    stream, own = hl.GraspStream(g), g.offset - g.tip_sag
     load = np.r_[0, 0, -0.1 * G, 0, 0, 0]
     for k in range(3):
         there = q + 0.01 * k
@@ -132,7 +132,7 @@ def test_a_stream_sags_anew_in_every_posture() -> None:
         made = hand.at(there).grasp(g.contacts, wrench=load, offset=shift, reference=g.reference, finger_weight=True)
         now = stream.grasp
         assert isinstance(now, HandGrasp)
-        np.testing.assert_allclose(now.scene.offset, made.scene.offset, atol=1e-15)
+        np.testing.assert_allclose(now.offset, made.offset, atol=1e-15)
         np.testing.assert_allclose(now.sag, made.sag, atol=1e-15)
         np.testing.assert_allclose(update.forces, made.solve(start=now.solve()).forces, atol=1e-8)
     assert not np.allclose(now.sag, g.sag, rtol=1e-3)
@@ -154,9 +154,9 @@ def test_explain_says_whether_fingers_have_weight(lever: Hand) -> None:
 
 def test_the_study_leaves_out_weight_with_its_sag_and_stiff_joints_do_not_sag(lever: Hand) -> None:
     """Without the weight, the offset of weightless fingers is back."""
-    found = {name: g for name, _, g in variants(pushed(lever, 0.4, True))}
+    found = left_out(pushed(lever, 0.4, True))
     for name in ("finger weight", "joint compliance"):
-        np.testing.assert_allclose(found[name].scene.offset, 0.0, atol=1e-18)
+        np.testing.assert_allclose(found[name].offset, 0.0, atol=1e-18)
     assert not found["finger weight"].gravity_torque.any()
     assert found["joint compliance"].gravity_torque.any()
     assert "preload and gaps" not in found

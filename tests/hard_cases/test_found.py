@@ -9,14 +9,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.equilibria import Believer, find_equilibrium
-from handlcp.grasp.last_resort import last_resort
-from handlcp.grasp.mode_table import PER_SECOND, Table, mode_table
-from handlcp.grasp.pyramid import as_section
 from handlcp.lcp import proposals
+from tests.support import patches
+from tests.support.grasp import arrays, contact_problem, judged
+from tests.support.search import choices_of_modes, last_resort, members_of_modes, searched, seconds_for
 
 LINE = [((-0.01, 0, 0), (1, 0, 0)), ((0.01, 0, 0), (-1, 0, 0))]
 
@@ -33,9 +29,7 @@ def test_no_slide_is_long_enough_to_excuse_an_overlap(slide):
     """
     load = 5.0 * 1.01  # 2 fingers · 10 N · 0.25
     f = np.array([[load / 2, 0, 10.1], [load / 2, 0, 10.1]])
-    assert not judge(
-        pinch(load).scene, (), hl.Pyramid(4, inscribed=False), Candidate(f, np.array([0, 0, -slide, 0, 0, 0]), {})
-    ).residuals.passes
+    assert not judged(pinch(load), hl.Pyramid(4, inscribed=False), f, (0, 0, -slide, 0, 0, 0)).passes
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -46,7 +40,7 @@ def test_contacts_at_one_point_have_no_size_made_of_rounding(seed):
     f = np.array([0.1, 0.2, -1.3])
     g = hl.Grasp([hl.Contact(at, a) for a in z], np.r_[f, np.cross(at, f)], flexibility=1e-4)
     assert g.solve(throw=False).held
-    assert g.scene.units.length > 1e-3
+    assert arrays(g).units.length > 1e-3
 
 
 def test_an_escape_without_friction_is_proven_when_generators_depend_on_each_other():
@@ -76,7 +70,7 @@ def test_stalled_kaczmarz_steps_end_within_their_budget():
     from tests.hard_cases.test_flexibility import apart
 
     case = list(apart(4, 30))[29]
-    for name, proposal in proposals(assemble_contact(case.grasp().scene, hl.Pyramid(4), ())):
+    for name, proposal in proposals(contact_problem(case.grasp(), 4)):
         assert proposal.iterations < 10**7, name
 
 
@@ -85,13 +79,11 @@ def test_a_search_whose_time_is_over_solves_no_further_choice_of_modes(monkeypat
     from tests.hard_cases.test_limits import FAMILIES
 
     case = next(iter(FAMILIES["limits: all at rest"](4, 1)))
-    problem, section, asked = assemble_contact(case.grasp().scene, hl.Pyramid(4), ()), hl.Pyramid(4), []
-    monkeypatch.setattr(Table, "_member", lambda self, mode: asked.append(mode))
-    monkeypatch.setattr(Believer, "__call__", lambda self, candidates: None)
-    table = mode_table(problem)
-    assert sum(1 for _ in table.visit()[0]) > len(asked) > 1000
+    grasp, asked = case.grasp(), patches.watched_members_of_modes(monkeypatch)
+    patches.certifier_believes_nobody(monkeypatch)
+    assert len(members_of_modes(grasp, 4)) > len(asked) > 1000
     asked.clear()
-    candidate, bounds, words = last_resort(problem, section, table.choices / PER_SECOND)
+    candidate, bounds, words = last_resort(grasp, 4, seconds_for(choices_of_modes(grasp, 4)))
     assert (candidate, bounds, words) == (None, None, "over contact modes, unknown")
     assert len(asked) <= 1
 
@@ -102,8 +94,7 @@ def test_an_equilibrium_of_a_coarse_pyramid_leads_to_one_of_a_fine_one(faces):
     from tests.hard_cases.test_no_pads import FAMILIES
 
     case = list(FAMILIES["no pads: a mixture"](faces, 34))[33]
-    scene, section = case.grasp().scene, as_section(faces, planar=False)
-    assert find_equilibrium(scene, (), section, seconds=60.0).outcome == "solution"
+    assert searched(case.grasp(), faces, seconds=60.0).outcome == "solution"
 
 
 EXTREMES = [([[1e-300]], [1e150]), ([[1e-300, 0], [1, 1]], [0, 1e-300]), ([[0, 1e-300], [-1, 1e150]], [1, 1e150])]

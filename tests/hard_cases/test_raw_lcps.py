@@ -13,6 +13,7 @@ import pytest
 import handlcp as hl
 from tests.hard_cases.scenes import count
 from tests.oracle import every_solution
+from tests.support.lcp import pivoted
 
 ENOUGH = 1e-7
 
@@ -80,12 +81,10 @@ def test_cited_problems_that_end_in_a_ray_are_infeasible_and_proven_so(problem):
 
 
 def test_murty_2_11_ends_in_a_ray_with_his_covering_vector_and_is_solved_with_ones():
-    from handlcp.lcp.kernels.lemke import RAY, SOLVED, lemke
-
     M, q = (np.array(a, float) for a in MURTY_2_11)
-    assert lemke(M, q, np.array([5.0, 16.0]), 100, 1e-11)[0] == RAY
-    status, _, z = lemke(M, q, np.ones(2), 100, 1e-11)
-    assert status == SOLVED
+    assert pivoted(M, q, np.array([5.0, 16.0]), 100)[0] == "ray"
+    ending, _, z = pivoted(M, q, np.ones(2), 100)
+    assert ending == "solved"
     assert missed(M, q, np.zeros(2, bool), z) < 1e-12
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from handlcp.lcp.kernels.arrow import Arrow, Subgradient, arrow_order, multiply_arrow, pack, room, solve_arrow
+from tests.support.lcp import Reordered
 
 
 def system(rng, contacts=6, border=6, coupled=(), rigid=(), pairs=0):
@@ -47,25 +47,18 @@ def test_the_arrow_is_the_same_matrix_and_has_the_same_solution(name, seed):
     rng = np.random.default_rng(seed)
     M, role, blocks = system(rng, **CASES[name])
     n = len(M)
-    order, starts = arrow_order(M, role, blocks)
-    assert sorted(order) == list(range(n))
-    A = Arrow(*pack(M, order, starts), starts)
-    P = M[np.ix_(order, order)]
-    x, q, y = rng.normal(size=n), rng.normal(size=n), np.empty(n)
-    multiply_arrow(A, x, q, y)
-    np.testing.assert_allclose(y, P @ x + q, atol=1e-12)
+    arrow = Reordered(M, role, blocks)
+    assert sorted(arrow.order) == list(range(n))
+    P = M[np.ix_(arrow.order, arrow.order)]
+    x, q = rng.normal(size=n), rng.normal(size=n)
+    np.testing.assert_allclose(arrow.multiplied(x, q), P @ x + q, atol=1e-12)
 
     # some rows of M, some unit vectors, as at contacts that stick and contacts that are open
-    unit = np.repeat(np.arange(n)[:, None], 3, axis=1)
-    row = np.repeat(np.arange(n)[:, None], 2, axis=1)
-    b, c = np.zeros((n, 2)), np.zeros((n, 3))
     open_ = rng.random(n) < 0.3
-    open_[starts[-1] :] = False
-    b[:, 0], c[:, 0] = ~open_, open_
-    J = b[:, :1] * P + np.diag(c[:, 0])
+    open_[arrow.starts[-1] :] = False
+    J = np.where(open_[:, None], np.eye(n), P)
     truth = rng.normal(size=n)
-    found = np.empty(n)
-    solve_arrow(A, Subgradient(unit, c, row, b), J @ truth, found, room(A), 1e-12)
+    found = arrow.solved(~open_, open_, J @ truth, 1e-12)
     np.testing.assert_allclose(J @ found, J @ truth, atol=1e-9)
     if np.linalg.cond(J) < 1e6:
         np.testing.assert_allclose(found, truth, atol=1e-8)
@@ -73,9 +66,9 @@ def test_the_arrow_is_the_same_matrix_and_has_the_same_solution(name, seed):
 
 def test_blocks_are_as_many_as_are_not_coupled():
     rng = np.random.default_rng(0)
-    assert len(arrow_order(*system(rng))[1]) - 1 == 6
-    assert len(arrow_order(*system(rng, coupled=((0, 1), (1, 2))))[1]) - 1 == 5  # the middle one goes to the border
-    assert len(arrow_order(*system(rng, coupled=((0, 1), (1, 2), (0, 2))))[1]) - 1 == 4
+    assert Reordered(*system(rng)).blocks == 6
+    assert Reordered(*system(rng, coupled=((0, 1), (1, 2)))).blocks == 5  # the middle one goes to the border
+    assert Reordered(*system(rng, coupled=((0, 1), (1, 2), (0, 2)))).blocks == 4
 
 
 def test_a_stiff_finger_beside_soft_ones_costs_the_soft_ones_no_digits():
@@ -84,11 +77,7 @@ def test_a_stiff_finger_beside_soft_ones_costs_the_soft_ones_no_digits():
     M, role, blocks = system(rng)
     stiff = blocks[2]
     M[np.ix_(stiff, stiff)] *= 1e-9
-    order, starts = arrow_order(M, role, blocks)
-    A = Arrow(*pack(M, order, starts), starts)
-    n = len(M)
-    index = np.repeat(np.arange(n)[:, None], 3, axis=1)
-    J = Subgradient(index, np.zeros((n, 3)), index[:, :2].copy(), np.tile([1.0, 0.0], (n, 1)))
-    truth, found = rng.normal(size=n), np.empty(n)
-    solve_arrow(A, J, M[np.ix_(order, order)] @ truth, found, room(A), 1e-14)
+    arrow, n = Reordered(M, role, blocks), len(M)
+    truth = rng.normal(size=n)
+    found = arrow.solved(np.ones(n), np.zeros(n), arrow.matrix @ truth, 1e-14)
     np.testing.assert_allclose(found, truth, rtol=1e-11, atol=1e-11)

@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp import ContactProblem, Status
-from handlcp.lcp.certify import certify_contact
-from handlcp.lcp.scaling import Units
-from handlcp.lcp.solvers.continuation import Continuation
-from handlcp.lcp.solvers.starts import OtherStarts
-from handlcp.lcp.solvers.variants import in_units_of_limits
+from handlcp.lcp import ContactProblem, Status, Units
 from tests.grasp.scenes import pinch
 from tests.grasp.scenes import ring as make_ring
 from tests.lcp.problems import random_p, random_psd
+from tests.support.lcp import (
+    Continuation,
+    OtherStarts,
+    certified,
+    in_units_of_limits,
+    solves_contact,
+    status_of_contact,
+)
 
 AUTO = hl.Auto(restarts=2)
 
@@ -84,7 +87,7 @@ def test_every_stage_alone_solves_an_easy_grasp(faces):
     p = ring(5).problem(faces)
     if not isinstance(p, ContactProblem):
         p = p.contact
-    missed = [name for name, s in everything(AUTO.contact_stages(p)) if certify_contact(p, s.z)[0] is not Status.SOLVED]
+    missed = [name for name, s in everything(AUTO.contact_stages(p)) if not solves_contact(p, s.z)]
     assert not missed
 
 
@@ -92,7 +95,7 @@ def test_every_stage_alone_solves_an_easy_lcp():
     M, q = random_p(np.random.default_rng(0), 8)
     p = hl.LCP(M, q)
     for name, s in everything(AUTO.stages(p)):
-        assert hl.lcp.certify(p, s.z * p.scaled.units.z)[0] is Status.SOLVED, name
+        assert certified(p, s.z), name
 
 
 @pytest.mark.parametrize("faces", [4, 8, "cone"])
@@ -118,16 +121,16 @@ def test_newton_alone_solves_contact_problems(faces):
     p = ring(4).problem(faces)
     p = p if isinstance(p, ContactProblem) else p.contact
     s = hl.SemismoothNewton().propose_contact(p)
-    assert certify_contact(p, s.z)[0] is Status.SOLVED
+    assert solves_contact(p, s.z)
     again = hl.SemismoothNewton().propose_contact(p, s.z)
-    assert certify_contact(p, again.z)[0] is Status.SOLVED
+    assert solves_contact(p, again.z)
 
 
 @pytest.mark.parametrize("along", ["load", "squeeze", "friction"])
 def test_continuation_arrives_at_the_answer(along):
     p = ring(4).problem("cone")
     x = Continuation(along).propose_contact(p).z
-    assert certify_contact(p, x)[0] is Status.SOLVED
+    assert solves_contact(p, x)
     np.testing.assert_allclose(x, hl.NSNGRK().propose_contact(p).z, atol=1e-8)
 
 
@@ -136,7 +139,7 @@ def test_continuation_says_where_the_path_ends():
     p = push(1.2)
     s = Continuation("squeeze", 10.0).propose_contact(p)
     assert s.outcome.startswith("the path ends at 0.9")
-    assert certify_contact(p, s.z)[0] is Status.UNDECIDED
+    assert status_of_contact(p, s.z) is Status.UNDECIDED
 
 
 def test_settings_are_checked():
@@ -157,7 +160,7 @@ def test_units_of_limits_are_a_change_of_variables():
     x = np.random.default_rng(0).normal(size=p.n)
     np.testing.assert_allclose(q.M @ (x / s) + q.q, s * (p.M @ x + p.q), atol=1e-12)
     z = hl.NSNGRK().propose_contact(q).z
-    assert certify_contact(p, s * z)[0] is Status.SOLVED
+    assert solves_contact(p, s * z)
 
 
 def test_other_starts_find_what_one_start_does_not():

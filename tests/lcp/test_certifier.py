@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import pathlib
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ import pytest
 import handlcp as hl
 from handlcp.lcp import certify, is_farkas
 from tests.lcp.problems import random_p
+from tests.support.lcp import CERTIFIERS
 
 
 @pytest.fixture
@@ -90,8 +90,7 @@ def test_unsolved_is_not_infeasible():
     assert s.status in (hl.Status.SOLVED, hl.Status.UNDECIDED)
 
 
-@pytest.mark.parametrize("module", ["lcp/certify.py", "grasp/certify.py"])
-def test_certifiers_import_no_solver(module):
-    source = pathlib.Path(hl.__file__).parent / module
-    names = [n.module or "" for n in ast.walk(ast.parse(source.read_text())) if isinstance(n, ast.ImportFrom)]
+@pytest.mark.parametrize("file", CERTIFIERS, ids=lambda file: f"{file.parent.name}/{file.name}")
+def test_certifiers_import_no_solver(file):
+    names = [n.module or "" for n in ast.walk(ast.parse(file.read_text())) if isinstance(n, ast.ImportFrom)]
     assert not [n for n in names if "solver" in n or n.endswith(".solve")]

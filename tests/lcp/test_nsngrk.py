@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp.kernels.kaczmarz import kaczmarz, uniform
 from tests.lcp.problems import random_p
+from tests.support.lcp import Kaczmarz, uniform_numbers
 
 
 def phi(M, q, free, z):
@@ -24,11 +24,7 @@ def jacobian(M, q, free, z):
 
 
 def one_step(M, q, free, z, seed, greedy=True):
-    z, w = z.copy(), M @ z + q
-    steps, norm, _ = kaczmarz(
-        M, np.ascontiguousarray(M.T), M @ M.T, q, free, z, w, np.full(1, seed, np.uint64), 1, 0.0, 0, np.empty((0, 2)),
-        greedy,
-    )  # fmt: skip
+    steps, norm, z, w = Kaczmarz(M, q, free).run(z.copy(), M @ z + q, seed, 1, greedy)
     assert steps == 1
     return z, w, norm
 
@@ -104,13 +100,11 @@ def test_uniform_sampling_is_for_plain_problems_without_polish():
 
 
 def test_the_generator_is_uniform_and_repeats_with_its_seed():
-    state = np.full(1, 7, np.uint64)
-    u = np.array([uniform(state) for _ in range(20_000)])
+    u = uniform_numbers(7, 20_000)
     assert (u >= 0).all()
     assert (u < 1).all()
     np.testing.assert_allclose(np.histogram(u, 10, (0, 1))[0] / len(u), 0.1, atol=0.01)
-    state = np.full(1, 7, np.uint64)
-    assert uniform(state) == u[0]
+    assert uniform_numbers(7, 1) == u[0]
 
 
 def test_equal_seeds_give_equal_runs_and_others_do_not():

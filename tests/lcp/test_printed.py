@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import AsPrinted, Solver
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
 from tests.lcp.problems import random_p
 from tests.oracle import every_solution
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.lcp import Units
 from tests.lcp.problems import KNOWN, random_p, random_psd
 from tests.oracle import every_solution
 
@@ -75,8 +76,6 @@ def test_units_change_neither_answer_nor_path(solver):
     a = hl.solve_lcp(hl.LCP(M, q, units=units), SOLVERS[solver])
     # powers of two, so that not even rounding differs
     dz, dw = 2.0 ** rng.integers(-30, 30, 12), 2.0 ** rng.integers(-30, 30, 12)
-    from handlcp.lcp import Units
-
     b = hl.solve_lcp(hl.LCP(dw[:, None] * M / dz, dw * q, units=Units(units.z * dz, units.w * dw)), SOLVERS[solver])
     assert a.iterations == b.iterations
     np.testing.assert_array_equal(a.z * dz, b.z)

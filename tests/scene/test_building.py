@@ -24,9 +24,10 @@ from handlcp import (
 )
 from handlcp.errors import InputError
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, HandGrasp, Mesh, Sphere, example_hand
-from handlcp.hand.library import urdf
 from handlcp.scene import load, read
-from tests.texts import TWO_CONTACTS
+from tests.support.grasp import arrays
+from tests.support.hand import urdf
+from tests.support.scene_texts import TWO_CONTACTS
 
 CUBE = """
 [hand]
@@ -51,7 +52,7 @@ torque_Nm = [0.0, 0.001, 0.0]
 
 def same(a, b):
     for name in ("positions", "frames", "mu", "flexibility", "offset", "force", "moment"):
-        np.testing.assert_array_equal(getattr(a.scene, name), getattr(b.scene, name), err_msg=name)
+        np.testing.assert_array_equal(getattr(arrays(a), name), getattr(arrays(b), name), err_msg=name)
     np.testing.assert_array_equal(a.reference, b.reference)
 
 
@@ -97,7 +98,7 @@ def test_a_table_and_a_contact_of_the_environment_are_those_that_the_calls_give(
     )
     same(grasp, expected)
     assert grasp.names[3:] == (*(f"floor {k}" for k in (1, 2, 3, 4)), "environment 5")
-    np.testing.assert_allclose(grasp.scene.offset[3:, 2], [5e-4] * 4 + [1e-4], rtol=1e-9)
+    np.testing.assert_allclose(grasp.offset[3:, 2], [5e-4] * 4 + [1e-4], rtol=1e-9)
 
 
 def test_a_scene_without_a_hand_rests_on_a_table_too():
@@ -124,7 +125,7 @@ def test_a_scene_without_a_hand_rests_on_a_table_too():
     assert grasp.names == ("finger 1", "table 1", "table 2", "table 3", "table 4")
     assert [c.friction for c in grasp.contacts[1:]] == [Coulomb(0.5)] * 4
     assert grasp.solve().forces_world[1:, 2].sum() == pytest.approx(0.1 * 9.81 + 5.0, rel=1e-9)
-    assert not grasp.scene.flexibility[3:].any()
+    assert not arrays(grasp).flexibility[3:].any()
 
 
 def test_a_urdf_is_found_beside_the_scene_file_and_tables_by_name_arrive(tmp_path):
@@ -163,7 +164,7 @@ def test_a_urdf_is_found_beside_the_scene_file_and_tables_by_name_arrive(tmp_pat
     assert grasp.state.q.tolist() == [0.0, 0.2, 0.0, 0.0], "joints left out are at the neutral posture"
     assert [c.friction for c in grasp.contacts] == [Coulomb(0.3), Frictionless()]
     other = load(file).model_copy(update={"grasp": load(file).grasp.model_copy(update={"preload_m": 0.0})})
-    difference = grasp.scene.offset - other.build().scene.offset
+    difference = grasp.offset - other.build().offset
     np.testing.assert_allclose(difference, [[0, 0, 0], [0, 0, -0.002]], atol=1e-15)
 
 
@@ -219,8 +220,8 @@ def test_an_object_without_a_hand_weighs_at_its_centre():
         position_m = [0.0, 0.01, 0.02]
         mass_kg = 2.0
     """).build()
-    np.testing.assert_allclose(grasp.scene.force, (0, 0, -19.62))
-    np.testing.assert_allclose(grasp.scene.moment, np.cross((0, 0.01, 0.02), (0, 0, -19.62)))
+    np.testing.assert_allclose(arrays(grasp).force, (0, 0, -19.62))
+    np.testing.assert_allclose(arrays(grasp).moment, np.cross((0, 0.01, 0.02), (0, 0, -19.62)))
     np.testing.assert_array_equal(grasp.reference, (0, 0.01, 0.02))
 
 
@@ -239,17 +240,17 @@ def test_a_planar_scene_takes_two_numbers():
         force_N = [0.0, -1.0, 0.0]
     """)
     grasp = scene.build()
-    assert grasp.scene.plane is not None
+    assert arrays(grasp).plane is not None
     assert scene.solve().held
 
 
 @pytest.mark.parametrize(
     ("table", "expected"),
     [
-        ('shape = "box"\nsize_m = [0.1, 0.2, 0.3]', Box((0.1, 0.2, 0.3))),
-        ('shape = "sphere"\nradius_m = 0.1', Sphere(0.1)),
-        ('shape = "cylinder"\nradius_m = 0.1\nlength_m = 1', Cylinder(0.1, 1.0)),
-        ('shape = "ellipsoid"\nradii_m = [1, 2, 3]', Ellipsoid((1, 2, 3))),
+        ('shape = "box"\nsize_m = [0.1, 0.2, 0.3]', Box((0.1, 0.2, 0.3), mass=0.5)),
+        ('shape = "sphere"\nradius_m = 0.1', Sphere(0.1, mass=0.5)),
+        ('shape = "cylinder"\nradius_m = 0.1\nlength_m = 1', Cylinder(0.1, 1.0, mass=0.5)),
+        ('shape = "ellipsoid"\nradii_m = [1, 2, 3]', Ellipsoid((1, 2, 3), mass=0.5)),
     ],
 )
 def test_every_shape_arrives_where_it_was_put(table, expected):
@@ -259,7 +260,7 @@ def test_every_shape_arrives_where_it_was_put(table, expected):
     assert shape.mass == 0.5
     np.testing.assert_allclose(shape.placement.rotation, pin.rpy.rpyToMatrix(0.1, 0.2, 0.3))
     np.testing.assert_allclose(shape.placement.translation, (1, 2, 3))
-    assert repr(shape._args) == repr(expected._args)
+    assert repr(shape) == repr(expected.moved_to(shape.placement))
 
 
 def test_a_mesh_is_found_beside_the_scene_file(tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 from functools import cache
 
 import numpy as np
@@ -12,10 +11,14 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 import handlcp as hl
-from handlcp.show.convergence import GIVEN, NATURAL, UNIFORM, draw, save
 from handlcp.study.convergence import convergence
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
 from tests.lcp.problems import random_p
+from tests.support import patches
+from tests.support.show import convergence_figure
+
+draw, save = convergence_figure.draw, convergence_figure.save
+GIVEN, NATURAL, UNIFORM = convergence_figure.GIVEN, convergence_figure.NATURAL, convergence_figure.UNIFORM
 
 
 @cache
@@ -39,7 +42,8 @@ def test_no_text_leaves_the_page_or_covers_another(name):
     canvas.draw()
     texts = [*figure.texts]
     for ax in figure.axes:
-        texts += [*ax.texts, ax.xaxis.label, ax.yaxis.label, ax._left_title]
+        left = [t for t in ax.findobj(Text) if t.get_text() == ax.get_title("left") != ""]
+        texts += [*ax.texts, ax.xaxis.label, ax.yaxis.label, *left]
         for axis, (low, high) in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
             ticks = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
             texts += [t.label1 for t in ticks if t.label1.get_visible()]
@@ -105,13 +109,7 @@ def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
-    real, c = builtins.__import__, found("3")
-
-    def without(name, *args, **kwargs):
-        if name.startswith("matplotlib"):
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    c = found("3")
+    patches.without_module(monkeypatch, "matplotlib")
     with pytest.raises(hl.Unsupported, match=r"pip install 'handlcp\[plot\]'"):
         draw(c)

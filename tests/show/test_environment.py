@@ -10,13 +10,11 @@ from matplotlib.text import Text
 
 from handlcp import Contact, Coulomb, Environment, Grasp
 from handlcp.scene import load
-from handlcp.show import tables
-from handlcp.show.bodies import environment_bodies, stub_bodies
-from handlcp.show.picture import draw
-from handlcp.show.record import record
-from handlcp.show.verdict import verdict
+from handlcp.show import verdict
 from tests.show.test_picture import contacts_only, volume
 from tests.show.test_tables import printed
+from tests.support.grasp import arrays
+from tests.support.show import draw, environment_bodies, record, stub_bodies, tables
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
@@ -64,7 +62,7 @@ def test_a_record_says_which_contacts_are_the_environments(box):
 def test_contacts_in_one_plane_share_a_slab_below_it():
     grasp = on_a_table()
     table, wall = environment_bodies(grasp)
-    size = grasp.scene.units.length
+    size = arrays(grasp).units.length
     corners = table.triangles.reshape(-1, 3)
     assert corners[:, 2].max() == pytest.approx(0.0, abs=1e-15)
     np.testing.assert_allclose(np.ptp(corners[:, :2], axis=0), 0.04 + size)

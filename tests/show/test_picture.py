@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 import pathlib
 
 import numpy as np
@@ -14,11 +13,8 @@ from matplotlib.text import Text
 from handlcp import Contact, Coulomb, Frictionless, Grasp
 from handlcp.errors import InputError, Unsupported
 from handlcp.scene import load
-from handlcp.show import shapes
-from handlcp.show.camera import facing
-from handlcp.show.overlay import nice, rim
-from handlcp.show.picture import _camera, draw, save
-from handlcp.show.raster import fill
+from tests.support import patches
+from tests.support.show import camera_of, draw, facing, fill, nice, rim, save, shapes
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
@@ -82,7 +78,7 @@ def test_a_plane_with_an_askew_load_is_seen_along_its_normal_too():
     contacts = [Contact((-0.03, 0), (1, 0), Coulomb(0.5)), Contact((0.03, 0), (-1, 0), Coulomb(0.5))]
     grasp = Grasp(contacts, (0.2, -0.3, 0), flexibility=1e-4, preload=1e-3)
     solution = grasp.solve()
-    camera = _camera(grasp, [], None, grasp.scene.positions)
+    camera = camera_of(grasp)
     np.testing.assert_array_equal(camera.project(np.eye(3)), [(1, 0), (0, 1), (0, 0)])
     assert len(draw(grasp, solution).axes) > 0
 
@@ -112,16 +108,9 @@ def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
-    real = builtins.__import__
-
-    def without(name, *args, **kwargs):
-        if name.startswith("matplotlib"):
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
     grasp = contacts_only()
     s = grasp.solve()
-    monkeypatch.setattr(builtins, "__import__", without)
+    patches.without_module(monkeypatch, "matplotlib")
     with pytest.raises(Unsupported, match=r"pip install 'handlcp\[plot\]'"):
         draw(grasp, s)
 

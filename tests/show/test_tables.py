@@ -10,7 +10,7 @@ from rich.console import Console
 
 from handlcp import Contact, Coulomb, Frictionless, Grasp
 from handlcp.hand import Box, example_hand
-from handlcp.show import tables, units
+from tests.support.show import tables, units
 
 
 def printed(table, width=80):

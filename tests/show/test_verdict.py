@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
-from handlcp.grasp.changed import changed
-from handlcp.hand import Box, example_hand
+from handlcp.hand import Box, Hand, example_hand
 from handlcp.lcp import NSNGRK, Status
 from handlcp.scene import load
-from handlcp.show.verdict import verdict
+from handlcp.show import verdict
+from tests.support.grasp import changed
+from tests.support.hand import urdf
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 BOX = Box(0.05, (0, 0, 0.08), 0.2)
@@ -52,9 +53,6 @@ def test_a_joint_over_its_limit_is_not_held():
 
 
 def test_limits_that_are_not_known_are_not_judged_and_that_is_said(tmp_path):
-    from handlcp.hand import Hand
-    from handlcp.hand.library import urdf
-
     file = tmp_path / "hand.urdf"
     file.write_text(urdf("three_finger").read_text().replace('effort="0.4"', 'effort="0"'))
     hand = Hand.from_urdf(file, joint_stiffness=6.0, pad_flexibility=1e-4)

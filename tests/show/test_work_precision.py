@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 import io
 from dataclasses import replace
 
@@ -15,11 +14,13 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp.errors import InputError, Unsupported
-from handlcp.show.accuracy_table import all_tables
-from handlcp.show.work_precision import STYLE, draw, save
 from handlcp.study.accuracy import METHODS, Row
-from handlcp.study.accuracy.result import NOT_RUN
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
+from tests.support import patches
+from tests.support.show import all_tables, work_precision_figure
+from tests.support.study import NOT_RUN
+
+draw, save, STYLE = work_precision_figure.draw, work_precision_figure.save, work_precision_figure.STYLE
 
 
 @pytest.fixture(scope="module")
@@ -109,14 +110,7 @@ def test_bad_input_is_refused(cube, tmp_path):
 
 
 def test_without_matplotlib_the_message_says_what_to_install(cube, monkeypatch):
-    real = builtins.__import__
-
-    def missing(name, *arguments, **words):
-        if name.startswith("matplotlib"):
-            raise ImportError(name)
-        return real(name, *arguments, **words)
-
-    monkeypatch.setattr(builtins, "__import__", missing)
+    patches.without_module(monkeypatch, "matplotlib")
     with pytest.raises(Unsupported, match=r"handlcp\[plot\]"):
         draw(cube)
 

@@ -15,11 +15,10 @@ import pytest
 import handlcp as hl
 from handlcp.errors import InputError, NoSolutionFound, UnknownName
 from handlcp.study.accuracy import METHODS, AccuracyCost
-from handlcp.study.accuracy.left_out import UNDETERMINED, variants
-from handlcp.study.accuracy.plan import settings
-from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
-from handlcp.study.paper.examples import example
+from handlcp.study.paper import example
 from tests.grasp.scenes import ring
+from tests.support.grasp import arrays
+from tests.support.study import CERTIFIED, LOOSE, NOT_RUN, OTHER, UNDETERMINED, left_out, planned_rows
 
 SMALL = {"faces": [4, 8], "tolerances": [1e-3, 1e-10], "repeats": 1, "seconds": 6.0}
 
@@ -161,11 +160,11 @@ def test_a_scene_without_coupling_is_the_hand_built_grasp_without_it():
 def test_a_hand_without_joint_compliance_or_pads_is_the_hand_with_rigid_joints_or_tips():
     grasp, exact = ball(), ball().solve("cone")
     found = {e.effect: e for e in cost(grasp, methods=["cone, Newton"], left_out=True).left_out}
-    hard = {name: without for name, _, without in variants(grasp)}["fingertip pads"]
-    assert hard.scene.flexibility == pytest.approx(ball(hand={"pad_flexibility": 0.0}).scene.flexibility, abs=1e-12)
-    stiff = {name: without for name, _, without in variants(grasp)}["joint compliance"]
+    hard = left_out(grasp)["fingertip pads"]
+    assert arrays(hard).flexibility == pytest.approx(arrays(ball(hand={"pad_flexibility": 0.0})).flexibility, abs=1e-12)
+    stiff = left_out(grasp)["joint compliance"]
     rigid = ball(hand={"joint_stiffness": np.inf})
-    assert stiff.scene.flexibility == pytest.approx(rigid.scene.flexibility, abs=1e-12)
+    assert arrays(stiff).flexibility == pytest.approx(arrays(rigid).flexibility, abs=1e-12)
     solution = stiff.solve("cone")
     row = found["joint compliance"]
     assert row.force_error == pytest.approx(error_between(solution, exact), rel=1e-6)
@@ -201,13 +200,8 @@ def test_effects_asked_for_by_name_are_left_out_one_by_one():
 # ---------------------------------------------------------------- budget, plan, records
 def test_what_does_not_fit_the_budget_is_a_row_that_says_so():
     found = hl.accuracy_cost(example(3).grasp, left_out=False, seconds=0.05, repeats=1)
-    planned = settings(
-        tuple(METHODS.values()),
-        ((3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128), False),
-        (tuple(10.0**-k for k in range(1, 13)), False),
-        True,
-    )
-    assert len(found.rows) == sum(map(len, planned.values()))
+    faces, tolerances = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128), tuple(10.0**-k for k in range(1, 13))
+    assert len(found.rows) == planned_rows(METHODS.values(), faces, tolerances)
     missing = [r for r in found.rows if r.status == NOT_RUN]
     assert missing
     assert all(r.seconds is r.force_error is r.iterations is None and r.runs == 0 for r in missing)

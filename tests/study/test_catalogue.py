@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.catalogue import BY_NAME, FROM_DATA
-from handlcp.grasp.effects import TotalForceBound
-from handlcp.grasp.entry import Entry, entry_of
-from handlcp.scene import keys
-from handlcp.scene.file import SceneFile
+from handlcp.scene import SceneFile, keys
 from handlcp.study.catalogue import anchor, cost, costs, entries, page, trials
+from tests.support import patches
+from tests.support.effects import entry_for, kinds_in_the_catalogue, made_up_entry
+from tests.support.grasp import arrays
 
 ROOT = pathlib.Path(__file__).parents[2]
 FOLDER = ROOT / "handlcp" / "grasp" / "effects"
@@ -58,7 +57,7 @@ def test_the_page_is_what_the_generator_writes_but_for_what_was_measured():
 def test_every_effect_and_every_line_of_explain_is_on_the_page():
     headings = re.findall(r"^### (.*)$", PAGE, flags=re.M)
     assert headings == list(ALL)
-    assert {kind.title for kind in FROM_DATA + BY_NAME} <= set(headings)
+    assert {kind.title for kind in kinds_in_the_catalogue()} <= set(headings)
     hand = made(trials(ALL["finger flexibility"])[0]).explain()
     contacts = hl.Grasp([hl.Contact((0, 0, 0), (1, 0, 0), hl.Coulomb(0.5))], flexibility=1e-3).explain()
     for line in (*hand.effects, *contacts.effects):
@@ -95,7 +94,7 @@ def test_what_the_page_says_in_python_asks_for_that_effect_and_no_other(entry):
     on, off = trials(entry)
     if entry.title == "object weight":  # part of the load, no line of its own
         np.testing.assert_allclose(
-            made(on).scene.wrench - made(off).scene.wrench, [0, 0, 0.3 * 9.81, 0, 0, 0], atol=1e-12
+            arrays(made(on)).wrench - arrays(made(off)).wrench, [0, 0, 0.3 * 9.81, 0, 0, 0], atol=1e-12
         )
         return
     assert law(entry) in lines(on)
@@ -120,7 +119,7 @@ def test_a_scene_file_with_the_pages_keys_is_the_same_grasp_as_in_python(entry):
     assert file.solve_with.faces == on.faces
     assert repr(a.contacts) == repr(b.contacts)
     assert [e.title for e in a.effects] == [e.title for e in b.effects]
-    np.testing.assert_array_equal(a.scene.wrench, b.scene.wrench)
+    np.testing.assert_array_equal(arrays(a).wrench, arrays(b).wrench)
     for name in ("flexibility", "offset", "gravity_torque", "joint_offset"):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
     np.testing.assert_array_equal(a.solve(on.faces).forces, b.solve(on.faces).forces)
@@ -146,19 +145,16 @@ def test_what_the_page_says_of_the_reference_scene_is_so():
 
 
 def test_a_reference_scene_that_is_not_held_is_no_measurement():
-    crushed = Entry("x", "", "", "wrench=(0, 0, -1e6, 0, 0, 0)", "", "", "", "handlcp.x")
     with pytest.raises(hl.NoSolutionFound):
-        cost(crushed)
+        cost(made_up_entry("wrench=(0, 0, -1e6, 0, 0, 0)"))
 
 
 def test_a_new_effect_is_on_the_page_by_its_row_in_the_catalogue_alone(monkeypatch):
-    class Lower(TotalForceBound):
+    class Lower(hl.TotalForceBound):
         title, when = "lower bound", "To see that this works."
 
-    import handlcp.study.catalogue.effects as module
-
-    monkeypatch.setattr(module, "BY_NAME", (*BY_NAME, Lower))
-    assert entry_of(Lower) in entries()
+    patches.another_effect(monkeypatch, Lower)
+    assert entry_for(Lower) in entries()
     found = costs(lambda runs: dict.fromkeys(runs, 1.0))
     assert "### lower bound\n\nTo see that this works." in page(found, "")
     assert found["lower bound"].unknowns == 1

@@ -10,9 +10,9 @@ import pytest
 import handlcp as hl
 from handlcp.lcp import Units
 from handlcp.study.convergence import convergence, generalized_jacobian, greedy_bound, measured_rate, uniform_bound
-from handlcp.study.paper.examples import example
-from handlcp.study.paper.nsngrk_as_printed import run_case
+from handlcp.study.paper import example
 from tests.lcp.problems import random_p
+from tests.support.study import run_case
 
 N = 24
 

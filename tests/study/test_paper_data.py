@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper.data import NUMBERS, Number, raw, table
-from handlcp.study.paper.examples import example
-from handlcp.study.paper.rows import Mark, mark_of
+from handlcp.study.paper import example, table
+from tests.support.grasp import arrays
+from tests.support.study import NUMBERS, Mark, Number, mark_of, raw
 
 # Numbers printed in Tables 1 to 10, counted in the paper
 COUNTS = {1: 15, 2: 15, 3: 16, 4: 16, 5: 16, 6: 21, 7: 21, 8: 21, 9: 21, 10: 23}
@@ -60,7 +60,7 @@ def test_the_paper_is_cited() -> None:
 
 @pytest.mark.parametrize("number", [3, 4, 5])
 def test_the_cube_weighs_five_newtons_at_its_centre(number: int) -> None:
-    scene = example(number).grasp.scene
+    scene = arrays(example(number).grasp)
     np.testing.assert_array_equal(scene.force, [0, 0, -5])
     np.testing.assert_allclose(scene.moment, np.cross([0.5, 0.5, 0.5], scene.force))
     faces = (scene.positions[:, :, None] == np.array([0.0, 1.0])).any(axis=2).any(axis=1)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from handlcp.lcp import Status
-from handlcp.study.paper.examples import PRELOAD, example
-from handlcp.study.paper.no_equilibrium import no_equilibrium, search_grasp
+from handlcp.study.paper import example
+from tests.support.grasp import arrays
+from tests.support.study import PRELOAD, no_equilibrium, search_grasp
 
 
 def test_no_equilibrium_within_bounds_but_one_with_preload() -> None:
@@ -22,7 +23,7 @@ def test_no_equilibrium_within_bounds_but_one_with_preload() -> None:
 
 
 def test_preloaded_forces_hold_the_unloaded_cube() -> None:
-    bare, held = example(4).grasp.scene, example(4, preload=PRELOAD).grasp.solve(8)
+    bare, held = arrays(example(4).grasp), example(4, preload=PRELOAD).grasp.solve(8)
     np.testing.assert_allclose(bare.grasp_matrix @ held.forces.ravel() + bare.wrench, 0, atol=1e-9)
     assert (np.hypot(*held.tangential_force.T) <= 0.6 * held.normal_force).all()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper.nsngrk_as_printed import RES, STEPS, run_case
+from tests.support.study import RES, STEPS, run_case
 
 SEEDS = range(5)
 

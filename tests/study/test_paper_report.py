@@ -10,11 +10,9 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from handlcp.study.paper import paper_command, run
-from handlcp.study.paper import report as module
-from handlcp.study.paper.render import render
-from handlcp.study.paper.report import PaperReport
-from handlcp.study.paper.rows import Mark
+from handlcp.study.paper import PaperReport, paper_command, run
+from tests.support import patches
+from tests.support.study import Mark, render
 
 
 @pytest.fixture(scope="module")
@@ -59,14 +57,14 @@ def test_json_is_strict_and_complete(report: PaperReport) -> None:
 
 
 def test_exit_codes(report: PaperReport, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "run", lambda: report)
+    patches.paper_report(monkeypatch, lambda: report)
     console = wide()
     assert paper_command(json=True, console=console) == 0
     assert json.loads(text(console))["ok"] is True
     golden, *others = report.tables
     row = golden.rows[1]
     spoiled = replace(golden, rows=(golden.rows[0], replace(row, mark=Mark.NO), *golden.rows[2:]))
-    monkeypatch.setattr(module, "run", lambda: replace(report, tables=(spoiled, *others)))
+    patches.paper_report(monkeypatch, lambda: replace(report, tables=(spoiled, *others)))
     console = wide()
     assert paper_command(console=console) == 1
     assert "GOLDEN NUMBERS MISSED" in text(console)

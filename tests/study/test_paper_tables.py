@@ -5,12 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper.data import NUMBERS, table
-from handlcp.study.paper.examples import example
-from handlcp.study.paper.misses import Miss
-from handlcp.study.paper.printed import compatibility, signed_forces
-from handlcp.study.paper.rows import Mark, mark_of
-from handlcp.study.paper.tables import compare
+from handlcp.study.paper import compare, example, table
+from tests.support.study import NUMBERS, Mark, Miss, compatibility, mark_of, signed_forces
 
 
 def misses(number: int, equation: str) -> list[Miss]:
