@@ -1,6 +1,6 @@
 """What the main job costs: posture → torques for the five-finger hand, against bare Pinocchio in the same run.
 
-    python -m tests.benchmarks.main_job
+    python tests/benchmarks/main_job.py
 
 Prints the split of one warm call, NSNGRK's cost per step, and import times. Absolute times move with the machine and
 its load; the ratios are what carries over. Medians over many calls, garbage collection off.
@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import gc
 import os
+import pathlib
 import subprocess
 import sys
 import time
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2]))  # run as a file, it finds what it takes from the tests
 
 import numpy as np
 import pinocchio as pin

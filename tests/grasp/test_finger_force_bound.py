@@ -10,6 +10,7 @@ import pytest
 import handlcp as hl
 from handlcp.errors import InputError
 from tests.grasp.scenes import pinch, ring
+from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.search import is_overload, overload
 
@@ -188,7 +189,8 @@ def test_bounds_too_low_for_the_load_are_proven_so(faces):
     assert enough.solve(faces).held
 
 
-def test_no_squeeze_beats_a_bound_and_more_friction_does():
+def test_no_squeeze_beats_a_bound_and_more_friction_does(monkeypatch):
+    patches.ticks_of_equilibria(monkeypatch)
     g = pinch(effects=[hl.FingerForceBound(0.9)])
     r = g.required_preload()
     assert (r.value, r.proven) == (None, True)

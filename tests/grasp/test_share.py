@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 
 import handlcp as hl
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support import patches
+from tests.support.clocks import a_quarter_less
 from tests.support.steps import best_times, shares
 
 
@@ -72,18 +75,13 @@ SCENES = {
 ALWAYS = {"object balance", "unilateral contact"}
 
 
-def count(runs):
-    """A clock by which everything takes two seconds, each scene without an effect half a second less."""
-    return {k: 2.0 if k < 0 else 1.5 for k, run in runs.items() if run()}
-
-
 @pytest.mark.parametrize("faces", [8, "cone"])
 @pytest.mark.parametrize("name", SCENES)
 def test_the_scene_without_an_effect_has_the_answer_that_it_is_started_at(name, faces):
     """Each run ends in a certified answer, and its share is what leaving it out saves."""
     g = SCENES[name]()
     solution = g.solve(faces, throw=False)
-    e = shares(g, faces, solution, count)
+    e = shares(g, faces, solution, a_quarter_less)
     assert solution.held
     assert e.seconds == 2.0
     for line in e.effects:
@@ -95,7 +93,7 @@ def test_an_answer_is_reached_from_itself_in_no_steps(monkeypatch):
     g, seen = sliding(), patches.watched_first_stage(monkeypatch)
     solution = g.solve("cone")
     assert "sliding" in solution.contact_state
-    shares(g, "cone", solution, count)
+    shares(g, "cone", solution, a_quarter_less)
     assert len(seen) > 2
     for found in seen:
         assert found.iterations == 0
@@ -109,24 +107,33 @@ def test_without_an_answer_nothing_is_measured():
     assert e.seconds is None
 
 
-def test_explain_measures_when_asked_and_says_so():
+def test_explain_measures_when_asked_and_says_so(monkeypatch):
+    patches.shares_of_a_quarter(monkeypatch)
     g = loaded()
     assert all(line.share is None for line in g.explain().effects)
     e = g.explain(measure=True)
-    assert e.seconds > 0
-    shares = {line.title: line.share for line in e.effects if line.on}
-    assert all((shares[title] is None) == (title in ALWAYS) for title in shares)
-    assert all(share is None or share < 1 for share in shares.values())
+    assert e.seconds == 2.0
+    assert {line.title: line.share for line in e.effects if line.on and line.title not in ALWAYS} == dict.fromkeys(
+        (line.title for line in g.explain().effects if line.on and line.title not in ALWAYS), 0.25
+    )
+    assert {line.share for line in e.effects if not line.on or line.title in ALWAYS} == {None}
     assert "% of the solve" in str(e)
     assert "µs from the numbers" in str(e)
     assert "rcond" not in str(g.explain("cone")), "nothing is eliminated on the cone"
 
 
-def test_best_times_runs_everything_and_leaves_the_collector_as_it_was():
-    import gc
-
+def test_best_times_runs_everything_in_turns_and_leaves_the_collector_as_it_was(monkeypatch):
+    patches.ticks_between_shares(monkeypatch, 1e-3)
     ran = []
     times = best_times({0: lambda: ran.append(0) or True, 1: lambda: ran.append(1) or True})
-    assert set(ran) == set(times) == {0, 1}
-    assert all(0 <= t < 0.1 for t in times.values())
+    assert times == {0: pytest.approx(1e-3), 1: pytest.approx(1e-3)}
+    assert ran[:7] == [0, 0, 0, 1, 1, 1, 0]
+    assert ran.count(0) == ran.count(1) > 3
     assert gc.isenabled()
+
+
+def test_best_times_stops_where_its_time_is_over_but_not_before_two_turns(monkeypatch):
+    patches.ticks_between_shares(monkeypatch, 1.0)
+    ran = []
+    assert best_times({0: lambda: ran.append(0) or True}) == {0: 1.0}
+    assert len(ran) == 6

@@ -12,8 +12,15 @@ from tests.grasp.scenes import pinch, ring
 from tests.grasp.test_equilibria import exists
 from tests.hard_cases.checker import laws
 from tests.hard_cases.scenes import ENOUGH, Case
+from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.search import from_seeds
+
+
+@pytest.fixture(autouse=True)
+def _the_same_time_for_all(monkeypatch):
+    """What a search comes to does not depend on how busy the machine is."""
+    patches.ticks_of_equilibria(monkeypatch)
 
 
 def hook(mu, a=1e-3, b=0.9e-3, e=0.05e-3, stuck=(-1.3, 1.0)):

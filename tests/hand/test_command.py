@@ -13,6 +13,7 @@ from handlcp import Contact, GraspStream
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand, HandGrasp, Sphere, example_hand
 from handlcp.scene import read
+from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.hand import deflection
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
@@ -149,7 +150,7 @@ def test_a_stream_follows_it(five: Hand) -> None:
     same(stream.update(q, joint_offset=np.zeros(five.nv)), np.zeros(five.nv), q, **fixed)
 
 
-def test_fingers_that_sag_are_commanded_too(five: Hand) -> None:
+def test_fingers_that_sag_are_commanded_too(five: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
     """-J δq and J K⁻¹ g(q) both come on top of what is given; changes and streams keep both."""
     q = five.close_on(BALL, squeeze=3e-3)
     contacts = five.at(q).grasp(BALL).contacts
@@ -174,6 +175,7 @@ def test_fingers_that_sag_are_commanded_too(five: Hand) -> None:
     same(grasp.replace(preload=1e-3), made(q, one, 1e-3))
     same(grasp.replace(joint_offset=other), made(q, other, 2e-3))
     same(grasp.replace(joint_offset=other, preload=1e-3), made(q, other, 1e-3))
+    patches.shares_of_a_quarter(monkeypatch)
     on = {line.title for line in grasp.explain(measure=True).effects if line.share is not None}
     assert {"commanded joint offset", "finger weight"} <= on
     stream = GraspStream(grasp)

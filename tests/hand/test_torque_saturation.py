@@ -14,6 +14,7 @@ from handlcp.errors import InputError
 from handlcp.hand import Hand, HandGrasp, HandGraspSolution, Sphere, example_hand
 from handlcp.scene import read
 from handlcp.show import verdict
+from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 from tests.support.show import record
@@ -235,7 +236,8 @@ def test_a_plain_grasp_says_what_to_do(write: Writer) -> None:
         GraspStream(g)
 
 
-def test_it_stays_when_numbers_change_and_between_processes(write: Writer) -> None:
+def test_it_stays_when_numbers_change_and_between_processes(write: Writer, monkeypatch: pytest.MonkeyPatch) -> None:
+    patches.ticks_of_equilibria(monkeypatch)
     hand = lever_hand(write, torque_limits=0.6)
     g = pickle.loads(pickle.dumps(saturating(hand))).replace(wrench=(1.5, 0, -1, 0, 0, 0), joint_offset=[0.01, 0.01])
     s = g.solve(start=g.solve())

@@ -17,10 +17,12 @@ from handlcp.errors import InputError, NoSolutionFound, UnknownName
 from handlcp.study.accuracy import METHODS, AccuracyCost
 from handlcp.study.paper import example
 from tests.grasp.scenes import ring
+from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.study import CERTIFIED, LOOSE, NOT_RUN, OTHER, UNDETERMINED, left_out, planned_rows
 
-SMALL = {"faces": [4, 8], "tolerances": [1e-3, 1e-10], "repeats": 1, "seconds": 6.0}
+ENOUGH = 3600.0  # s, a budget that no busy machine spends
+SMALL = {"faces": [4, 8], "tolerances": [1e-3, 1e-10], "repeats": 1, "seconds": ENOUGH}
 
 
 def cost(grasp, **words):
@@ -89,7 +91,7 @@ def test_where_no_finger_is_at_its_limit_every_pyramid_is_exact():
 
 def test_as_printed_stops_content_with_forces_and_slips_that_are_wrong(cube):
     printed = hl.accuracy_cost(
-        example(3).grasp, methods=["NSNGRK as printed"], faces=[8], left_out=False, repeats=1, seconds=5.0
+        example(3).grasp, methods=["NSNGRK as printed"], faces=[8], left_out=False, repeats=1, seconds=ENOUGH
     )
     (paper,) = [r for r in printed.rows if r.tolerance == 1e-5]
     assert paper.status == LOOSE
@@ -108,7 +110,8 @@ def test_a_tighter_tolerance_brings_the_forces_nearer_on_the_cone():
     assert [r.iterations for r in found.rows] == sorted(r.iterations for r in found.rows)
 
 
-def test_rows_that_reach_another_equilibrium_are_marked_and_not_scored():
+def test_rows_that_reach_another_equilibrium_are_marked_and_not_scored(monkeypatch):
+    patches.ticks_of_equilibria(monkeypatch)
     other = []
     for seed in (25, 26):
         contacts, data = ring(np.random.default_rng(seed), 5)
@@ -120,7 +123,7 @@ def test_rows_that_reach_another_equilibrium_are_marked_and_not_scored():
             assert r.force_error > math.pi / r.faces
             assert r not in found.front(r.method)
         if marked:
-            assert len(grasp.equilibria(8, seconds=1.0)) > 1
+            assert len(grasp.equilibria(8)) > 1
         other += marked
     assert other
 
@@ -198,14 +201,16 @@ def test_effects_asked_for_by_name_are_left_out_one_by_one():
 
 
 # ---------------------------------------------------------------- budget, plan, records
-def test_what_does_not_fit_the_budget_is_a_row_that_says_so():
+def test_what_does_not_fit_the_budget_is_a_row_that_says_so(monkeypatch):
+    patches.ticks_of_studies(monkeypatch, 1e-4)
     found = hl.accuracy_cost(example(3).grasp, left_out=False, seconds=0.05, repeats=1)
     faces, tolerances = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128), tuple(10.0**-k for k in range(1, 13))
     assert len(found.rows) == planned_rows(METHODS.values(), faces, tolerances)
     missing = [r for r in found.rows if r.status == NOT_RUN]
     assert missing
     assert all(r.seconds is r.force_error is r.iterations is None and r.runs == 0 for r in missing)
-    assert found.conditions.seconds < 2.0
+    assert CERTIFIED in {r.status for r in found.rows}
+    assert found.conditions.seconds < 2 * 0.05
 
 
 def test_two_lists_mean_every_pair_and_one_list_does_not():

@@ -71,5 +71,6 @@ def test_exit_codes(report: PaperReport, monkeypatch: pytest.MonkeyPatch) -> Non
     assert "NOT reproduced: forces 2 n" in text(console)
 
 
+@pytest.mark.bench
 def test_fast_enough(report: PaperReport) -> None:
     assert report.seconds < 20

@@ -12,6 +12,7 @@ import pytest
 
 from handlcp.grasp import first as _first
 from handlcp.grasp.catalogue import BY_NAME
+from tests.support.clocks import Ticking, a_quarter_less
 
 Patch = pytest.MonkeyPatch
 
@@ -19,7 +20,6 @@ __all__ = [
     "another_effect",
     "certifier_believes_nobody",
     "chunks_of",
-    "clock_of_shares",
     "costs_of_effects",
     "everything_to_processes",
     "no_newton_on_cones",
@@ -27,6 +27,10 @@ __all__ = [
     "nothing_is_eliminated",
     "paper_command",
     "paper_report",
+    "shares_of_a_quarter",
+    "ticks_between_shares",
+    "ticks_of_equilibria",
+    "ticks_of_studies",
     "watched_first_stage",
     "watched_members_of_modes",
     "without_module",
@@ -85,9 +89,28 @@ def certifier_believes_nobody(patch: Patch) -> None:
 
 
 # ---------------------------------------------------------------- clocks
-def clock_of_shares(patch: Patch, clock: Callable[[dict[int, Callable[[], bool]]], dict[int, float]]) -> None:
-    """`explain(measure=True)` has its times from here: runs by number (-1: with every effect) → seconds."""
-    patch.setattr("handlcp.grasp.share.best_times", clock)
+def shares_of_a_quarter(patch: Patch) -> None:
+    """`explain(measure=True)` finds that every effect takes a quarter of a solve of two seconds."""
+    patch.setattr("handlcp.grasp.share.best_times", a_quarter_less)
+
+
+def ticks_between_shares(patch: Patch, tick: float) -> None:
+    """A clock for the times of single runs, each look at which takes so long [s]."""
+    patch.setattr("handlcp.grasp.share.time", Ticking(tick))
+
+
+def ticks_of_studies(patch: Patch, tick: float) -> None:
+    """The study of accuracy has a clock each look at which takes so long [s]: the same always fits its budget."""
+    clock = Ticking(tick)
+    patch.setattr("handlcp.study.accuracy.cost.time", clock)
+    patch.setattr("handlcp.study.accuracy.measure.time", clock)
+
+
+def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
+    """`grasp.equilibria` looks at its clock after every candidate, and that takes so long [s]: its two seconds are
+    enough for a thousand, however busy the machine is.
+    """
+    patch.setattr("handlcp.grasp.others.time", Ticking(tick))
 
 
 # ---------------------------------------------------------------- studies
