@@ -20,9 +20,11 @@ DOORS = {
     "handlcp.show", "handlcp.study", "handlcp.study.accuracy", "handlcp.study.paper", "handlcp.study.convergence",
     "handlcp.study.catalogue",
 }  # fmt: skip
-FILES = [
-    p for p in sorted(TESTS.rglob("*.py")) if p.parent != TESTS / "support" and p.name != pathlib.Path(__file__).name
-]
+SUPPORT = TESTS / "support"
+FILES = [p for p in sorted(TESTS.rglob("*.py")) if p.parent != SUPPORT and p != pathlib.Path(__file__)]
+# The second opinion on answers knows of the package no more than anyone does, and of its support only itself and how
+# fingertips move
+OPINION = ("friction_sets", "laws", "escapes", "hand_laws")
 
 
 def dotted(file):
@@ -105,6 +107,14 @@ def findings(source):
 def test_a_test_reaches_inside_through_support_alone(file):
     found = findings(file.read_text(encoding="utf-8"))
     assert not found, "\n".join(f"{file.relative_to(TESTS)}:{line} {what}" for line, what in found)
+
+
+@pytest.mark.parametrize("name", OPINION)
+def test_the_second_opinion_shares_nothing_with_what_it_judges(name):
+    source = (SUPPORT / f"{name}.py").read_text(encoding="utf-8")
+    assert not findings(source)
+    asked = {m for node in ast.walk(ast.parse(source)) for m, _ in imported(node) if m.startswith("tests")}
+    assert asked <= {f"tests.support.{other}" for other in (*OPINION, "differences")}
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 Each scene and number of faces becomes one `Record`. An answer of ours is judged by the peers' checker and not by our
 certifier: solved (worst relative residual ≤ 1e-8), loose (≤ 1e-5), wrong. A "no" is wrong where the oracle or a peer
 has an answer, and counts as uncertified where its proof does not pass: the escaping motion is tested by signs alone
-(`tests.hard_cases.checker.escapes`), a proof that no equilibrium exists must state its bounds.
+(`tests.support.escapes`), a proof that no equilibrium exists must state its bounds.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rich.console import Console
 import handlcp as hl
 from tests.benchmarks.corpus import Faces, PeersFolder, as_case
 from tests.benchmarks.peers import answers
-from tests.hard_cases.checker import escapes
+from tests.support.escapes import escapes
 
 __all__ = ["Record", "examine", "measure"]
 

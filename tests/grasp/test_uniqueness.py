@@ -10,10 +10,10 @@ import pytest
 import handlcp as hl
 from tests.grasp.scenes import pinch, ring
 from tests.grasp.test_equilibria import exists
-from tests.hard_cases.checker import laws
 from tests.hard_cases.scenes import ENOUGH, Case
 from tests.support import patches
 from tests.support.grasp import arrays
+from tests.support.laws import of_case
 from tests.support.search import from_seeds
 
 
@@ -128,7 +128,7 @@ def test_rings_with_several_equilibria_pass_the_independent_checker(faces):
         assert found.complete == (faces != "cone")
         most = max(most, len(found))
         for k, s in enumerate(found):
-            assert laws(case(g, faces), s).worst < ENOUGH
+            assert of_case(case(g, faces), s).worst < ENOUGH
             for other in found.found[:k]:
                 assert abs(s.forces - other.forces).max() > 1e-6 * abs(s.forces).max()
         first = g.solve(faces, throw=False)

@@ -1,4 +1,4 @@
-"""Hands with any mixture of effects, and beside each grasp the plain numbers it was made of, for `mechanics.laws`."""
+"""Hands with any mixture of effects, and beside each grasp the plain numbers it was made of, for `hand_laws.laws`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 import handlcp as hl
-from tests.hand.mechanics import Asked
+from tests.support.hand_laws import Asked
 
 G = 9.81
 BALL = hl.Sphere(0.035, (0, 0, 0.07), mass=0.2)
@@ -90,7 +90,7 @@ def made(name, effects=(), faces=8):
         patch = hl.SoftFinger(laws[-1].mu, 0.006, 2.0)
         mixed = {"anisotropic friction", "a frictionless finger"} & effects
         laws = [*laws[:-1], patch] if mixed else [patch] * n
-    asked = Asked(None, np.zeros(6), C, PAD, np.zeros(hand.nv))
+    asked = Asked(None, np.zeros(6), C, PAD, np.zeros(hand.nv), planar=name == "ring")
     named, more = [], {}
     if "total bound" in effects:
         asked.total = 0.9 * plain(name).normal_force.sum()

@@ -1,4 +1,4 @@
-"""Effects meet: every pair of them on four hands, and all at once, against the physics written out in `mechanics`."""
+"""Effects meet: every pair of them on four hands, and all at once, against the physics written out in `hand_laws`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 import handlcp as hl
 from tests.hand.composition import EFFECTS, HANDS, made, plain
-from tests.hand.mechanics import laws
+from tests.support.hand_laws import laws
 
 MISS = 1e-8  # of any law, relative; differences alone leave 1e-12
 ALONE = [{"tendons", "synergies"}]  # a hand has one transmission
@@ -69,7 +69,7 @@ def test_a_checker_told_of_a_stiffer_table_sees_it():
     asked = made("mimic", ["environment"])
     s = asked.grasp.solve(8)
     asked.environment *= 0.99
-    assert laws(asked, s, 8)["motion"] > 1e-5
+    assert laws(asked, s, 8)["reported"] > 1e-5
 
 
 @pytest.mark.parametrize("name", [name for name in HANDS if name != "ring"])

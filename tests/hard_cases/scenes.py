@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import handlcp as hl
-from tests.hard_cases.checker import corners, escapes, laws, nearest, reach, spread
+from tests.support.escapes import escapes
+from tests.support.friction_sets import corners, limit, reach
+from tests.support.laws import of_case, spread
 
 FACES = (4, 8, 16, "cone")
 HARD = os.environ.get("HANDLCP_HARD") == "1"
@@ -84,7 +86,7 @@ def verdict(case: Case, s: hl.GraspSolution) -> tuple[str, str]:
     if s.status is hl.Status.SOLVED:
         if case.answer != "solvable":
             return "wrong", f"SOLVED, but it is {case.answer}"
-        missed = laws(case, s)
+        missed = of_case(case, s)
         if not missed.worst < ENOUGH:
             return "wrong", f"{missed}"
         if case.forces is not None:
@@ -250,7 +252,7 @@ def springs(name, p, R, mu, soft, faces, d, twist, plane=None, unique=False) -> 
     f = np.zeros((n, 3))
     f[:, 2] = np.maximum(0.0, -s[:, 2] / soft[:, 1])
     for i in range(n):
-        f[i, :2] = nearest(-s[i, :2] / soft[i, 0], reach(mu[i], section) * f[i, 2], section)
+        f[i, :2] = limit(mu[i], section).nearest(-s[i, :2] / soft[i, 0], f[i, 2])
     E = np.diag(soft[:, [0, 0, 1]].ravel())
     w = -G @ f.ravel()
     w = np.r_[w[:3], w[3:] + np.cross(c, w[:3])]

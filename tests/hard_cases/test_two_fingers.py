@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.hard_cases.checker import corners, reach
 from tests.hard_cases.scenes import FACES, Case, count, examine, frames, turn
+from tests.support.friction_sets import corners, reach
 
 C, SQUEEZE = (2e-4, 1e-4), 1e-3  # tangential and normal flexibility [m/N], squeeze of each finger [m]
 PUSH = SQUEEZE / C[1]

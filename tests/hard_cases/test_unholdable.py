@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.hard_cases.checker import corners, reach
 from tests.hard_cases.scenes import FACES, Case, count, examine, fingers, frames, turn
+from tests.support.friction_sets import corners, reach
 
 
 def one_sided(faces, k):

@@ -16,8 +16,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import handlcp as hl
-from tests.hard_cases.checker import laws
 from tests.hard_cases.scenes import ENOUGH, Case, around, ball, fingers, turn
+from tests.support.laws import of_case
 
 HARD = os.environ.get("HANDLCP_HARD") == "1"
 few = settings(
@@ -93,7 +93,7 @@ def same(g, faces, a, b, back=lambda x: x, force=1.0, motion=1.0, tolerance=1e-9
     assert off > 1e-6, f"forces differ by {off:.1e} of the largest: rounding; {a.trace} {b.trace}"
     moves = back(np.column_stack([b.slip, b.gap])) / motion
     for s in (a, g.carried(forces, moves)):
-        missed = laws(g.case(faces), s)
+        missed = of_case(g.case(faces), s)
         assert missed.worst < ENOUGH, f"forces differ by {off:.1e} of the largest, and one is no equilibrium: {missed}"
 
 
