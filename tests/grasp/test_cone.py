@@ -8,6 +8,7 @@ import pytest
 import handlcp as hl
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support.lcp import contact_rows, projection
+from tests.support.texts import same
 
 
 def scenes(count=8):
@@ -63,7 +64,7 @@ def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
         p = g.problem(faces)
         if g.solve(faces, throw=False).held:
             s = hl.solve_lcp(p)
-            assert "friction set" in s.trace[0]
+            same("grasp/test_cone: the stage that solves pyramids through the cone", s.trace[0].partition(":")[0])
             assert s.residual < 1e-9
             candidate = p.candidate(s.z / p.scaled.units.z)
             reference = g.solve(faces)

@@ -8,6 +8,7 @@ import pytest
 import handlcp as hl
 from tests.lcp.problems import random_p
 from tests.support.lcp import Kaczmarz, uniform_numbers
+from tests.support.texts import same, without_numbers
 
 
 def phi(M, q, free, z):
@@ -89,8 +90,9 @@ def test_uniform_sampling_stops_at_an_answer_and_where_no_row_moves():
 
 
 def test_uniform_sampling_is_for_plain_problems_without_polish():
-    with pytest.raises(hl.InputError, match="polish=False"):
+    with pytest.raises(hl.InputError) as caught:
         hl.NSNGRK(sampling="uniform")
+    same("lcp/test_nsngrk: uniform sampling with polish", str(caught.value), caught.value.argument, "polish=False")
     with pytest.raises(hl.InputError, match="sampling"):
         hl.NSNGRK(sampling="cyclic")
     contacts = [hl.Contact((-1, 0, 0), (1, 0, 0), hl.Coulomb(0.5)), hl.Contact((1, 0, 0), (-1, 0, 0), hl.Coulomb(0.5))]
@@ -139,7 +141,8 @@ def test_one_that_cannot_converge_says_so():
     assert s.status in (hl.Status.SOLVED, hl.Status.UNDECIDED)
     s = hl.solve_lcp(hl.LCP([[-1]], [-1]), hl.NSNGRK(max_iterations=50), throw=False)
     assert s.status is hl.Status.INFEASIBLE
-    assert "50 Kaczmarz steps" in s.trace[0]
+    same("lcp/test_nsngrk: one that cannot converge", without_numbers(s.trace[0]))
+    assert " 50 " in s.trace[0]
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import handlcp as hl
 from handlcp.lcp import Units
 from tests.lcp.problems import KNOWN, random_p, random_psd
 from tests.oracle import every_solution
+from tests.support.texts import same
 
 SOLVERS = {
     "auto": hl.Auto(),
@@ -106,8 +107,9 @@ def test_the_chain_can_be_asked_what_it_would_do():
 
 def test_failure_raises_with_problem_and_solution_inside():
     p = hl.LCP([[0, 1], [-1, 0]], [-1, -1])
-    with pytest.raises(hl.NoSolutionFound, match="infeasible") as e:
+    with pytest.raises(hl.NoSolutionFound) as e:
         hl.solve_lcp(p)
+    same("lcp/test_solvers: infeasible", str(e.value).partition("\n")[0])
     assert e.value.problem is p
     assert e.value.solution.status is hl.Status.INFEASIBLE
     assert np.isnan(e.value.solution.z).all()
