@@ -32,6 +32,7 @@ from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.hand import curvature, full_positions, jacobian_at, under_load
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
+from tests.support.texts import same, without_numbers
 
 from .chains import A, B, chain_hand
 from .conftest import MIMIC, inside
@@ -165,7 +166,7 @@ def test_fingers_that_carry_a_load_along_themselves_are_columns(write: Writer, f
     np.testing.assert_allclose(s.joint_deflection, L * s.normal_force / column, rtol=1e-9)
     np.testing.assert_allclose(s.torques, L * s.normal_force, rtol=1e-9)
     assert s.residuals.effects <= 1e-8
-    assert s.trace[-1].startswith("geometric stiffness: 3 solves")
+    assert s.trace[-1].startswith("geometric stiffness: 3 ")
 
 
 def test_a_real_hands_answer_has_the_flexibility_of_its_own_forces() -> None:
@@ -238,10 +239,13 @@ def test_a_finger_that_buckles_is_no_answer(write: Writer) -> None:
         assert s.status is Status.UNDECIDED
         assert np.isnan(s.forces).all()
         assert np.isnan(s.torques).all()
-        words = "left_joint, right_joint buckle under these forces" if pull > 10 else "no answer with the flexibility"
-        assert words in s.trace[-1]
-        with pytest.raises(NoSolutionFound, match=words):
+        same(
+            f"hand/test_geometric_stiffness: no answer at {pull} N", without_numbers(s.trace[-1]), "geometric stiffness"
+        )
+        assert ("left_joint, right_joint" in s.trace[-1]) == (pull > 10)
+        with pytest.raises(NoSolutionFound) as caught:
             g.solve(solver=QUICK)
+        assert s.trace[-1] in str(caught.value)
     assert lever_pinch(soft, force=(0, 0, -12.0), preload=0.25).solve().held, "without the effect nobody would know"
 
 
@@ -252,7 +256,7 @@ def test_forces_that_have_not_settled_are_no_answer(monkeypatch: pytest.MonkeyPa
     patches.no_solve_takes_more_than(monkeypatch, 2)
     s = g.solve(throw=False)
     assert s.status is Status.UNDECIDED
-    assert s.trace[-1] == "geometric stiffness: the forces still change after 2 solves"
+    same("hand/test_geometric_stiffness: forces that have not settled", s.trace[-1], "geometric stiffness", "2")
 
 
 def test_flexibility_that_is_not_the_joints_is_refused() -> None:
@@ -360,8 +364,9 @@ def test_what_cannot_count_it_says_so(write: Writer) -> None:
         g.solve(accuracy=1e-3)
     with pytest.raises(Unsupported, match="GeometricStiffness"):
         g.equilibria()
-    with pytest.raises(InputError, match="one flexibility"):
+    with pytest.raises(InputError, match="GeometricStiffness") as e:
         accuracy_cost(g)
+    assert e.value.argument == "grasp"
     with pytest.raises(InputError, match="torque saturation"):
         lever_pinch(g.state.hand, effects=[TorqueSaturation(), BENT])
 

@@ -14,6 +14,7 @@ from handlcp.errors import InputError, NotReached
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import ball_near
+from tests.support.texts import same
 
 RADIUS = 0.01
 PLACEMENT = pin.SE3(pin.exp3(np.array([0.3, -1.1, 0.7])), np.array([0.1, 0.2, 0.3]))
@@ -248,9 +249,10 @@ def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_other
     assert hull.convex
     assert hull.mass == pytest.approx(600.0 * 0.25**3 / 6, rel=1e-9)
     np.testing.assert_allclose(hull.center_of_mass, 0.25 / 4 * np.ones(3), rtol=1e-9)
-    with pytest.raises(InputError, match="not closed") as caught:
+    with pytest.raises(InputError) as caught:
         Mesh(_cells(tmp_path / "holes.obj", TETRA[1:]), density=600.0)
     assert caught.value.argument == "density"
+    same("hand/test_objects: a mesh with holes", caught.value.expected)
     assert Mesh(_cells(tmp_path / "holes.obj", TETRA[1:]), mass=0.1).mass == 0.1
 
 

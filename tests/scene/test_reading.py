@@ -6,6 +6,7 @@ import pytest
 
 from handlcp.errors import HandLCPError, InputError, NotReached, SceneFileError, UnknownName
 from handlcp.scene import SceneFile, keys, load, read
+from tests.support.texts import same
 
 HAND = """
 [hand]
@@ -34,17 +35,24 @@ def refusal(text):
     return caught.value
 
 
+def named(error, folder):
+    """What it says, wherever the folder is."""
+    return str(error).replace(str(folder), "FOLDER")
+
+
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(SceneFileError, match=r"nothing_here\.toml.*does not exist"):
+    with pytest.raises(SceneFileError, match=r"nothing_here\.toml") as missing:
         load(tmp_path / "nothing_here.toml")
-    with pytest.raises(SceneFileError, match="is no file"):
+    same("scene/test_reading: a file that is not there", named(missing.value, tmp_path))
+    with pytest.raises(SceneFileError) as folder:
         load(tmp_path)
+    same("scene/test_reading: a folder", named(folder.value, tmp_path))
 
 
 def test_a_syntax_error_is_told_with_its_line(tmp_path):
     file = tmp_path / "broken.toml"
     file.write_text("[hand]\nname = two_finger\n")
-    with pytest.raises(SceneFileError, match=r"broken.toml: expected TOML, got .*line 2"):
+    with pytest.raises(SceneFileError, match=r"broken\.toml: .*TOML.*line 2"):
         load(file)
 
 
@@ -70,45 +78,47 @@ def test_an_unknown_key_gets_the_closest_valid_one(text, key, suggestion):
     errors = refusal(text)
     each = getattr(errors, "each", (errors,))
     (unknown,) = (e for e in each if e.argument == key)
-    assert f"did you mean {suggestion!r}?" in str(unknown)
+    assert repr(suggestion) in unknown.got
+    same(f"scene/test_reading: an unknown key, {key}", unknown.got)
     assert suggestion in unknown.expected, "the valid keys are listed"
 
 
 def test_a_key_in_the_wrong_table_is_told_where_it_belongs():
     error = refusal(CONTACT + "[grasp]\nfaces = 8")
     assert error.argument == "grasp.faces"
-    assert "it belongs to [solve]" in str(error)
+    same("scene/test_reading: a key of another table", error.got, "[solve]")
     error = refusal(HAND + "length_m = 0.1")
-    assert "it goes with shape cylinder" in str(error)
+    same("scene/test_reading: a key of another shape", error.got, "cylinder")
 
 
 @pytest.mark.parametrize(
-    ("line", "key", "expected"),
+    ("line", "key", "fact"),
     [
         ("[grasp]\nfriction = -0.1", "grasp.friction", "≥ 0"),
         ("[grasp]\nfriction = true", "grasp.friction", "≥ 0"),
         ("[grasp]\nfriction = 'sticky'", "grasp.friction", "frictionless"),
-        ("[grasp]\npreload_m = nan", "grasp.preload_m", "finite"),
-        ("[grasp]\ngravity_m_per_s2 = -9.81", "grasp.gravity_m_per_s2", "three finite numbers"),
+        ("[grasp]\npreload_m = nan", "grasp.preload_m", ""),
+        ("[grasp]\ngravity_m_per_s2 = -9.81", "grasp.gravity_m_per_s2", ""),
         ("[grasp]\nfinger_weight = 1", "grasp.finger_weight", 'true, false or "torques"'),
-        ("[load]\nforce_N = [1.0, 2.0]", "load.force_N", "three finite numbers"),
-        ("[load]\ntorque_Nm = [0.0, 0.0, inf]", "load.torque_Nm", "three finite numbers"),
-        ("[solve]\nfaces = 2", "solve.faces", "integer ≥ 3"),
-        ("[solve]\nfaces = 8.0", "solve.faces", "integer ≥ 3"),
-        ("[solve]\nseed = -1", "solve.seed", "integer ≥ 0"),
+        ("[load]\nforce_N = [1.0, 2.0]", "load.force_N", ""),
+        ("[load]\ntorque_Nm = [0.0, 0.0, inf]", "load.torque_Nm", ""),
+        ("[solve]\nfaces = 2", "solve.faces", "≥ 3"),
+        ("[solve]\nfaces = 8.0", "solve.faces", "≥ 3"),
+        ("[solve]\nseed = -1", "solve.seed", "≥ 0"),
         ("[effects]\ntotal_force_bound_N = 0", "effects.total_force_bound_N", "> 0"),
         ("[effects]\nfinger_force_bound_N = [1.0, 0.0]", "effects.finger_force_bound_N", "> 0"),
         ("[effects]\ncontact_compliance_m_per_N = -1e-4", "effects.contact_compliance_m_per_N", "≥ 0"),
-        ("[effects.soft_wrist]\nflexibility = [1.0]", "effects.soft_wrist.flexibility", "six rows of six"),
-        ("[effects.soft_wrist]\ntranslation_m_per_N = [1.0]", "effects.soft_wrist.translation_m_per_N", "three"),
+        ("[effects.soft_wrist]\nflexibility = [1.0]", "effects.soft_wrist.flexibility", ""),
+        ("[effects.soft_wrist]\ntranslation_m_per_N = [1.0]", "effects.soft_wrist.translation_m_per_N", ""),
         ("[effects]\nprescribed_force = 3", "effects.prescribed_force", r"tables [[effects.prescribed_force]]"),
     ],
 )
-def test_a_value_of_the_wrong_kind_is_named_with_what_was_expected_and_what_came(line, key, expected):
+def test_a_value_of_the_wrong_kind_is_named_with_what_was_expected_and_what_came(line, key, fact):
     error = refusal(CONTACT + line)
     assert error.argument == key
-    assert expected in error.expected
-    assert str(error).startswith(f"scene: {key}: expected")
+    same(f"scene/test_reading: {key} = {line.partition(' = ')[2]}", error.expected, fact)
+    assert str(error).startswith(f"scene: {key}: ")
+    assert error.expected in str(error)
 
 
 @pytest.mark.parametrize(
@@ -139,27 +149,27 @@ def test_a_scene_that_does_not_add_up_names_the_key(text, key):
 def test_everything_wrong_is_listed_at_once():
     errors = refusal("[grasp]\nfriction = -1\nplane = [1, 2]\n[solve]\nfaces = 1\n" + CONTACT)
     assert [e.argument for e in errors.each] == ["grasp.friction", "grasp.plane", "solve.faces"]
-    assert str(errors).startswith("scene: 3 errors")
+    assert str(errors).startswith("scene: 3 ")
     assert all(str(e) in str(errors) for e in errors.each)
 
 
 def test_an_error_of_the_package_carries_the_key_and_keeps_its_type():
-    with pytest.raises(InputError, match=r"^contact\[0\]\.normal: expected a unit vector"):
+    with pytest.raises(InputError, match=r"^contact\[0\]\.normal: "):
         read(CONTACT.replace("-1.0", "-2.0")).build()
     with pytest.raises(UnknownName, match=r"^hand\.name: .*three_finger"):
         read(HAND.replace("two_finger", "no_finger")).build()
-    with pytest.raises(UnknownName, match=r"^posture\.q_rad: expected a joint among .*finger_1_distal"):
+    with pytest.raises(UnknownName, match=r"^posture\.q_rad: .*finger_1_distal"):
         read(HAND + "[posture.q_rad]\nelbow = 1.0").build()
     with pytest.raises(UnknownName, match=r"^grasp\.fingers"):
         read(HAND + "[grasp]\nfingers = ['thumb']").build()
-    with pytest.raises(UnknownName, match=r"^grasp\.preload_m: expected a finger"):
+    with pytest.raises(UnknownName, match=r"^grasp\.preload_m: .*finger_1_tip"):
         read(HAND + "position_m = [0, 0, 0.08]\n[grasp.preload_m]\nthumb = 0.001").build()
-    with pytest.raises(NotReached, match=r"^object: .*mm away") as caught:
+    with pytest.raises(NotReached, match=r"^object: .*finger_1_tip .* mm") as caught:
         read(HAND + "position_m = [0.0, 0.0, 1.0]").build()
     assert set(caught.value.gaps) == {"finger_1_tip", "finger_2_tip"}
     with pytest.raises(HandLCPError, match=r"object\.file"):
         read(HAND.replace("sphere", "mesh").replace("radius_m = 0.03", "file = 'no.stl'")).build()
-    with pytest.raises(InputError, match=r"effects\.prescribed_force\[0\]\.contact: .* 0 to 0"):
+    with pytest.raises(InputError, match=r"effects\.prescribed_force\[0\]\.contact: .* 0 .* 0"):
         read(CONTACT + "[[effects.prescribed_force]]\ncontact = 1\nforce_N = [0, 0, 1]").build()
 
 
@@ -196,25 +206,29 @@ def test_a_scene_file_is_immutable():
 
 
 @pytest.mark.parametrize(
-    ("text", "key", "expected"),
+    ("text", "key", "fact"),
     [
-        (CONTACT + TABLE, "environment[0].point_m", "an [object] that touches the plane"),
-        (HAND + TABLE + "position_m = [0.0, 0.0, 0.0]", "environment[0].point_m", "either point_m"),
-        (HAND + TABLE.replace("point_m = [0.0, 0.0, -0.03]", ""), "environment[0].point_m", "either point_m"),
-        (HAND + TABLE + "gap_m = 0.1", "environment[0].gap_m", "none beside point_m"),
-        (HAND + TABLE + "tangent = [1.0, 0.0, 0.0]", "environment[0].tangent", "none beside point_m"),
-        (HAND + TABLE.replace("point_m", "position_m") + "max_gap_m = 0.1", "environment[0].max_gap_m", "none beside"),
+        (CONTACT + TABLE, "environment[0].point_m", "[object]"),
+        (HAND + TABLE + "position_m = [0.0, 0.0, 0.0]", "environment[0].point_m", "point_m"),
+        (HAND + TABLE.replace("point_m = [0.0, 0.0, -0.03]", ""), "environment[0].point_m", "point_m"),
+        (HAND + TABLE + "gap_m = 0.1", "environment[0].gap_m", "point_m"),
+        (HAND + TABLE + "tangent = [1.0, 0.0, 0.0]", "environment[0].tangent", "point_m"),
+        (HAND + TABLE.replace("point_m", "position_m") + "max_gap_m = 0.1", "environment[0].max_gap_m", "max_gap_m"),
         (HAND + TABLE + "friction = 'sticky'", "environment[0].friction", "frictionless"),
         (HAND + TABLE + "flexibility_m_per_N = -1.0", "environment[0].flexibility_m_per_N", "≥ 0"),
-        (HAND + "[[environment]]\npoint_m = [0.0, 0.0, 0.0]", "environment[0].normal", "unit vector into the object"),
+        (HAND + "[[environment]]\npoint_m = [0.0, 0.0, 0.0]", "environment[0].normal", ""),
         (HAND + TABLE + "frictoin = 0.5", "environment[0].frictoin", "friction"),
-        (HAND + "[environment]\npoint_m = 1", "environment", "tables [[environment]]"),
+        (HAND + "[environment]\npoint_m = 1", "environment", "[[environment]]"),
     ],
 )
-def test_an_environment_that_is_none_is_refused_by_its_key(text, key, expected):
+def test_an_environment_that_is_none_is_refused_by_its_key(text, key, fact, request):
     error = refusal(text)
     assert error.argument == key
-    assert expected in str(error)
+    assert fact in str(error)
+    if "frictoin" not in key:  # what is expected there is the list of all keys
+        same(
+            f"scene/test_reading: an environment that is none, {request.node.callspec.indices['text']}", error.expected
+        )
 
 
 @pytest.mark.parametrize(
