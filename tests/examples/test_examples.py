@@ -151,8 +151,9 @@ def test_the_table_bears_the_box_the_fingers_and_most_of_the_push():
 
 
 def test_the_quickstart_runs_and_its_own_assertions_hold(capsys):
-    assert script("quickstart").main().held
-    assert "binding" in capsys.readouterr().out
+    s = script("quickstart").main()
+    assert s.held
+    assert s.torque_check.binding in capsys.readouterr().out
 
 
 def test_the_quickstart_is_the_same_grasp_as_the_scene_file():

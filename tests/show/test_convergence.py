@@ -16,6 +16,7 @@ from handlcp.study.paper import example
 from tests.lcp.problems import random_p
 from tests.support import patches
 from tests.support.show import convergence_figure
+from tests.support.texts import same, without_numbers
 
 draw, save = convergence_figure.draw, convergence_figure.save
 GIVEN, NATURAL, UNIFORM = convergence_figure.GIVEN, convergence_figure.NATURAL, convergence_figure.UNIFORM
@@ -84,11 +85,15 @@ def test_dashed_lines_have_the_slopes_that_conditioning_gives():
 
 
 def test_it_claims_convergence_only_of_runs_that_converged():
-    assert "every run converges" in draw(found("3")).axes[0].get_title("left")
-    short = draw(found("cut short"))
-    assert "every run converges" not in short.axes[0].get_title("left")
-    assert any("not there" in t.get_text() for t in short.axes[0].texts)
-    assert not any("all end" in t.get_text() for t in short.axes[2].texts)
+    whole, short = draw(found("3")), draw(found("cut short"))
+    titles = [f.axes[0].get_title("left") for f in (whole, short)]
+    assert titles[0] != titles[1]
+    same("show/test_convergence: title, every run converges", titles[0])
+    same("show/test_convergence: title, some do not", titles[1])
+    remarks = [{t.get_text() for t in f.axes[0].texts} for f in (whole, short)]
+    same("show/test_convergence: not there", without_numbers("; ".join(sorted(remarks[1] - remarks[0]))))
+    ends = [{t.get_text() for t in f.axes[2].texts} for f in (whole, short)]
+    same("show/test_convergence: where all end", without_numbers("; ".join(sorted(ends[0] - ends[1]))))
 
 
 def test_a_picture_is_written_and_shows_something(tmp_path):
@@ -104,8 +109,9 @@ def test_a_picture_is_written_and_shows_something(tmp_path):
 def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(hl.InputError, match=r"\.png, \.svg, \.pdf"):
         save(found("3"), tmp_path / "c.doc")
-    with pytest.raises(hl.InputError, match="in a folder that exists"):
+    with pytest.raises(hl.InputError) as wrong:
         save(found("3"), tmp_path / "no" / "c.png")
+    same("show/test_convergence: no such folder", str(wrong.value).replace(str(tmp_path), "…"))
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):

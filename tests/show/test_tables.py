@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from rich.console import Console
 from handlcp import Contact, Coulomb, Frictionless, Grasp
 from handlcp.hand import Box, example_hand
 from tests.support.show import tables, units
+from tests.support.texts import same
 
 
 def printed(table, width=80):
@@ -83,7 +85,11 @@ def test_tables_fit_a_narrow_terminal_with_numbers_in_columns(width):
 def test_an_overloaded_joint_stands_out():
     hand, box = example_hand("three_finger", joint_stiffness=6.0, torque_limits=0.2), Box(0.05, (0, 0, 0.08), 0.2)
     s = hand.at(hand.close_on(box)).grasp(box, Coulomb(0.8), preload=5e-3).solve()
-    assert "over limit" in printed(tables.torque_table(s.torque_check))
+    rows = {line.split()[0]: line for line in printed(tables.torque_table(s.torque_check)).splitlines() if "%" in line}
+    over = {r.joint for r in s.torque_check if r.utilisation > 1}
+    (remark,) = {re.split("[█·]", rows[joint])[-1].strip() for joint in over}
+    same("show/test_tables: over its limit", remark)
+    assert {joint for joint, row in rows.items() if remark in row} == over
 
 
 def test_names_with_brackets_are_printed_as_they_are():

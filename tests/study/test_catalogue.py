@@ -156,5 +156,5 @@ def test_a_new_effect_is_on_the_page_by_its_row_in_the_catalogue_alone(monkeypat
     patches.another_effect(monkeypatch, Lower)
     assert entry_for(Lower) in entries()
     found = costs(lambda runs: dict.fromkeys(runs, 1.0))
-    assert "### lower bound\n\nTo see that this works." in page(found, "")
+    assert f"### {Lower.title}\n\n{Lower.when}" in page(found, "")
     assert found["lower bound"].unknowns == 1
