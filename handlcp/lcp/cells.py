@@ -2,8 +2,9 @@
 
 A contact is open, sticks, or slides within a cell. In each mode its force and its motion are nonnegative multiples of a
 few generators. Rays cut the disc into sectors; meridians and parallels, as in `friction.limit_set`, cut the ball into
-cells. A polygon's faces have their middles where the rays meet the disc, and lie between the sectors' outer points: its
-cells are those of the disc with as many rays. Sliding in a cell, the force lies on the patch of the set's surface and the slip in the opposite cell: the one is
+cells. A polygon's cells are those of a disc with as many rays, which meet the middles of its faces.
+
+Sliding in a cell, the force lies on the patch of the set's surface and the slip in the opposite cell. The one is
 enclosed by the corners n_a, the points where the tangents (tangent planes) of two neighbours meet,
 (n_a + n_b) / (1 + n_a·n_b), and where all of the cell's do; the other by the cone of the -n_a.
 """

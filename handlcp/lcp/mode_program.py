@@ -35,9 +35,7 @@ class ModeProgram:
 
     def __init__(self, problem: ContactProblem, most_x: Array, most_y: Array) -> None:
         n, role = problem.n, problem.role
-        friction = {
-            int(b[0]): (b[b >= 0], float(mu)) for b, mu in zip(problem.blocks, problem.limits, strict=True)
-        }
+        friction = {int(b[0]): (b[b >= 0], float(mu)) for b, mu in zip(problem.blocks, problem.limits, strict=True)}
         own = [friction.get(i, (np.array([i]), 0.0)) for i in np.flatnonzero(role == 1).tolist()]
         modes = [cell_modes(mu, len(places) - 1, problem.faces) for places, mu in own]
         codes = [slide_bits(len(A) - 2) for _, _, A, _ in modes]
@@ -75,13 +73,14 @@ class ModeProgram:
         from scipy.optimize import Bounds, LinearConstraint, milp  # half a second of import that few solves should pay
 
         self.exhausted = False
-        big = (np.eye(len(self.top)) - self.top[:, None] * self.allow)[self.bounded] if self.bounded.any() else None
-        constraints = [
-            LinearConstraint(np.vstack([self.eq, self.bits]), *[np.append(self.rhs, np.zeros(len(self.bits)))] * 2),
-            LinearConstraint(self.one, 1, 1),
-            LinearConstraint(self.tight, -np.inf, self.room),
-            LinearConstraint(big, -np.inf, 0.0),
-        ]
+        big = np.eye(len(self.top)) - np.where(self.allow, self.top[:, None], 0.0)
+        parts = (
+            (np.vstack([self.eq, self.bits]), *[np.append(self.rhs, np.zeros(len(self.bits)))] * 2),
+            (self.one, 1, 1),
+            (self.tight, -np.inf, self.room),
+            (big[self.bounded], -np.inf, 0.0),
+        )
+        constraints = [LinearConstraint(*part) for part in parts if len(part[0])]
         bounds = Bounds(self.low, np.where(self.integer, 1.0, np.inf))
         for _ in range(most + 1):
             if (left := end - time.monotonic()) <= 0:

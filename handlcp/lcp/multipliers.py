@@ -113,8 +113,8 @@ def _eliminated(M: Array, q: Array, c: int) -> tuple[Array, Array, Array, Array,
 
 @kernel
 def lift_flat(slip: Array, blocks: Ints, faces: int, multipliers: Array) -> None:
-    """Write λ ≥ 0 with Σ λ_j n_j = -slip for the blocks before the first with three tangents: on the end of an interval,
-    or on the two faces of a polygon whose normals enclose it.
+    """Write λ ≥ 0 with Σ λ_j n_j = -slip for the blocks before the first with three tangents: on an end of an interval,
+    or on the two faces of a polygon whose normals enclose the slip.
     """
     at, step = 0, 2.0 * np.pi / max(faces, 1)
     for k in range(len(blocks)):

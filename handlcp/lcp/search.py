@@ -1,17 +1,14 @@
-"""All active sets at once: a mixed-integer program that finds a solution of a complementarity problem, or proves that
-none exists within stated bounds.
+"""All active sets of a linear complementarity problem at once: a solution, or proof of none within stated bounds.
 
-    w = M z + q,  0 ≤ z ≤ Z b,  0 ≤ w ≤ W (1 - b),  b ∈ {0, 1}ⁿ        (free rows: w = 0, z unrestricted)
-
-One binary a pair, in natural units; Z and W are the bounds. HiGHS branches and bounds. Its tolerances only widen what
-counts as a solution, so "none" stands, but a point it finds is believed only when its active set, solved exactly,
-passes the certifier; otherwise that choice is cut off and the search goes on. "None" speaks of the box, not beyond it.
+By the mixed-integer program of `mode_program`, in natural units. "None" stands, but a point that the program finds is
+believed only when its active set, solved exactly, passes the certifier; otherwise that choice is cut off and the search
+goes on. "None" speaks of the box, not beyond it.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -20,7 +17,9 @@ import numpy as np
 from handlcp.check import Array, Bools, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.lcp.certify import certify
+from handlcp.lcp.contact import ContactProblem, FrictionSets, Pattern
 from handlcp.lcp.kernels.newton import active_set
+from handlcp.lcp.mode_program import ModeProgram
 from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.status import Status
 from handlcp.tolerances import RANK, SOLVE
@@ -31,6 +30,7 @@ Outcome: TypeAlias = Literal["solution", "none", "unknown"]
 
 _NARROW, _WIDE = 10.0, 1e3  # default boxes, times 1 + max|q̂|: the first finds quickly, the second proves
 _CUTS = 20  # choices cut off before the search gives up
+_NO_BLOCKS, _NO_LIMITS = np.zeros((0, 4), np.int64), np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,64 +105,15 @@ def _search(
     s: Scaled, Z: Array, W: Array, end: float, accept: Callable[[Array], bool]
 ) -> tuple[Outcome, Array | None, int]:
     """One box: (outcome, z, cuts)."""
-    from scipy.optimize import Bounds, LinearConstraint, milp  # half a second of import that few solves should pay
-
-    n, own = len(s.q), ~s.free
-    pairs = np.flatnonzero(own)
-    k = len(pairs)
-    Zb, Wb = np.zeros((n, k)), np.zeros((n, k))
-    Zb[pairs, np.arange(k)], Wb[pairs, np.arange(k)] = Z[pairs], W[pairs]
-    constraints = [
-        LinearConstraint(np.hstack([s.M, np.zeros((n, k))]), -s.q, np.where(own, np.inf, -s.q)),
-        LinearConstraint(np.hstack([np.eye(n), -Zb])[own], -np.inf, 0.0),
-        LinearConstraint(np.hstack([s.M, Wb])[own], -np.inf, (W - s.q)[own]),
-    ]
-    bounds = Bounds(np.append(np.where(own, 0.0, -np.inf), np.zeros(k)), np.append(Z, np.ones(k)))
-    for cuts in range(_CUTS + 1):
-        left = end - time.monotonic()
-        if left <= 0:
-            return "unknown", None, cuts
-        r = milp(
-            np.zeros(n + k),
-            constraints=constraints,
-            bounds=bounds,
-            integrality=np.append(np.zeros(n), np.ones(k)),
-            options={"time_limit": left},
-        )
-        if r.x is None:
-            return ("none" if r.status == 2 and cuts == 0 else "unknown"), None, cuts
-        chosen = r.x[n:] > 0.5
-        on = s.free.copy()
-        on[pairs] = chosen
-        for z in _members(s, on, Z):
-            if accept(z):
-                return "solution", read_only(z), cuts
-        sign = np.where(chosen, -1.0, 1.0)  # at least one pair has to choose otherwise
-        cut = np.append(np.zeros(n), sign)
-        constraints.append(LinearConstraint(cut[None], 1.0 - chosen.sum(), np.inf))
-    return "unknown", None, _CUTS
-
-
-def _members(s: Scaled, on: Bools, Z: Array) -> Iterator[Array]:
-    """Exact candidates of the active set `on` (n,): by a linear solve; by a linear program where that is not enough
-    (singular: a continuum, of which the solve sees one member), the program's point polished, then as it is.
-    """
-    yield _polish(s, on)
-    from scipy.optimize import linprog
-
-    lp = linprog(
-        np.where(on & ~s.free, 1.0, 0.0),
-        A_eq=s.M[on] if on.any() else None,
-        b_eq=-s.q[on] if on.any() else None,
-        A_ub=-s.M[~on] if (~on).any() else None,
-        b_ub=s.q[~on] if (~on).any() else None,
-        bounds=np.column_stack([np.where(s.free, -np.inf, 0.0), np.where(on, Z, 0.0)]),
-        method="highs",
-        options={"primal_feasibility_tolerance": 1e-10},
-    )
-    if lp.x is not None:
-        yield _polish(s, s.free | (lp.x > 0.0))
-        yield np.where(on, lp.x, 0.0)
+    pairs = ContactProblem(s.M, s.q, Pattern.of(s.free, _NO_BLOCKS), FrictionSets(_NO_LIMITS, 0), s.units)
+    program, cuts = ModeProgram(pairs, Z, W), 0
+    for points in program.visit(end, _CUTS):
+        for z in points:
+            for candidate in (_polish(s, s.free | (z > 0.0)), z):
+                if accept(candidate):
+                    return "solution", read_only(candidate), cuts
+        cuts += 1
+    return "none" if program.exhausted and not cuts else "unknown", None, cuts
 
 
 def _polish(s: Scaled, on: Bools) -> Array:

@@ -96,9 +96,7 @@ class TorqueSaturation(Effect):
         )
 
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
-        """Torques of a certified answer, the very limit where a joint yields and none beyond it by rounding; and how far
-        joints yield.
-        """
+        """How far joints yield, and torques that are the very limit where they do: none beyond it by rounding."""
         hand, levers, k = self._limited(scene)
         if not len(k):
             return joints

@@ -56,7 +56,9 @@ def new_walk(P: Array, c: Array) -> Walk:
     Ps, cs = np.zeros((n, N, N)), np.zeros((n, N))
     Ps[0], cs[0] = P, c
     size_c, size_p = max(1.0, np.max(np.abs(c))), np.max(np.abs(P))
-    return Walk(Ps, cs, np.zeros((n, 3)), np.zeros((n, 3, N)), np.zeros((3, 4 + N)), np.zeros(3, np.int64), size_c, size_p)
+    return Walk(
+        Ps, cs, np.zeros((n, 3)), np.zeros((n, 3, N)), np.zeros((3, 4 + N)), np.zeros(3, np.int64), size_c, size_p
+    )
 
 
 @kernel

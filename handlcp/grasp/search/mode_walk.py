@@ -18,7 +18,16 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.search.mode_steps import (
-    CONTRADICTS, REGULAR, SIGNS, Modes, Walk, fits, hand_on, last, new_walk, solve_contact,
+    CONTRADICTS,
+    REGULAR,
+    SIGNS,
+    Modes,
+    Walk,
+    fits,
+    hand_on,
+    last,
+    new_walk,
+    solve_contact,
 )  # fmt: skip
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked

@@ -3,8 +3,8 @@
 limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
 pyramids, a plane      every choice of contact modes (`mode_walk`) where they are few enough
 the cone               every choice of modes on a pyramid of four faces, whose equilibria are places to start from
-then                   the mixed-integer program over cells that enclose cone or pyramid (`mode_program`); in a plane
-and on polyhedra the active sets of the LCP with a multiplier a face (`lcp.search`)
+then                   the mixed-integer program over cells that enclose cone or pyramid (`lcp.mode_program`); in a
+plane and on polyhedra over the active sets of the LCP with a multiplier a face (`lcp.search`)
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.search.mode_program import Program
 from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move
 from handlcp.grasp.verify.holdable import jammed, least_total
 from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
+from handlcp.lcp.mode_program import ModeProgram
 from handlcp.lcp.search import search
 from handlcp.tolerances import ACTIVE
 
@@ -148,13 +148,28 @@ def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
 def _by_program(problem: GraspContact, end: float) -> Outcome:
     """By the mixed-integer program over contact modes."""
     bounds, cuts = _wide(problem.scene), 0
-    program, b = Program(problem), bounds[0] / problem.scene.units.force
-    for points in program.visit(b, end, _CUTS):
-        if (candidate := first_certified(problem, points)) is not None:
+    b = bounds[0] / problem.scene.units.force
+    most_x, most_y = np.full(problem.n, b), np.full(problem.n, b)
+    most_y[problem.limited] = _slack(problem, b)
+    program = ModeProgram(problem, most_x, most_y)
+    for points in program.visit(end, _CUTS):
+        if (candidate := first_certified(problem, (problem.candidate(x) for x in points))) is not None:
             return Outcome("over contact modes, solution", candidate)
         cuts += 1
     none = program.exhausted and not cuts
     return Outcome(f"over contact modes, {'none' if none else 'unknown'}", bounds=bounds if none else None)
+
+
+def _slack(problem: GraspContact, b: float) -> Array:
+    """(m,) the most that normal forces up to b leave of each limit, the one the other way kept where there is one."""
+    reach = np.zeros(problem.n)
+    reach[problem.role == 1] = b
+    for block, limit in zip(problem.blocks, problem.limits, strict=True):
+        reach[block[1:][block[1:] >= 0]] = 2.0 * limit * b  # polygons' corners, and cells, lie beyond the limit
+    A, room = problem.M[problem.limited], problem.q[problem.limited]
+    against = (A[:, None] + A[None] == 0.0).all(axis=2)
+    opposite = room + np.where(against, room, np.inf).min(axis=1, initial=np.inf)
+    return np.asarray(np.clip(room + abs(A) @ reach, 0.0, np.maximum(opposite, 0.0)))
 
 
 def _coarse(problem: GraspContact, seconds: float) -> Iterator[Candidate]:
