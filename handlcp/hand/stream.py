@@ -148,7 +148,7 @@ class GraspStream:
         self._start = found.start if passes else self._anew
         torques = None
         if self._hand is not None:
-            torques = found.forces @ self._hand.mechanism.jacobian
+            torques = found.components @ self._hand.mechanism.jacobian
             for e in self._effects:
                 if (held := e.added_torque()) is not None:
                     torques = torques + held

@@ -50,12 +50,12 @@ class GraspUpdate:
     @property
     def forces(self) -> Array:
         """(n, 3) N, of each finger on the object, contact axes."""
-        return self._or_nan(self._found.forces.reshape(-1, 3))
+        return self._or_nan(self._found.components.reshape(-1, 3))
 
     @property
     def forces_world(self) -> Array:
         """(n, 3) N, world axes."""
-        return self._or_nan(read_only(in_world(self._frames, self._found.forces)))
+        return self._or_nan(read_only(in_world(self._frames, self._found.components)))
 
     @property
     def gap(self) -> Array:

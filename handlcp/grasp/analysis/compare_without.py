@@ -110,7 +110,7 @@ def _first(solution: GraspSolution, n: int) -> GraspSolution:
 
 def _forces(scene: Scene, solution: GraspSolution) -> Array:
     """(c,) the solution's forces as this scene bears them: without friction, where it has none."""
-    r = candidate_of(scene, _first(solution, scene.n)).forces.copy()
+    r = candidate_of(scene, _first(solution, scene.n)).components.copy()
     for own, free, t in zip(scene.kind.contact_components, scene.governed, scene.kind.tangents, strict=True):
         if free and t == 0:
             r[own[0] - 2 : own[0]] = 0.0

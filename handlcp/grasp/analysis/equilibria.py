@@ -164,7 +164,7 @@ class _Listing:
 
     def _forces(self, c: Candidate) -> Array:
         """(n, 3) in contact axes."""
-        return self.scene.physical(c.forces)[: 3 * self.scene.n].reshape(-1, 3)
+        return self.scene.physical(c.components)[: 3 * self.scene.n].reshape(-1, 3)
 
     def _close(self, a: Array, b: Array) -> bool:
         """Within the noise, too: where no force is needed, what rounding leaves of it differs by all of its size."""
@@ -175,7 +175,8 @@ class _Listing:
             return False
         one, other = candidate_of(self.scene, a), candidate_of(self.scene, b)
         extra = {name: 0.5 * (a.extra[name] + b.extra[name]) for name in a.extra}
-        between = Candidate(0.5 * (one.forces + other.forces), 0.5 * (one.twist + other.twist), extra)
+        middle = 0.5 * (one.components + other.components), 0.5 * (one.twist + other.twist)
+        between = Candidate(*middle, extra, one.soft)
         return judge(self.scene, self.problem.effects, self.section, between).residuals.passes
 
 

@@ -62,7 +62,7 @@ def classify(scene: Scene, section: Section, candidate: Candidate, verdict: Verd
     """States of all contacts, of a candidate that was judged."""
     size = verdict.residuals
     states = find_states(
-        scene.kind.contact_components, scene.limits(section), face_normals(section, bool(scene.soft)), candidate.forces,
+        scene.kind.contact_components, scene.limits(section), face_normals(section, bool(scene.soft)), candidate.components,
         verdict.motion, ACTIVE * size.force_scale, ACTIVE * max(size.motion_scale, scene.units.motion),
     )  # fmt: skip
     return states

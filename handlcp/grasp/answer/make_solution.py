@@ -64,7 +64,7 @@ def solution_of(
     point that the candidate's twist refers to to the grasp's reference.
     """
     candidate, n = judged.candidate, scene.n
-    forces, motion = scene.physical(candidate.forces), scene.lawful(judged.verdict.motion)
+    forces, motion = scene.physical(candidate.components), scene.lawful(judged.verdict.motion)
     points = motion[: 3 * n].reshape(-1, 3)
     if not all(scene.governed):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.governed_mask[:, None], points, 0.0)
@@ -72,7 +72,7 @@ def solution_of(
         Status.SOLVED,
         spec.names,
         read_only(forces[: 3 * n].reshape(-1, 3)),
-        read_only(in_world(scene.frames, candidate.forces)),
+        read_only(in_world(scene.frames, candidate.components)),
         read_only(points[:, 2]),
         read_only(points[:, :2]),
         read_only(shifted(candidate.twist, arm)),
@@ -97,7 +97,7 @@ def without_numbers(
 ) -> GraspSolution:
     """UNDECIDED, without numbers that anybody could use."""
     nothing = np.full(scene.components, np.nan)
-    judged = Judged(Candidate(nothing, np.full(6, np.nan), {}), Verdict(nothing, residuals), iterations)
+    judged = Judged(Candidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Verdict(nothing, residuals), iterations)
     made = solution_of(spec, scene, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
     return replace(made, status=Status.UNDECIDED)
 
@@ -110,4 +110,4 @@ def candidate_of(scene: Scene, solution: GraspSolution) -> Candidate:
         torsion = np.zeros(scene.n) if solution.torsion is None else solution.torsion
         forces = np.append(forces, torsion[list(scene.soft)])
     twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
-    return Candidate(scene.lawful(forces), twist, solution.extra)
+    return Candidate(scene.lawful(forces), twist, solution.extra, len(scene.soft))

@@ -86,7 +86,7 @@ def minimum_norm(
     gives way goes on giving way.
     """
     c, units = scene.components, scene.units
-    forces, moved = candidate.forces / units.force, verdict.motion / units.motion
+    forces, moved = candidate.components / units.force, verdict.motion / units.motion
     x0 = np.concatenate([forces, scene.natural_twist(candidate.twist)])
     best, least, extra = x0, float(x0 @ x0), candidate.extra
     limited = limits_at_answer(scene, effects, candidate)
@@ -109,7 +109,7 @@ def minimum_norm(
         if float(x @ x) < least:
             best, least = x, float(x @ x)
             extra = limited.moved(scene, branch.active, branch.multipliers @ (y - B.T @ x0))
-    return Candidate(best[:c] * units.force, scene.twist(best[c:]), extra)
+    return Candidate(best[:c] * units.force, scene.twist(best[c:]), extra, candidate.soft)
 
 
 def _least(A: Array, h: Array) -> Array | None:

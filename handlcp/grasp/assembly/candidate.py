@@ -17,13 +17,24 @@ __all__ = ["Candidate", "decode", "encode", "in_si"]
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """SI, in the coordinates of the scene's friction laws: forces (c,) [N], all force components; twist (6,) about the
-    contacts' centre; the unknowns of further effects by group name.
+    """SI, in the coordinates of the scene's friction laws: components (c,) [N], of all forces; twist (6,) about the
+    contacts' centre; the unknowns of further effects by group name; soft : how many contacts bear a moment.
     """
 
-    forces: Array
+    components: Array
     twist: Array
     extra: dict[str, Array]
+    soft: int = 0
+
+    @property
+    def forces(self) -> Array:
+        """(n, 3) N."""
+        return self.components[: len(self.components) - self.soft].reshape(-1, 3)
+
+    @property
+    def torsion(self) -> Array:
+        """(k,) moments of the soft contacts over their levers [N]."""
+        return self.components[len(self.components) - self.soft :]
 
 
 def decode(scene: Scene, system: System, x: Array) -> Candidate:
@@ -32,12 +43,12 @@ def decode(scene: Scene, system: System, x: Array) -> Candidate:
     at = 0 if normal is None else normal.start, system.tangential, system.at["u"].start
     forces, free = in_si(x, kind.normal_index, kind.tangent_index, at, scene.given.prescribed, scene.geometry, kind.dof)
     extra = {g.name: x[system.at[g.name]] * g.sizes(scene)[0] for g in system.layout.extra}
-    return Candidate(forces, free @ scene.freedom, extra)
+    return Candidate(forces, free @ scene.freedom, extra, len(scene.soft))
 
 
 def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
     """(N,) natural units, from forces, motion and unknowns of further effects, as far as given; zero for the others."""
-    x, at, forces = np.zeros(len(system.q)), system.at, candidate.forces / scene.units.force
+    x, at, forces = np.zeros(len(system.q)), system.at, candidate.components / scene.units.force
     if "r_N" in at:
         x[at["r_N"]] = forces[scene.kind.normal_index]
     tangential = forces[scene.kind.tangent_index]

@@ -31,7 +31,7 @@ from handlcp.lcp.mode_program import ModeProgram
 from handlcp.lcp.search import search
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["Outcome", "search_equilibrium"]
+__all__ = ["Outcome", "over_modes", "search_equilibrium"]
 
 _COARSE = 4  # faces of the pyramid that is searched before the cone
 _WIDE = 1e3  # of the box in which nothing is proven to exist, times 1 + max|d̂|
@@ -113,11 +113,7 @@ def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
                 break
         if not doubtful:
             return Outcome(f"{words} none", bounds=_wide(problem.scene))
-    end = max(end, time.monotonic() + 0.5 * seconds)
-    # The program's cells enclose a disc, a polygon or a ball, but no interval and no polyhedron
-    if problem.faces == 2 or problem.scene.soft:
-        return _on_active_sets(problem, max(end - time.monotonic(), 0.5 * seconds))
-    return _by_program(problem, end)
+    return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
 
 
 def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
@@ -142,13 +138,21 @@ def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
     end = time.monotonic() + seconds
     if (candidate := first_certified(problem, _coarse(problem, 0.5 * seconds))) is not None:
         return Outcome(f"from the pyramid of {_COARSE} faces, solution", candidate)
-    return _by_program(problem, max(end, time.monotonic() + 0.5 * seconds))
+    return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
 
 
-def _by_program(problem: GraspContact, end: float) -> Outcome:
-    """By the mixed-integer program over contact modes."""
-    bounds, cuts = _wide(problem.scene), 0
-    b = bounds[0] / problem.scene.units.force
+def over_modes(problem: GraspContact, end: float, bound: float | None = None) -> Outcome:
+    """By the mixed-integer program over contact modes; end : of `time.monotonic`.
+
+    bound : of normal forces, gaps and slips in natural units, as far as "none" is claimed; None: a thousand.
+    """
+    # Its cells enclose a disc, a polygon or a ball, but no interval and no polyhedron
+    if problem.faces == 2 or (problem.faces and problem.scene.soft):
+        return _on_active_sets(problem, max(end - time.monotonic(), 1e-9))
+    bounds, cuts, units = _wide(problem.scene), 0, problem.scene.units
+    if bound is not None:
+        bounds = bound * units.force, bound * units.motion
+    b = bounds[0] / units.force
     most_x, most_y = np.full(problem.n, b), np.full(problem.n, b)
     most_y[problem.limited] = _slack(problem, b)
     program = ModeProgram(problem, most_x, most_y)

@@ -131,8 +131,8 @@ class CompiledAnswer:
         return int(self.row[0])
 
     @property
-    def forces(self) -> Array:
-        """(c,) N."""
+    def components(self) -> Array:
+        """(c,) N, of all forces."""
         return self.row[HEAD : HEAD + self.kind.kind.components]
 
     @property
@@ -165,7 +165,7 @@ class CompiledAnswer:
     @property
     def candidate(self) -> Candidate:
         """Forces and motion."""
-        return Candidate(self.forces, self.twist, {})
+        return Candidate(self.components, self.twist, {}, len(self.kind.kind.soft))
 
     @property
     def verdict(self) -> Verdict:

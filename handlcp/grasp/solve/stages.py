@@ -105,4 +105,4 @@ def natural_start(problem: AnyProblem, start: Array) -> Array | None:
         return None
     scene = problem.scene
     twist = shifted(start[-9:-3], scene.units.centre - start[-3:])
-    return problem.natural(Candidate(start[:-9], twist, {}))
+    return problem.natural(Candidate(start[:-9], twist, {}, len(scene.soft)))

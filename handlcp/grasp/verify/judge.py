@@ -85,12 +85,12 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
             offset = offset + opening
     v, misses = examine(
         scene.given, scene.geometry, scene.kind.contact_components, friction_of(scene, section), offset,
-        candidate.forces, candidate.twist, GROWTH,
+        candidate.components, candidate.twist, GROWTH,
     )  # fmt: skip
     F = misses.force_size
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then
     if F == F:
-        own = [e.residual(scene, candidate.forces, candidate.extra, F, misses.motion_size) for e in effects]
+        own = [e.residual(scene, candidate.components, candidate.extra, F, misses.motion_size) for e in effects]
         others = max(own, default=0.0) if sum(own) == sum(own) else np.inf  # max passes over NaN, a sum does not
     return Verdict(v, Residuals.of(misses, others))
 

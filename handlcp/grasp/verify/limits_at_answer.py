@@ -90,7 +90,7 @@ def limits_at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candi
         return LimitsAtAnswer(np.zeros((0, scene.components)), _NONE, _NONE, _NO_CHOICE[0], (), candidate.extra)
     rows, room = stacked(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
-    slack = room - rows @ (candidate.forces / scene.units.force)
+    slack = room - rows @ (candidate.components / scene.units.force)
     resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
     return LimitsAtAnswer(rows, motion, slack, resting, every, candidate.extra)
 
