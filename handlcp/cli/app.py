@@ -91,6 +91,6 @@ def read_faces(text: str) -> Any:
 
 def print_json(value: dict[str, Any]) -> None:
     """One object on stdout; what is no number is null."""
-    from handlcp.show.record import clean
+    from handlcp.study.plain import plain
 
-    typer.echo(jsonlib.dumps(clean(value), indent=2, ensure_ascii=False, allow_nan=False))
+    typer.echo(jsonlib.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False))

@@ -8,56 +8,61 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from handlcp.show.axes import SMALL, TEXT, panel
+from handlcp.show.colours import BLUE, INK, RED
 from handlcp.show.file import checked, figure_type, write
-from handlcp.show.overlay import INK
-from handlcp.show.study_axes import SMALL, TEXT, panel
+from handlcp.show.text import spread
 from handlcp.show.units import percent
 from handlcp.study.convergence import Convergence, Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["draw", "save"]
+__all__ = ["GIVEN", "NATURAL", "UNIFORM", "draw", "save"]
 
-WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches
+WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches, dots an inch
 HEAD = 12.5  # points
-NATURAL, UNIFORM, GIVEN = "#0072B2", "#B87800", "#D55E00"  # Okabe and Ito's, the orange darker: it is read, too
+NATURAL, UNIFORM, GIVEN = BLUE, "#B87800", RED  # the orange is darker than the palette's: text has that colour, too
 LINES: dict[str, Any] = {"linewidth": 0.9, "alpha": 0.8}
 DASHED = (0, (4, 2.5))
 AFTER = 3.0  # the right half shows so many times the steps to the stop rule
-ROW = 0.054  # of the left panel's height: a line of text
+ROW = 0.054  # height of a line of text in the left panel, as a share of the panel's
 
-Mark = tuple[str, float]
+Mark = tuple[str, float]  # a name and a value
 
 
 def save(result: Convergence, path: Any, title: str = "", printed: Mark | None = None) -> Path:
-    """Draw and write a file; see `draw`. Raises InputError for a format or a place that will not do."""
+    """Draw and write a file; see `draw`. Raises InputError for an unknown format or a folder that does not exist."""
     file = checked(path)
     return write(draw(result, title, printed), file, DPI)
 
 
 def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> Figure:
-    """The figure. title : of the scene. printed : a name and a value to mark beside the disputed one.
+    """The figure. title : of the scene. printed : a name and a value to mark beside the value that seeds disagree on.
 
-    Left, natural units: ‖Φ‖ over steps, greedy and uniform, every seed a line; dashed, what conditioning predicts.
-    Right, the user's units: ‖Φ‖ meets the stop rule, and the value on which seeds disagree most does not settle on the
-    answer; in natural units it does. Raises Unsupported when matplotlib is not installed.
+    Left, natural units: ‖Φ‖ over steps with greedy and with uniform sampling, a line for every seed; dashed: what
+    conditioning predicts. Right, the user's units: ‖Φ‖ meets the stop rule, yet the value on which seeds disagree most
+    is not the answer's; in natural units it is. Raises Unsupported when matplotlib is not installed.
     """
     figure: Figure = figure_type()(figsize=(WIDTH, HEIGHT), dpi=100)
     figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
     kinds = f"Kaczmarz steps alone, no exact ending; a line is one seed, {len(result.select())} of each kind"
-    met = any(r.stop is not None for r in result.select("given"))
-    what = f"{kinds}; dots: where the stop rule ends a run." if met else f"{kinds}."
+    stops = [r.stop for r in result.select("given") if r.stop is not None]
+    what = f"{kinds}; dots: where the stop rule ends a run." if stops else f"{kinds}."
     figure.text(0.012, 0.908, what, fontsize=TEXT, color=INK, va="top")
-    steps = _shown(result)
+    steps = AFTER * float(np.median(stops)) if stops else float(result.select("given")[0].history[-1, 0])
     _rates(figure.add_axes((0.075, 0.115, 0.415, 0.665)), result)
-    _residuals(figure.add_axes((0.585, 0.505, 0.255, 0.275)), result, steps, met)
-    _values(figure.add_axes((0.585, 0.115, 0.255, 0.275)), result, steps, met, printed)
+    top, bottom = (figure.add_axes((0.585, y, 0.255, 0.275)) for y in (0.505, 0.115))
+    panel(top, f"As given, in metres and newtons: {'it stops' if stops else 'no end'}", "", "‖Φ‖")
+    _residuals(top, result, steps)
+    name = f"{'… but where? ' if stops else ''}{result.names[result.disputed]}, seed by seed"
+    panel(bottom, name, "steps", result.quantity)
+    _values(bottom, result, steps, printed)
     return figure
 
 
-# ---- natural units
 def _rates(ax: Any, result: Convergence) -> None:
+    """The left panel: natural units."""
     greedy, uniform = result.select(), result.select(sampling="uniform")
     settled = all(r.converged for r in (*greedy, *uniform))
     title = "every run converges, linearly" if settled else "linear once the active set settles"
@@ -81,13 +86,14 @@ def _rates(ax: Any, result: Convergence) -> None:
     else:
         slow.append(("not there after so many steps", UNIFORM))
     fast = [
-        ("greedy sampling:", NATURAL),
-        (f"{_digit(result.rate())} steps a digit;", NATURAL),
-        (f"its bound: {_digit(result.bound())} (dashed)", NATURAL),
+        "greedy sampling:",
+        f"{_digit(result.rate())} steps a digit;",
+        f"its bound: {_digit(result.bound())} (dashed)",
     ]
     ax.set_xlim(0.0, 1.02 * last / 1e3)
     _lines(ax, 0.985, 0.985, slow, "right")
-    _lines(ax, 0.03 + (quick / last if quick < 0.5 * last else 0.0), 0.025 + ROW * len(fast), fast, "left")
+    left = 0.03 + (quick / last if quick < 0.5 * last else 0.0)
+    _lines(ax, left, 0.025 + ROW * len(fast), [(line, NATURAL) for line in fast], "left")
 
 
 def _dashed(ax: Any, run: Run, rate: float, ends: tuple[float, float], colour: str) -> None:
@@ -98,27 +104,20 @@ def _dashed(ax: Any, run: Run, rate: float, ends: tuple[float, float], colour: s
 
 
 def _digit(rate: float) -> str:
-    """Steps that gain a digit, two figures of it, such as "15 000"."""
+    """Steps that gain a decimal digit, to two figures, such as "15 000"."""
     steps = np.log(10.0) / rate
     size = 10.0 ** max(np.floor(np.log10(steps)) - 1.0, 0.0)
     return f"{round(steps / size) * size:,.0f}".replace(",", " ")
 
 
 def _lines(ax: Any, x: float, y: float, lines: Sequence[tuple[str, str]], side: str) -> None:
-    """Lines of text, each of its colour, from (x, y) down, shares of the panel."""
+    """Lines of text with their colours, from (x, y) down, in shares of the panel."""
     for k, (text, colour) in enumerate(lines):
         ax.text(x, y - k * ROW, text, transform=ax.transAxes, fontsize=SMALL, color=colour, ha=side, va="top", zorder=8)
 
 
-# ---- the user's units
-def _shown(result: Convergence) -> float:
-    """How many steps the right half shows."""
-    stops = [r.stop for r in result.select("given") if r.stop is not None]
-    return AFTER * float(np.median(stops)) if stops else float(result.select("given")[0].history[-1, 0])
-
-
-def _residuals(ax: Any, result: Convergence, steps: float, met: bool) -> None:
-    panel(ax, f"As given, in metres and newtons: {'it stops' if met else 'no end'}", "", "‖Φ‖")
+def _residuals(ax: Any, result: Convergence, steps: float) -> None:
+    """The upper right panel: the user's units."""
     ax.set_yscale("log")
     for run in result.select("given"):
         k, norm = run.history[run.history[:, 0] <= steps].T
@@ -126,41 +125,31 @@ def _residuals(ax: Any, result: Convergence, steps: float, met: bool) -> None:
     ax.axhline(result.stop, color=INK, linewidth=1.1, linestyle=DASHED, zorder=2)
     ax.set_xlim(0.0, steps)
     ax.tick_params(labelbottom=False)
-    across = ax.get_yaxis_transform()
-    ax.text(
-        1.03,
-        result.stop,
-        f"stop rule\n‖Φ‖ < {_power(result.stop)}",
-        transform=across,
-        fontsize=SMALL,
-        color=INK,
-        va="center",
-    )
+    e = round(np.log10(result.stop))
+    power = f"$10^{{{e}}}$" if abs(result.stop / 10.0**e - 1.0) < 1e-9 else f"{result.stop:.1g}"
+    rule, across = f"stop rule\n‖Φ‖ < {power}", ax.get_yaxis_transform()
+    ax.text(1.03, result.stop, rule, transform=across, fontsize=SMALL, color=INK, va="center")
 
 
-def _power(x: float) -> str:
-    e = round(np.log10(x))
-    return f"$10^{{{e}}}$" if abs(x / 10.0**e - 1.0) < 1e-9 else f"{x:.1g}"
-
-
-def _values(ax: Any, result: Convergence, steps: float, met: bool, printed: Mark | None) -> None:
+def _values(ax: Any, result: Convergence, steps: float, printed: Mark | None) -> None:
+    """The lower right panel: the value on which seeds disagree most."""
     i, given, natural = result.disputed, result.select("given"), result.select("natural")
-    name = result.names[i]
-    panel(ax, f"{'… but where? ' if met else ''}{name}, seed by seed", "steps", result.quantity)
-    for run in natural:
-        _value(ax, run, i, steps, NATURAL)
-    for run in given:
-        _value(ax, run, i, steps, GIVEN)
-        if run.stop is not None:
-            ax.plot([run.stop], [run.stopped[i]], "o", markersize=4.5, color=GIVEN, markeredgecolor="white", zorder=6)
+    for runs, colour in ((natural, NATURAL), (given, GIVEN)):
+        for run in runs:
+            k = np.append(run.looks[run.looks < steps], steps)
+            ax.plot(k, np.interp(k, run.looks, run.values[:, i]), color=colour, **LINES)
+            if runs is given and run.stop is not None:
+                ax.plot(
+                    [run.stop], [run.stopped[i]], "o", markersize=4.5, color=GIVEN, markeredgecolor="white", zorder=6
+                )
     ends = np.array([r.stopped[i] for r in given])
     answer = float(result.answer[i])
     marks = [*ends.tolist(), answer, *([] if printed is None else [printed[1]])]
     low, high = min(marks), max(marks)
     ax.set_ylim(low - 0.25 * (high - low), high + 0.15 * (high - low))
     ax.set_xlim(0.0, steps)
-    spread = result.spread("given")
-    apart = f"seeds {percent(spread)} apart" if spread > 1e-3 else f"{np.median(ends):.3g}"
+    distance = result.spread("given")
+    apart = f"seeds {percent(distance)} apart" if distance > 1e-3 else f"{np.median(ends):.3g}"
     together = f"all end at {answer:.3g}" if all(r.converged for r in natural) else f"certified: {answer:.3g}"
     labels = [
         (answer, f"natural units:\n{together}", NATURAL),
@@ -172,22 +161,12 @@ def _values(ax: Any, result: Convergence, steps: float, met: bool, printed: Mark
     _beside(ax, labels)
 
 
-def _value(ax: Any, run: Run, i: int, steps: float, colour: str) -> None:
-    k = np.append(run.looks[run.looks < steps], steps)
-    ax.plot(k, np.interp(k, run.looks, run.values[:, i]), color=colour, **LINES)
-
-
 def _beside(ax: Any, labels: list[tuple[float, str, str]]) -> None:
-    """Write labels at the right edge, each as near its height as the others and the panel's top let it be."""
+    """Write labels (value, text, colour) at the right edge, as near to their heights as there is room."""
     low, high = ax.get_ylim()
     labels = sorted(labels)
     tall = [0.02 + 0.13 * (1 + text.count("\n")) for _, text, _ in labels]
-    bottom = [(value - low) / (high - low) - 0.5 * t for (value, _, _), t in zip(labels, tall, strict=True)]
-    for k in range(1, len(labels)):
-        bottom[k] = max(bottom[k], bottom[k - 1] + tall[k - 1])
-    ceiling = 1.0
-    for k in reversed(range(len(labels))):
-        bottom[k] = min(bottom[k], ceiling - tall[k])
-        ceiling = bottom[k]
-    for y, (_, text, colour) in zip(bottom, labels, strict=True):
+    wanted = [(value - low) / (high - low) - 0.5 * t for (value, _, _), t in zip(labels, tall, strict=True)]
+    places = spread(wanted, tall, -np.inf, 1.0)
+    for y, (_, text, colour) in zip(places, labels, strict=True):
         ax.text(1.05, y, text, transform=ax.transAxes, fontsize=SMALL, color=colour, va="bottom", linespacing=1.15)

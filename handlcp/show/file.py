@@ -16,8 +16,10 @@ _FORMATS = (".png", ".svg", ".pdf", ".jpg")
 
 
 def checked(path: Any) -> Path:
-    """The file to draw into. Raises InputError for a format that there isn't, or a folder that doesn't exist;
-    Unsupported when matplotlib is not installed. To be asked before anything takes long.
+    """The file to draw into, checked before a long computation.
+
+    Raises InputError for an unknown format or a folder that does not exist; Unsupported when matplotlib is not
+    installed.
     """
     figure_type()
     file = Path(path)
@@ -29,7 +31,7 @@ def checked(path: Any) -> Path:
 
 
 def figure_type() -> type[Figure]:
-    """Matplotlib's Figure. Raises Unsupported when matplotlib is not installed."""
+    """Matplotlib's Figure, which needs no global state. Raises Unsupported when matplotlib is not installed."""
     try:
         from matplotlib.figure import Figure
     except ImportError:
@@ -38,7 +40,7 @@ def figure_type() -> type[Figure]:
 
 
 def write(figure: Figure, file: Path, dpi: int) -> Path:
-    """Draw the figure into the file. Raises InputError where it cannot be written."""
+    """Write the figure. Raises InputError for a file that cannot be written."""
     try:
         figure.savefig(file, dpi=dpi, facecolor="white")
     except OSError as error:

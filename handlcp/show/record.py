@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -13,9 +12,10 @@ import numpy as np
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions
 from handlcp.show.tables import friction_used
 from handlcp.show.verdict import verdict
+from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["clean", "record"]
+__all__ = ["record"]
 
 
 def record(
@@ -26,104 +26,82 @@ def record(
     left_out: Suggestions | None = None,
 ) -> dict[str, Any]:
     """Everything `handlcp solve` prints, and the residuals behind it."""
-    v, u, scene = verdict(grasp, solution), solution.object_displacement, grasp.scene
-    certificate = None
-    if solution.certificate is not None:
-        certificate = {"linear_m": solution.certificate[:3], "angular_rad": solution.certificate[3:]}
-    bounds = None if solution.bounds is None else dict(zip(("force_N", "motion_m"), solution.bounds, strict=True))
-    return dict(
-        clean(
-            {
-                "title": title,
-                "status": solution.status.name,
-                "verdict": {"word": v.word, "text": v.text, "notes": v.notes, "exit_code": v.exit_code},
-                "load": {"force_N": scene.force, "torque_Nm": _torque(grasp), "reference_m": grasp.reference},
-                "effects": [
-                    {
-                        "title": e.title,
-                        "on": e.on,
-                        "why": e.why,
-                        "equation": e.equation,
-                        "unknowns": e.cost,
-                        "share_of_solve": e.share,
-                    }
-                    for e in explanation.effects
-                ],
-                "problem": {
-                    "unknowns": explanation.unknowns,
-                    "eliminated": explanation.eliminated,
-                    "solved": explanation.size,
-                    "rcond": explanation.rcond,
-                    "solve_s": explanation.seconds,
-                },
-                "contacts": _contacts(grasp, solution),
-                "object_displacement": {"linear_m": u[:3], "angular_rad": u[3:]},
-                "torques": _torques(solution),
-                "actuators": _actuators(solution),
-                "residuals": asdict(solution.residuals) | {"worst": solution.residuals.worst},
-                "uniqueness": None if solution.uniqueness is None else asdict(solution.uniqueness),
-                "certificate": certificate,
-                "required_preload_m": solution.required_preload,
-                "proven_within": bounds,
-                "extra": solution.extra,
-                "accuracy": _accuracy(solution),
-                "left_out": None if left_out is None else asdict(left_out),
-                "iterations": solution.iterations,
-                "trace": solution.trace,
-                "versions": {
-                    "handlcp": VERSION,
-                    "python": platform.python_version(),
-                    **{name: _version(name) for name in ("numpy", "scipy", "numba", "pin")},
-                },
-            }
-        )
-    )
+    s, v, scene = solution, verdict(grasp, solution), grasp.scene
+    used = friction_used(grasp, solution)
+    torque = scene.moment - np.cross(grasp.reference, scene.force)
+    packages = {name: _version(name) for name in ("numpy", "scipy", "numba", "pin")}
+    found = {
+        "title": title,
+        "status": s.status.name,
+        "verdict": {"word": v.word, "text": v.text, "notes": v.notes, "exit_code": v.exit_code},
+        "load": {"force_N": scene.force, "torque_Nm": torque, "reference_m": grasp.reference},
+        "effects": _effects(explanation),
+        "problem": _problem(explanation),
+        "contacts": [_contact(grasp, s, i, used[i]) for i in range(scene.n)],
+        "object_displacement": _twist(s.object_displacement),
+        "torques": _torques(s),
+        "actuators": _actuators(s),
+        "residuals": asdict(s.residuals) | {"worst": s.residuals.worst},
+        "uniqueness": None if s.uniqueness is None else asdict(s.uniqueness),
+        "certificate": None if s.certificate is None else _twist(s.certificate),
+        "required_preload_m": s.required_preload,
+        "proven_within": None if s.bounds is None else {"force_N": s.bounds[0], "motion_m": s.bounds[1]},
+        "extra": s.extra,
+        "accuracy": _accuracy(s),
+        "left_out": None if left_out is None else asdict(left_out),
+        "iterations": s.iterations,
+        "trace": s.trace,
+        "versions": {"handlcp": VERSION, "python": platform.python_version()} | packages,
+    }
+    return dict(plain(found))
 
 
-def clean(value: Any) -> Any:
-    """Plain JSON values: arrays become lists, numbers that are not finite become None."""
-    if isinstance(value, Mapping):
-        return {str(k): clean(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [clean(v) for v in value]
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if np.isfinite(value) else None
-    return value if value is None or isinstance(value, str) else str(value)
-
-
-def _contacts(grasp: Grasp, solution: GraspSolution) -> list[dict[str, Any]]:
-    used, planar = friction_used(grasp, solution), grasp.scene.plane is not None
+def _effects(explanation: Explanation) -> list[dict[str, Any]]:
     return [
         {
-            "name": name,
-            "environment": i >= grasp.scene.n - grasp.scene.environment,
-            "position_m": grasp.scene.positions[i],
-            "axes": grasp.frames[i].T,
-            "friction": grasp.contacts[i].mu,
-            "state": solution.contact_state[i],
-            "force_N": solution.forces[i],
-            "force_world_N": solution.forces_world[i],
-            "friction_used": used[i],
-            "slip_m": solution.slip[i] if not planar else solution.slip[i][:1],
-            "gap_m": solution.gap[i],
+            "title": e.title,
+            "on": e.on,
+            "why": e.why,
+            "equation": e.equation,
+            "unknowns": e.cost,
+            "share_of_solve": e.share,
         }
-        | _moments(solution, i)
-        for i, name in enumerate(solution.names)
+        for e in explanation.effects
     ]
 
 
-def _moments(solution: GraspSolution, i: int) -> dict[str, Any]:
-    """Of soft fingers."""
-    if solution.torsion is None or solution.spin is None:
-        return {}
-    return {"torsion_Nm": solution.torsion[i], "spin_rad": solution.spin[i]}
+def _problem(e: Explanation) -> dict[str, Any]:
+    sizes = {"unknowns": e.unknowns, "eliminated": e.eliminated, "solved": e.size}
+    return sizes | {"rcond": e.rcond, "solve_s": e.seconds}
+
+
+def _twist(twist: Any) -> dict[str, Any]:
+    """Of a motion (6,)."""
+    return {"linear_m": twist[:3], "angular_rad": twist[3:]}
+
+
+def _contact(grasp: Grasp, s: GraspSolution, i: int, used: float) -> dict[str, Any]:
+    planar = grasp.scene.plane is not None
+    found = {
+        "name": s.names[i],
+        "environment": i >= grasp.scene.n - grasp.scene.environment,
+        "position_m": grasp.scene.positions[i],
+        "axes": grasp.frames[i].T,
+        "friction": grasp.contacts[i].mu,
+        "state": s.contact_state[i],
+        "force_N": s.forces[i],
+        "force_world_N": s.forces_world[i],
+        "friction_used": used,
+        "slip_m": s.slip[i][:1] if planar else s.slip[i],
+        "gap_m": s.gap[i],
+    }
+    if s.torsion is not None and s.spin is not None:
+        found |= {"torsion_Nm": s.torsion[i], "spin_rad": s.spin[i]}
+    return found
 
 
 def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
+    """None without a hand."""
     check: Any = getattr(solution, "torque_check", None)
     if check is None:
         return None
@@ -135,14 +113,14 @@ def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
             "utilisation": r.utilisation if r.known else None,
             "limit_known": r.known,
             "binding": r.joint == check.binding,
-            "yield_rad": float(y),
+            "yield_rad": y,
         }
         for r, y in zip(check, vars(solution)["joint_yield"], strict=True)
     ]
 
 
 def _actuators(solution: GraspSolution) -> dict[str, Any] | None:
-    """What tendons or synergies do."""
+    """Forces or displacements of tendons or synergies; None where each joint has its own motor."""
     effort: Any = getattr(solution, "effort", None)
     if effort is None:
         return None
@@ -150,18 +128,12 @@ def _actuators(solution: GraspSolution) -> dict[str, Any] | None:
 
 
 def _accuracy(solution: GraspSolution) -> dict[str, Any] | None:
-    """What was asked for and reached."""
+    """The accuracy that was asked for and the one reached."""
     a = solution.accuracy
     if a is None:
         return None
-    return {
-        "asked": a.asked, "error": a.error, "met": a.met, "setting": a.setting, "solves": a.solves, "seconds": a.seconds
-    }  # fmt: skip
-
-
-def _torque(grasp: Grasp) -> Any:
-    """(3,) the load's torque about the grasp's reference."""
-    return grasp.scene.moment - np.cross(grasp.reference, grasp.scene.force)
+    errors = {"asked": a.asked, "error": a.error, "met": a.met}
+    return errors | {"setting": a.setting, "solves": a.solves, "seconds": a.seconds}
 
 
 def _version(name: str) -> str | None:

@@ -22,74 +22,61 @@ __all__ = [
     "contact_table",
     "effect_table",
     "effort_table",
+    "empty",
     "friction_used",
     "hand_table",
     "key_table",
-    "plain",
+    "numbers",
     "torque_table",
 ]
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar
+SAVES = -0.02  # an effect whose share of the time is at most this saves time
 
 
 def effect_table(explanation: Explanation) -> Table:
     """Which effects are on and off, why, and what each costs."""
     e = explanation
     solved = f"{e.unknowns} unknowns, of which the solver sees {e.size}" if e.eliminated else f"{e.unknowns} unknowns"
-    measured = e.seconds is not None
     if e.seconds is not None:
         solved += f"; {1e6 * e.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
-        if any((line.share or 0.0) <= -0.02 for line in e.effects if line.on):
+        if any((line.share or 0.0) <= SAVES for line in e.effects if line.on):
             solved += '; "saves": without it a solve takes longer'
-    table = plain("Effects", caption=solved)
+    table = empty("Effects", solved)
     for heading in ("", "effect", "why"):
         table.add_column(heading, no_wrap=heading == "")
-    table.add_column("unknowns", justify="right", no_wrap=True)
-    if measured:
-        table.add_column("of time", justify="right", no_wrap=True)
+    numbers(table, "unknowns", *(["of time"] if e.seconds is not None else []))
     for line in e.effects:
         brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
         mark = Text("on", style="green") if line.on else Text("–", style="dim")
-        share = _share(line) if line.on else ""
-        cells = [brings, share] if measured else [brings]
+        cells = [brings, _share(line)][: 1 if e.seconds is None else 2]
         table.add_row(mark, Text(line.title), Text(line.why), *cells, style=None if line.on else "dim")
     return table
 
 
 def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Table:
     """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap."""
-    slips = np.hypot(*solution.slip.T)
+    slips, moments = np.hypot(*solution.slip.T), solution.torsion
     slip, gap = units.length_unit(slips.tolist()), units.length_unit(solution.gap.tolist())
-    table = plain("Contacts", caption=_limit_note(grasp, faces))
+    table = empty("Contacts", _limit_note(grasp, faces))
     table.add_column("contact" if grasp.scene.environment else "finger", overflow="fold")
     table.add_column("state", no_wrap=True)
-    moments = solution.torsion
-    headings = ["normal\nN", "friction\nN", "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}"]
-    if moments is not None:
-        headings.insert(2, "moment\nmN·m")
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
+    numbers(table, "normal\nN", "friction\nN", *([] if moments is None else ["moment\nmN·m"]))
+    numbers(table, "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}")
     used = friction_used(grasp, solution)
     for i, (name, state) in enumerate(zip(solution.names, solution.contact_state, strict=True)):
         f = solution.forces[i]
-        table.add_row(
-            Text(name),
-            Text(state, style=STATE.get(state, "dim")),
-            _number(f[2]),
-            _number(float(np.hypot(f[0], f[1]))),
-            *([] if moments is None else [_number(1e3 * float(moments[i]))]),
-            units.percent(used[i]),
-            slip(float(slips[i])),
-            gap(float(solution.gap[i])),
-        )
+        cells = [_number(f[2]), _number(float(np.hypot(f[0], f[1])))]
+        if moments is not None:
+            cells.append(_number(1e3 * float(moments[i])))
+        cells += [units.percent(used[i]), slip(float(slips[i])), gap(float(solution.gap[i]))]
+        table.add_row(Text(name), Text(state, style=STATE.get(state, "dim")), *cells)
     return table
 
 
 def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
-    """(n) |r_T| / (μ r_N), of ellipses and ellipsoids in units of their half-axes; NaN where there is no friction or no
-    force.
-    """
+    """(n) |r_T| / (μ r_N), in units of the half-axes of an elliptic limit; NaN without friction or without a force."""
     out, scene = [], grasp.scene
     moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
     for i, (contact, f) in enumerate(zip(grasp.contacts, scene.lawful(solution.forces), strict=True)):
@@ -100,11 +87,10 @@ def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
 
 
 def torque_table(check: Any) -> Table:
-    """Joint by joint; `check` is a `TorqueCheck`."""
-    table = plain("Joint torques")
+    """Joint by joint, from a `TorqueCheck`."""
+    table = empty("Joint torques")
     table.add_column("joint", overflow="fold")
-    for heading in ("torque\nN·m", "limit\nN·m", "of limit\n"):
-        table.add_column(heading, justify="right", no_wrap=True)
+    numbers(table, "torque\nN·m", "limit\nN·m", "of limit\n")
     table.add_column("", no_wrap=True)
     for r in check:
         finite = r.known and np.isfinite(r.limit)
@@ -119,31 +105,32 @@ def torque_table(check: Any) -> Table:
 
 
 def effort_table(effort: Any) -> Table:
-    """Tendon by tendon, or actuator by actuator; `effort` is an `Effort`."""
-    table = plain("Tendons" if effort.unit == "N" else "Actuators")
-    table.add_column(effort.kind.split()[0], overflow="fold")
-    table.add_column(f"{effort.kind.split()[1]}\n{effort.unit}", justify="right", no_wrap=True)
+    """Tendon by tendon, or actuator by actuator, from an `Effort`."""
+    table = empty("Tendons" if effort.unit == "N" else "Actuators")
+    who, what = effort.kind.split()[:2]
+    table.add_column(who, overflow="fold")
+    numbers(table, f"{what}\n{effort.unit}")
     for name, value in zip(effort.names, effort.values.tolist(), strict=True):
         table.add_row(Text(name), _number(value, 4))
     return table
 
 
 def hand_table(rows: Sequence[tuple[str, Sequence[str], Sequence[str], str]]) -> Table:
-    """Hands to use: (name, joints, fingertips, note)."""
-    table = plain("Hands")
+    """Hands to use, from (name, joints, fingertips, torque limits)."""
+    table = empty("Hands")
     table.add_column("name", no_wrap=True)
     for heading in ("joints", "fingertips", "limits\nN·m"):
         table.add_column(heading)
-    for name, joints, tips, note in rows:
+    for name, joints, tips, limits in rows:
         title = Text.assemble((name, "bold"), f"\n{len(joints)} joints\n{len(tips)} fingers")
-        table.add_row(title, Text(", ".join(joints)), Text(", ".join(tips)), note)
+        table.add_row(title, Text(", ".join(joints)), Text(", ".join(tips)), limits)
         table.add_section()
     return table
 
 
 def key_table(keys: Sequence[Any]) -> Table:
-    """The keys of scene files; `keys` are `handlcp.scene.Key`s."""
-    table = plain("Keys of a scene file")
+    """The keys of scene files, from `handlcp.scene.Key`s."""
+    table = empty("Keys of a scene file")
     for heading in ("key", "what it holds", "meaning"):
         table.add_column(heading, no_wrap=heading == "key")
     last = ""
@@ -161,13 +148,13 @@ def key_table(keys: Sequence[Any]) -> Table:
 
 
 def catalogue_table(entries: Sequence[Entry], costs: Mapping[str, Any] | None = None) -> Table:
-    """All effects there are; `costs` are `handlcp.study.catalogue.Cost`s by title, None: not measured."""
+    """All effects. costs : `handlcp.study.catalogue.Cost`s by title; None: not measured."""
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
-    table = plain("All effects", caption=None if costs is None else note)
+    table = empty("All effects", None if costs is None else note)
     table.add_column("effect\nunknowns")
     table.add_column("when to use it\nin Python; in a scene file", overflow="fold")
-    for heading in ("here", "time") if costs is not None else ():
-        table.add_column(heading, justify="right", no_wrap=True)
+    if costs is not None:
+        numbers(table, "here", "time")
     for e in entries:
         ask = [(f"\n{e.in_short}", "cyan"), (f"\n{', '.join(e.file_keys)}", "dim")] if e.in_python else []
         cells = [Text.assemble((e.title, "bold"), f"\n{e.brings}"), Text.assemble(e.when, *ask)]
@@ -178,24 +165,24 @@ def catalogue_table(entries: Sequence[Entry], costs: Mapping[str, Any] | None = 
     return table
 
 
-def plain(title: str, caption: str | None = None) -> Table:
-    """An empty table as all of ours look."""
-    return Table(
-        title=title,
-        title_justify="left",
-        title_style="bold",
-        caption=caption,
-        caption_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1),
-    )
+def empty(title: str, caption: str | None = None) -> Table:
+    """A table in the style of all others, without columns."""
+    style: dict[str, Any] = {"title_justify": "left", "title_style": "bold", "caption_justify": "left"}
+    return Table(title=title, caption=caption, box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1), **style)
+
+
+def numbers(table: Table, *headings: str) -> None:
+    """Add columns of numbers: aligned on the right, never wrapped."""
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
 
 
 def _share(line: EffectLine) -> str:
+    if not line.on:
+        return ""
     if line.share is None:
         return "–"
-    return f"{round(100 * max(line.share, 0.0))} %" if line.share > -0.02 else "saves"
+    return f"{round(100 * max(line.share, 0.0))} %" if line.share > SAVES else "saves"
 
 
 def _number(value: float, digits: int = 3) -> str:
@@ -210,11 +197,12 @@ def _bar(share: float) -> str:
 
 
 def _limit_note(grasp: Grasp, faces: Any) -> str | None:
-    """What 100 % of the friction limit means with a pyramid."""
+    """From which share of the friction limit on a contact may slide in a pyramid; None without pyramids."""
     if grasp.scene.plane is not None or not grasp.scene.frictional or not isinstance(faces, int):
         return None
+    sticks = float(np.cos(np.pi / faces))
     if grasp.scene.soft:
-        least = units.percent(min(float(np.cos(np.pi / faces)), limit_surface(Pyramid(faces)).share))
+        least = units.percent(min(sticks, limit_surface(Pyramid(faces)).share))
         return f"of limit: friction and moment within the limit surface; a contact slides from {least} on"
-    least, who = units.percent(float(np.cos(np.pi / faces))), "contact" if grasp.scene.environment else "finger"
+    least, who = units.percent(sticks), "contact" if grasp.scene.environment else "finger"
     return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a {who} slide from {least} on"

@@ -1,11 +1,12 @@
-"""The verdict in plain words: held or not, what gives out first, what slides, how far the object moves.
+"""The verdict in words: held or not, which joint limits the grasp, what slides, how far the object moves.
 
-HELD needs a certified equilibrium *and* motors that can hold it: a joint over its torque limit makes it OVER LIMIT.
-Joints without a known limit are not judged, and the verdict says so. UNDECIDED claims nothing about the grasp.
+HELD needs a certified equilibrium and motors that can hold it; with a joint over its torque limit the verdict is OVER
+LIMIT. Joints without a known limit are not judged, and a note says so. UNDECIDED says nothing about the grasp.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,18 +16,16 @@ from handlcp.grasp import FingerForceBound, Grasp, GraspSolution, KnownForce, Pr
 from handlcp.lcp import Status
 from handlcp.show import units
 
-__all__ = ["Verdict", "largest_motion", "verdict"]
+__all__ = ["SMALL_MOVE", "SMALL_TURN", "Verdict", "verdict"]
 
 SMALL_TURN = 0.1  # [rad] the model is linear in the motions: cos(0.1) is off by half a percent
 SMALL_MOVE = 0.2  # of the grasp's size
+_TWIST = 1e-4  # [rad] a soft finger that turns less on the object is not said to twist
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """word : "HELD", "OVER LIMIT", "NOT HELD" or "UNDECIDED". text : the rest of the sentence. notes : caveats.
-
-    exit_code : 0 held, 1 anything else.
-    """
+    """word : "HELD", "OVER LIMIT", "NOT HELD" or "UNDECIDED". text : the rest of the sentence. notes : caveats."""
 
     word: str
     text: str
@@ -34,12 +33,12 @@ class Verdict:
 
     @property
     def exit_code(self) -> int:
-        """For the shell."""
+        """For the shell: 0 held, 1 anything else."""
         return 0 if self.word == "HELD" else 1
 
     @property
     def colour(self) -> str:
-        """For rich."""
+        """For the terminal."""
         return {"HELD": "green", "UNDECIDED": "yellow"}.get(self.word, "red")
 
     def __str__(self) -> str:
@@ -48,82 +47,78 @@ class Verdict:
 
 
 def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
-    """From the certified status, the torques and the motions of a solution; what is not held, in the words of its
-    `diagnosis`.
-    """
-    if solution.status is Status.SOLVED:
-        return _held(grasp, solution)
+    """The verdict on a solution: its certified status, its joint torques and its motions."""
     if solution.status is Status.UNDECIDED:
         return Verdict(
             "UNDECIDED",
             "the solver stopped before it found an answer, which says nothing about the grasp; "
             "try another seed or number of faces, or more preload",
         )
-    return Verdict("NOT HELD", solution.diagnosis)
+    if not solution.held:
+        return Verdict("NOT HELD", solution.diagnosis)
+    word, parts, notes = _joints(getattr(solution, "torque_check", None))
+    parts += [*_at_bounds(grasp, solution), *_sliding(grasp, solution), _motion(grasp, solution)]
+    notes += [*_not_unique(solution), *_too_far(grasp, solution)]
+    return Verdict(word, "; ".join(parts), tuple(notes))
 
 
-def largest_motion(grasp: Grasp, solution: GraspSolution) -> float:
-    """How far the object's contact points travel at most [m]: the larger of its shift and its turn times the size."""
-    u = solution.object_displacement
-    return float(max(np.linalg.norm(u[:3]), np.linalg.norm(u[3:]) * grasp.scene.units.length))
+def _joints(check: Any) -> tuple[str, list[str], list[str]]:
+    """(word, parts of the sentence, notes) from a `TorqueCheck`, None without a hand."""
+    if check is None:
+        return "HELD", [], []
+    word, parts, notes = "HELD", [], []
+    if check.over:
+        word = "OVER LIMIT"
+        needs = (f"{r.joint} needs {units.torque(abs(r.torque))} of {units.torque(r.limit)}" for r in check.over)
+        parts.append(f"the contacts could hold the object, the motors cannot: {', '.join(needs)}")
+    elif check.binding is not None:
+        r = check[check.binding]
+        share = f"{units.percent(r.utilisation)} of {units.torque(r.limit)}"
+        finite = np.isfinite(r.limit)
+        parts.append(f"the binding joint is {r.joint} at {share}" if finite else "no joint has a limit")
+    if check.yielding:
+        parts.append(f"{_listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
+    if check.unknown:
+        notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
+    return word, parts, notes
 
 
-def _held(grasp: Grasp, s: GraspSolution) -> Verdict:
-    parts, notes = [], []
-    check: Any = getattr(s, "torque_check", None)
-    word = "HELD"
-    if check is not None:
-        if over := check.over:
-            word = "OVER LIMIT"
-            listed = ", ".join(
-                f"{r.joint} needs {units.torque(abs(r.torque))} of {units.torque(r.limit)}" for r in over
-            )
-            parts.append(f"the contacts could hold the object, the motors cannot: {listed}")
-        elif check.binding is not None:
-            r = check[check.binding]
-            share, limit = units.percent(r.utilisation), units.torque(r.limit)
-            parts.append(
-                f"the binding joint is {r.joint} at {share} of {limit}"
-                if np.isfinite(r.limit)
-                else "no joint has a limit"
-            )
-        if check.yielding:
-            parts.append(f"{_listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
-        if check.unknown:
-            notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
-    parts += _at_bounds(grasp, s)
-    parts += [_sliding(s, "contacts" if grasp.scene.environment else "fingers"), _motion(grasp, s)]
-    if s.uniqueness is not None:
-        if not s.uniqueness.forces_determined:
-            notes.append("other forces satisfy the same conditions; the smallest are given")
-        if k := s.uniqueness.loose_motions:
-            notes.append(f"the object is loose in {k} direction{'s' if k > 1 else ''}; the smallest motion is given")
-        if s.uniqueness.others:
-            notes.append("friction can hold the object in other ways, too; grasp.equilibria() lists them")
-    turn, move = float(np.linalg.norm(s.object_displacement[3:])), largest_motion(grasp, s)
-    if turn > SMALL_TURN or move > SMALL_MOVE * grasp.scene.units.length:
-        how_far = f"the object moves {units.length(move)} and turns {units.angle(turn)}"
-        notes.append(f"{how_far}: more than a model of small motions covers")
-    notes += _far(grasp, s)
-    return Verdict(word, "; ".join(p for p in parts if p), tuple(notes))
+def _not_unique(s: GraspSolution) -> list[str]:
+    """What the equations leave open."""
+    notes: list[str] = []
+    if s.uniqueness is None:
+        return notes
+    if not s.uniqueness.forces_determined:
+        notes.append("other forces satisfy the same conditions; the smallest are given")
+    if k := s.uniqueness.loose_motions:
+        notes.append(f"the object is loose in {k} direction{'s' if k > 1 else ''}; the smallest motion is given")
+    if s.uniqueness.others:
+        notes.append("friction can hold the object in other ways, too; grasp.equilibria() lists them")
+    return notes
 
 
-def _far(grasp: Grasp, s: GraspSolution) -> list[str]:
-    """What else is too large for a model of small motions: slips, squeezes, joints that yield."""
-    most = SMALL_MOVE * grasp.scene.units.length
+def _too_far(grasp: Grasp, s: GraspSolution) -> list[str]:
+    """Motions that a linear model does not describe: of the object, and slips, squeezes, joints that yield."""
+    size = grasp.scene.units.length
+    shift, turn = (float(np.linalg.norm(part)) for part in (s.object_displacement[:3], s.object_displacement[3:]))
+    move = max(shift, turn * size)  # of the object's contact points, at most
     slip, squeeze = float(np.hypot(*s.slip.T).max()), -float(grasp.offset[:, 2].min())
     yielded = float(abs(getattr(s, "joint_yield", np.zeros(1))).max())
+    far = []
+    if turn > SMALL_TURN or move > SMALL_MOVE * size:
+        far.append(f"the object moves {units.length(move)} and turns {units.angle(turn)}")
     large = [
-        (f"a slip of {units.length(slip)}", slip > most),
-        (f"a squeeze of {units.length(squeeze)}", squeeze > most),
+        (f"a slip of {units.length(slip)}", slip > SMALL_MOVE * size),
+        (f"a squeeze of {units.length(squeeze)}", squeeze > SMALL_MOVE * size),
         (f"a joint that yields by {units.angle(yielded)}", yielded > SMALL_TURN),
     ]
-    named = [words for words, too_far in large if too_far]
-    return [f"{' and '.join(named)}: more than a model of small motions covers"] if named else []
+    if named := [words for words, too_far in large if too_far]:
+        far.append(" and ".join(named))
+    return [f"{what}: more than a model of small motions covers" for what in far]
 
 
 def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
-    """Which bounds on forces are reached, and how far what they hold back gives way."""
+    """Which bounds on forces are reached, and how far they give way."""
     out = []
     for e in grasp.effects:
         if isinstance(e, (TotalForceBound, FingerForceBound)):
@@ -142,13 +137,11 @@ def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
     return out
 
 
-_TWIST = 1e-4  # rad on the object below which a soft finger is not said to twist
-
-
-def _sliding(s: GraspSolution, who: str) -> str:
-    slips = np.hypot(*s.slip.T)
-    sliding = [(n, float(d)) for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"]
+def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:
+    """Which contacts slide, twist on the object or let go; that all stick where none does."""
+    who, slips = "contacts" if grasp.scene.environment else "fingers", np.hypot(*s.slip.T).tolist()
     spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
+    sliding = [(n, d) for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"]
     turns = [(n, float(a)) for n, a in zip(s.names, spins, strict=True) if a > _TWIST]
     apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
     parts = []
@@ -159,10 +152,11 @@ def _sliding(s: GraspSolution, who: str) -> str:
         parts.append(", ".join(f"{n} twists by {units.angle(a)} on the object" for n, a in turns))
     if apart:
         parts.append(f"{_listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
-    return "; ".join(p for p in parts if p) or f"all {who} stick"
+    return [p for p in parts if p] or [f"all {who} stick"]
 
 
 def _motion(grasp: Grasp, s: GraspSolution) -> str:
+    """How far the object moves, how much of that along the load, and how far it turns."""
     u, load = s.object_displacement, grasp.scene.force
     move, turn = float(np.linalg.norm(u[:3])), float(np.linalg.norm(u[3:]))
     size = float(np.linalg.norm(load))
@@ -177,7 +171,6 @@ def _motion(grasp: Grasp, s: GraspSolution) -> str:
     return f"{text} and turns {units.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
 
 
-def _listed(names: Any) -> str:
+def _listed(names: Sequence[str]) -> str:
     """At most four names."""
-    names = list(names)
     return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")

@@ -1,4 +1,4 @@
-"""A depth buffer: the one compiled loop behind the pictures."""
+"""The depth buffer behind the pictures, in one compiled loop."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ __all__ = ["fill"]
 
 @kernel
 def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
-    """Triangles (m, 3, 3) in pixels (z: nearness), each with its colour (m, 3), into colour (h, w, 3) and depth (h, w).
+    """Draw triangles (m, 3, 3) with their colours rgb (m, 3) into the buffers colour (h, w, 3) and depth (h, w).
 
-    A pixel belongs to the nearest triangle over its centre. Both buffers are changed in place.
+    Corners are in pixels; z grows towards the viewer. A pixel belongs to the nearest triangle over its centre.
     """
     h, w = depth.shape
     for k in range(len(triangles)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,27 +12,18 @@ from handlcp.check import Array
 __all__ = ["box", "capsule", "cylinder", "ellipsoid", "hull", "of_coal", "placed", "revolved"]
 
 AROUND = 96  # facets around a round shape
+_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))  # of a cube with edges of one
+_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
 
-def box(size: Any, cells: int = 10) -> Array:
-    """A box of edges `size` (3,) about the origin; each face in cells × cells quads, so that depth sorting works."""
-    g = np.linspace(-0.5, 0.5, cells + 1)
-    a, b = (m.ravel() for m in np.meshgrid(g[:-1], g[:-1], indexing="ij"))
-    d = 1.0 / cells
-    square = np.array([[[0, 0], [d, 0], [d, d]], [[0, 0], [d, d], [0, d]]])
-    flat = (np.stack([a, b], axis=1)[:, None, None, :] + square[None]).reshape(-1, 3, 2)
-    faces = []
-    for axis in range(3):
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        for side in (-0.5, 0.5):
-            t = np.empty((len(flat), 3, 3))
-            t[..., i], t[..., j], t[..., axis] = flat[..., 0], flat[..., 1], side
-            faces.append(t if side > 0 else t[:, ::-1])
-    return np.asarray(np.concatenate(faces) * np.asarray(size, dtype=float))
+def box(size: Any) -> Array:
+    """A box about the origin with edges `size` (3,)."""
+    triangles = _SIDES[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    return np.asarray((_CORNERS * np.asarray(size, dtype=float))[triangles])
 
 
 def revolved(profile: Any, around: int = AROUND) -> Array:
-    """The surface that a profile of (radius, z) points, from the lower pole to the upper, sweeps about z."""
+    """The surface that a profile sweeps about z. profile : points (radius, z) from the lower pole to the upper."""
     p = np.asarray(profile, dtype=float)
     a = 2 * np.pi * np.arange(around + 1) / around
     ring = np.stack([np.cos(a), np.sin(a)], axis=1)
@@ -45,32 +37,28 @@ def revolved(profile: Any, around: int = AROUND) -> Array:
     return np.asarray(t[area > 1e-12 * max(float(area.max()), 1e-300)])
 
 
-def ellipsoid(radii: Any, rings: int = 24) -> Array:
-    """Semi-axes (3,) or a radius."""
-    a = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
+def ellipsoid(radii: Any) -> Array:
+    """About the origin. radii : semi-axes (3,), or one radius."""
+    a = np.linspace(-np.pi / 2, np.pi / 2, 25)
     ball = revolved(np.stack([np.cos(a), np.sin(a)], axis=1))
     return np.asarray(ball * (np.ones(3) * np.asarray(radii, dtype=float)))
 
 
-def cylinder(radius: float, length: float, around: int = AROUND) -> Array:
-    """Along z about the origin, caps in rings."""
-    h, r = length / 2, np.linspace(0, 1, 5)
-    z = np.linspace(-h, h, 9)
-    low, up = [(radius * x, -h) for x in r], [(radius * x, h) for x in r[::-1]]
-    return revolved([*low, *((radius, x) for x in z[1:-1]), *up], around)
+def cylinder(radius: float, length: float) -> Array:
+    """Along z about the origin."""
+    h = length / 2
+    return revolved([(0, -h), (radius, -h), (radius, h), (0, h)])
 
 
 def capsule(start: Any, end: Any, radius: float) -> Array:
     """A rod with round ends between two points."""
     a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    axis = b - a
-    length = float(np.linalg.norm(axis))
+    length = float(np.linalg.norm(b - a))
     t = np.linspace(0, np.pi / 2, 6)
     low = [(radius * np.sin(x), -radius * np.cos(x)) for x in t]
     up = [(radius * np.cos(x), length + radius * np.sin(x)) for x in t]
-    middle = [(radius, z) for z in np.linspace(0, length, 7)[1:-1]] if length > 0 else []
-    shape = revolved([*low, *middle, *up], 20)
-    z = axis / length if length > 0 else np.array([0.0, 0.0, 1.0])
+    shape = revolved([*low, *up], 20)
+    z = (b - a) / length if length > 0 else np.array([0.0, 0.0, 1.0])
     x = np.eye(3)[int(np.argmin(abs(z)))]
     x = x - z * (z @ x)
     x /= np.linalg.norm(x)
@@ -78,7 +66,7 @@ def capsule(start: Any, end: Any, radius: float) -> Array:
 
 
 def hull(points: Array, thickness: float) -> Array | None:
-    """What is known of an object that nobody described: the hull of its contacts. Flat ones get a thickness."""
+    """The convex hull of points (n, 3), given a thickness where they lie in a plane; None where they span nothing."""
     from scipy.spatial import ConvexHull, QhullError
 
     p = np.asarray(points, dtype=float)
@@ -99,32 +87,30 @@ def hull(points: Array, thickness: float) -> Array | None:
     return t
 
 
-def of_coal(geometry: Any) -> tuple[Array, bool] | None:
-    """(triangles, whether they all wind outwards) of a coal geometry; None for one that has no picture."""
+def of_coal(geometry: Any) -> Array | None:
+    """Triangles of a coal geometry; None for one that has no picture."""
     import coal
 
     g = geometry
     if isinstance(g, coal.Sphere):
-        return ellipsoid(g.radius), True
+        return ellipsoid(g.radius)
     if isinstance(g, coal.Ellipsoid):
-        return ellipsoid(np.array(g.radii).ravel()), True
+        return ellipsoid(np.array(g.radii).ravel())
     if isinstance(g, coal.Box):
-        return box(2 * np.array(g.halfSide).ravel()), True
+        return box(2 * np.array(g.halfSide).ravel())
     if isinstance(g, coal.Cylinder):
-        return cylinder(g.radius, 2 * g.halfLength), True
+        return cylinder(g.radius, 2 * g.halfLength)
     if isinstance(g, coal.Capsule):
-        return capsule((0, 0, -g.halfLength), (0, 0, g.halfLength), g.radius), True
+        return capsule((0, 0, -g.halfLength), (0, 0, g.halfLength), g.radius)
     if isinstance(g, coal.Cone):
-        return revolved([(0, -g.halfLength), (g.radius, -g.halfLength), (0, g.halfLength)]), True
+        return revolved([(0, -g.halfLength), (g.radius, -g.halfLength), (0, g.halfLength)])
     if isinstance(g, coal.BVHModelBase):
         corners = np.array(g.vertices(), dtype=float)
         index = np.array([[t[0], t[1], t[2]] for t in (g.tri_indices(i) for i in range(g.num_tris))], dtype=int)
-        return (corners[index], False) if len(index) else None
-    if isinstance(g, coal.ConvexBase):
-        return (t, True) if (t := hull(np.array(g.points()), 0.0)) is not None else None
-    return None
+        return corners[index] if len(index) else None
+    return hull(np.array(g.points()), 0.0) if isinstance(g, coal.ConvexBase) else None
 
 
 def placed(triangles: Array, placement: Any) -> Array:
-    """The same in the world, by a pin.SE3."""
+    """Triangles moved by `placement`, a pin.SE3."""
     return np.asarray(triangles @ np.asarray(placement.rotation).T + np.asarray(placement.translation))

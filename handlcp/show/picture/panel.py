@@ -1,4 +1,4 @@
-"""Beside the picture: title and verdict, what colours and arrows mean, how near the joints are to their limits."""
+"""Beside the picture: title and verdict, the legend, how near the joints are to their limits."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.show import units
-from handlcp.show.overlay import INK
+from handlcp.show import text, units
+from handlcp.show.colours import BLUE, INK, RED
 from handlcp.show.verdict import verdict
 
 __all__ = ["Entry", "headline", "legend", "torque_bars"]
@@ -17,8 +17,7 @@ __all__ = ["Entry", "headline", "legend", "torque_bars"]
 Entry = tuple[str, str, str]  # kind ("patch", "cone", "dot", "line", "dashed"), colour, text
 
 ROW = 0.058  # height of a joint, as a share of the figure
-
-
+LETTERS = 31  # of joint and share together, that fit a bar's width at full size, bold
 VERDICT = {"HELD": "#00734D", "UNDECIDED": "#8A6100"}  # the rest is red
 
 
@@ -29,18 +28,18 @@ def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> 
         figure.text(0.018, y, title, fontsize=14, weight="bold", color=INK, va="top")
         y -= 0.052
     style = {"fontsize": 10.5, "va": "top"}
-    text, width = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 140
-    lines = textwrap.wrap(text, width)
-    while any(_share(figure, line, style) > 0.94 for line in lines):
-        width -= 3
-        lines = textwrap.wrap(text, width)
-    while len(lines) > 1 and len(lines[-1]) < 0.35 * width:  # no lonely word on the last line
-        width -= 2
-        lines = textwrap.wrap(text, width)
+    said, letters = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 140
+    lines = textwrap.wrap(said, letters)
+    while any(text.width(figure, line, **style) > 0.94 * figure.bbox.width for line in lines):
+        letters -= 3
+        lines = textwrap.wrap(said, letters)
+    while len(lines) > 1 and len(lines[-1]) < 0.35 * letters:  # no lonely word on the last line
+        letters -= 2
+        lines = textwrap.wrap(said, letters)
     if len(lines) > 4:
         lines = [*lines[:3], f"{lines[3]} …"]
     figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
-    indent = _share(figure, f"{v.word}:", style | {"weight": "bold"})
+    indent = text.width(figure, f"{v.word}:", weight="bold", **style) / figure.bbox.width
     figure.text(0.023 + indent, y, lines[0].removeprefix(f"{v.word}: "), color=INK, **style)
     for line in lines[1:]:
         y -= 0.032
@@ -48,63 +47,29 @@ def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> 
     return y - 0.05
 
 
-def _share(figure: Any, text: str, style: dict[str, Any]) -> float:
-    """Width of a line of text as a share of the figure's."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    drawn = figure.text(0, 0, text, **style)
-    width = drawn.get_window_extent(FigureCanvasAgg(figure).get_renderer()).width
-    drawn.remove()
-    return float(width / figure.bbox.width)
-
-
 def legend(figure: Any, left: float, top: float, entries: list[Entry]) -> float:
-    """Symbols with their meaning, top down from (left, top) in shares of the figure; returns where they end."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    """Symbols and their meaning, from (left, top) down; returns where they end. All in shares of the figure."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = []
-    for kind, colour, text in entries:
-        if kind == "patch":
-            handles.append(Patch(facecolor=colour, alpha=0.55, edgecolor=colour, label=text))
-        elif kind == "cone":
-            handles.append(Patch(facecolor=colour, alpha=0.25, edgecolor=colour, label=text))
+    for kind, colour, meaning in entries:
+        if kind in ("patch", "cone"):
+            alpha = 0.55 if kind == "patch" else 0.25
+            handles.append(Patch(facecolor=colour, alpha=alpha, edgecolor=colour, label=meaning))
         elif kind == "dot":
-            handles.append(Line2D([], [], marker="o", linestyle="", color=colour, markersize=7, label=text))
+            handles.append(Line2D([], [], marker="o", linestyle="", color=colour, markersize=7, label=meaning))
         else:
-            handles.append(
-                Line2D(
-                    [],
-                    [],
-                    color=colour,
-                    linewidth=3.2,
-                    linestyle="-" if kind == "line" else (0, (1.6, 0.8)),
-                    label=text,
-                )
-            )
-    shown = figure.legend(
-        handles=handles,
-        loc="upper left",
-        bbox_to_anchor=(left, top),
-        frameon=False,
-        fontsize=9.5,
-        handlelength=1.7,
-        labelspacing=0.62,
-        borderaxespad=0.0,
-        borderpad=0.0,
-    )
-    for text in shown.get_texts():
-        text.set_color(INK)
-    extent = shown.get_window_extent(FigureCanvasAgg(figure).get_renderer())
-    return float(extent.y0 / figure.bbox.height)
-
-
-_LETTERS = 31  # of joint and share together, that a bar's width has room for at full size, bold
+            dash = "-" if kind == "line" else (0, (1.6, 0.8))
+            handles.append(Line2D([], [], color=colour, linewidth=3.2, linestyle=dash, label=meaning))
+    spacing = {"handlelength": 1.7, "labelspacing": 0.62, "borderaxespad": 0.0, "borderpad": 0.0}
+    style = {"frameon": False, "fontsize": 9.5, "labelcolor": INK}
+    shown = figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(left, top), **style, **spacing)
+    return float(shown.get_window_extent().y0 / figure.bbox.height)
 
 
 def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any) -> None:
-    """The joints nearest to their limits, as shares of them, below `top`; across : left and width."""
+    """A bar for each of the joints nearest to their limits, below `top`. across : left and width."""
     known = [r for r in check if r.known and np.isfinite(r.limit)]
     most = max(2, int((top - 0.055) / ROW))
     rows = sorted(known, key=lambda r: (-round(r.utilisation, 6), r.joint != check.binding))[:most]
@@ -118,10 +83,10 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
     widest = max(1.0, max(r.utilisation for r in rows))
     said = [f"{units.percent(r.utilisation)} of {units.torque(r.limit)}" for r in rows]
     longest = max(len(r.joint) + len(words) for r, words in zip(rows, said, strict=True))
-    size = 9.0 * min(1.0, _LETTERS / longest)
+    size = 9.0 * min(1.0, LETTERS / longest)
     for k, r in enumerate(rows):
         over, binding = r.utilisation > 1.0, r.joint == check.binding
-        colour = "#D55E00" if over else "#0072B2" if binding else "#8FB8D4"
+        colour = RED if over else BLUE if binding else "#8FB8D4"
         ax.barh(k + 0.72, 1.0, height=0.26, color="#ECEEF0", zorder=1)
         ax.barh(k + 0.72, r.utilisation, height=0.26, color=colour, zorder=2)
         style = {"va": "bottom", "fontsize": size, "color": INK, "weight": "bold" if over or binding else "normal"}
@@ -129,7 +94,7 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         ax.text(widest, k + 0.54, said[k], ha="right", **style)
     if (left_out := len(known) - len(rows)) > 0:
         least = units.percent(rows[-1].utilisation)
-        text = f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less"
-        ax.text(0, len(rows) + 0.28, text, fontsize=9, color="#555555", va="center")
+        more = f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less"
+        ax.text(0, len(rows) + 0.28, more, fontsize=9, color="#555555", va="center")
     ax.set_xlim(0, widest)
     ax.set_ylim(len(rows), 0)

@@ -7,27 +7,25 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.show.camera import Camera
+from handlcp.show.picture.camera import Camera
 
-__all__ = ["COLOUR", "ESCAPE", "INK", "LOAD", "SLIP", "Overlay", "nice", "rim"]
+__all__ = ["Overlay", "nice", "rim"]
 
-# Okabe and Ito's palette, told apart by everybody
-COLOUR = {"sticking": "#0072B2", "sliding": "#D55E00", "separated": "#6E6E6E", "unknown": "#6E6E6E"}
-LOAD, SLIP, ESCAPE, INK, FAINT = "#1A1A1A", "#A0307A", "#D55E00", "#222222", "#777777"
+FAINT = "#777777"
 
 
 class Overlay:
-    """Draws over a camera's picture. `inch`: metres on the screen that are one inch on paper."""
+    """Draws over a camera's picture. inch : metres on the screen that are one inch on paper."""
 
     def __init__(self, ax: Any, camera: Camera, inch: float) -> None:
         self.ax, self.camera, self.inch = ax, camera, inch
 
     def arrow(self, start: Array, vector: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
-        """A straight arrow in space, with its width on paper."""
+        """A straight arrow in space; its width is that on paper."""
         self.flat_arrow(self.camera.project(start), self.camera.project(start + vector), colour, width, dashed)
 
     def flat_arrow(self, a: Array, b: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
-        """The same between two screen points."""
+        """An arrow between two screen points."""
         from matplotlib.patches import Polygon
 
         along = b - a
@@ -48,7 +46,7 @@ class Overlay:
         self.ax.add_patch(Polygon(points, closed=True, joinstyle="round", zorder=6, **style))
 
     def cone(self, apex: Array, edge: Array, colour: str) -> None:
-        """A friction cone from its apex (3,) to its rim (k, 3); in a plane the wedge that it is there (k = 2)."""
+        """A friction cone from its apex (3,) to its rim `edge` (k, 3); k = 2 in a planar scene: a wedge."""
         from matplotlib.patches import Polygon
 
         s, p = self.camera.project(edge), self.camera.project(apex)
@@ -64,7 +62,7 @@ class Overlay:
         self.ax.plot(*p, "o", color=colour, markersize=5.5, markeredgecolor="white", markeredgewidth=0.9, zorder=7)
 
     def triad(self, corner: Array) -> None:
-        """The world's axes, seen from here, from a screen point."""
+        """The world's axes as the camera sees them, from a screen point."""
         size = 0.34 * self.inch
         for axis, name in zip(np.eye(3), "xyz", strict=True):
             tip = self.camera.project(axis) * size
@@ -77,7 +75,7 @@ class Overlay:
             self._faint(x, y, name, "center")
 
     def scale_bar(self, corner: Array, length: float, text: str) -> None:
-        """A length, to the scale of the picture."""
+        """A length to scale."""
         x, y = corner
         tick = 0.04 * self.inch
         for xs, ys in (([x, x + length], [y, y]), *(([e, e], [y - tick, y + tick]) for e in (x, x + length))):
@@ -94,7 +92,7 @@ class Overlay:
 
 
 def rim(apex: Array, axes: Array, height: float, mu: float, planar: bool) -> Array:
-    """(k, 3) rim of a friction cone, `height` along the normal z of axes (3, 3); two ends of a wedge in a plane."""
+    """(k, 3) rim of a friction cone of `height` along the normal z of axes (3, 3); planar: both ends of a wedge."""
     x, y, n = axes.T
     if planar:
         return np.array([apex + height * (n + s * mu * x) for s in (1.0, -1.0)])
@@ -109,19 +107,10 @@ def nice(value: float) -> float:
 
 
 def _outline(points: Array) -> Array:
-    """Convex hull of screen points (Andrew's monotone chain)."""
-    p = points[np.lexsort((points[:, 1], points[:, 0]))]
+    """Convex hull of screen points, in order; the points as they are where they lie on a line."""
+    from scipy.spatial import ConvexHull, QhullError
 
-    def half(q: Array) -> list[Array]:
-        out: list[Array] = []
-        for c in q:
-            while len(out) > 1 and _turn(out[-2], out[-1], c) <= 0:
-                out.pop()
-            out.append(c)
-        return out[:-1]
-
-    return np.array(half(p) + half(p[::-1]))
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return points

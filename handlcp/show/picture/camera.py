@@ -1,0 +1,153 @@
+"""An orthographic camera: the side from which a grasp is seen, and the part of the screen that becomes the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp import Grasp
+from handlcp.hand import HandGrasp
+from handlcp.show.picture.bodies import Body
+from handlcp.show.picture.raster import fill
+
+__all__ = ["Camera", "Frame", "camera_for", "facing", "frame"]
+
+ELEVATIONS = (16.0, 28.0, -14.0, -26.0)  # [degrees] above the horizon; from below only when that shows more
+STEP = 15.0  # of the azimuth [degrees]
+SMALL = (96, 80)  # pixels of the sketches that are compared
+FAR, NEAR = 3.8, 2.5  # a hand farther from the object than FAR sizes of the grasp is cut at NEAR of them
+FOOT, HEAD = 0.62, 0.12  # inches for the scales below, and of air above
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """axes (3, 3): rows are screen right, screen up and the direction towards the viewer, world axes."""
+
+    axes: Array
+
+    def project(self, points: Array) -> Array:
+        """(…, 3) → (…, 2) screen coordinates [m]."""
+        return np.asarray(points @ self.axes[:2].T)
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """box (x0, x1, y0, y1) : limits of the picture on the screen [m]. inner : the same of the scene without labels.
+
+    inch : metres on the screen that are one inch on paper.
+    """
+
+    box: tuple[float, float, float, float]
+    inner: tuple[float, float, float, float]
+    inch: float
+
+
+def facing(normal: Array, up: Array) -> Camera:
+    """Looking against `normal`, with `up` as near to screen up as it can be."""
+    towards = normal / np.linalg.norm(normal)
+    right = np.cross(up, towards)
+    right /= np.linalg.norm(right)
+    return Camera(np.array([right, np.cross(towards, right), towards]))
+
+
+def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: Array) -> Camera:
+    """A planar grasp is seen along its normal, another from where most can be seen; the load points down if possible.
+
+    glass : the object. marks (n, 3) : points that should lie apart on the screen.
+    """
+    scene = grasp.scene
+    load = float(np.linalg.norm(scene.force))
+    if scene.plane is not None:
+        normal = scene.plane * (1.0 if scene.plane[int(np.argmax(abs(scene.plane)))] > 0 else -1.0)
+        up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.9 else UP
+        above = _upwards(-scene.force / load) if load > 0 else up
+        return facing(normal, up if abs(above @ normal) > 0.9 else above)  # `above` may point at the viewer
+    down = scene.force
+    if isinstance(grasp, HandGrasp) and grasp.target is not None and grasp.target.mass > 0.0:
+        # An object with a weight hangs in the picture, whatever else pushes it
+        down = grasp.given_gravity if grasp.given_gravity.any() else down
+    size = float(np.linalg.norm(down))
+    up = _upwards(-down / size) if size > 0 else UP
+    return _best(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
+
+
+def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Array, inches: tuple[float, float],
+          margin: float) -> Frame:  # fmt: skip
+    """The object, the points of `reach` (k, 3), and as much of the hand as leaves them large enough.
+
+    inches : (width, height) of the picture on paper. margin : inches at each side for labels.
+    """
+    core = [camera.project(reach)]
+    if glass is not None:
+        core.append(camera.project(glass.triangles).reshape(-1, 2))
+    inner = np.concatenate(core)
+    low, high = inner.min(0), inner.max(0)
+    centre, radius = (low + high) / 2, float((high - low).max()) / 2
+    if solids:
+        rest = np.concatenate([camera.project(b.triangles).reshape(-1, 2) for b in solids])
+        far = float(abs(rest - centre).max()) / radius
+        if far > FAR:
+            rest = rest[(abs(rest - centre) <= NEAR * radius).all(1)]
+        low, high = np.vstack([low, rest]).min(0), np.vstack([high, rest]).max(0)
+    tall = inches[1] - FOOT - HEAD
+    inch = max(float(high[0] - low[0]) / (inches[0] - 2 * margin), float(high[1] - low[1]) / tall)
+    middle = (low + high) / 2
+    x0, x1 = middle[0] - inches[0] / 2 * inch, middle[0] + inches[0] / 2 * inch
+    y0 = middle[1] - tall / 2 * inch - FOOT * inch
+    y1 = y0 + inches[1] * inch
+    box = (float(x0), float(x1), float(y0), float(y1))
+    return Frame(box, (float(low[0]), float(high[0]), float(low[1]), float(high[1])), inch)
+
+
+def _best(points: Array, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
+    """The side where points (n, 3) lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
+    first = np.eye(3)[int(np.argmin(np.round(abs(up), 9)))]
+    first = first - up * (up @ first)
+    first /= np.linalg.norm(first)
+    second = np.cross(up, first)
+    hand = np.concatenate([b.triangles for b in solids]) if solids else np.zeros((0, 3, 3))
+    best, camera = -np.inf, facing(first, up)
+    for elevation in ELEVATIONS:
+        for azimuth in np.arange(0.0, 360.0, STEP) + 5.0:
+            a, e = np.radians(azimuth), np.radians(elevation)
+            c = facing(np.cos(e) * (np.cos(a) * first + np.sin(a) * second) + np.sin(e) * up, up)
+            s = c.project(points)
+            apart = np.linalg.norm(s[:, None] - s[None], axis=2)[np.triu_indices(len(s), 1)] / size
+            score = float(min(apart.min(initial=1.0), 0.7)) + 0.3 * float(apart.mean()) if len(apart) else 0.0
+            length = np.linalg.norm(c.project(arrows), axis=1)
+            score += 0.9 * min(float(length.min(initial=1.0)), 0.8) + 0.3 * float(length.mean()) if len(arrows) else 0.0
+            if glass is not None:
+                score += 0.9 * _visible(c, hand, glass.triangles)
+            score -= 0.15 if elevation < 0 else 0.0
+            if score > best + 1e-9:
+                best, camera = score, c
+    return camera
+
+
+def _visible(camera: Camera, hand: Array, glass: Array) -> float:
+    """Share of the object's silhouette that no part of the hand covers."""
+    w, h = SMALL
+    s = camera.project(glass).reshape(-1, 2)
+    low, high = s.min(0), s.max(0)
+    scale = min(w / float(high[0] - low[0]), h / float(high[1] - low[1]))
+
+    def depths(triangles: Array) -> Array:
+        page = triangles @ camera.axes.T
+        page[..., :2] = (page[..., :2] - low) * scale
+        depth = np.full((h, w), -np.inf)
+        fill(np.empty((h, w, 3)), depth, page, np.zeros((len(page), 3)))
+        return depth
+
+    near, before = depths(glass), depths(hand)
+    shape = np.isfinite(near)
+    return float((shape & (before < near)).sum()) / max(int(shape.sum()), 1)
+
+
+def _upwards(up: Array) -> Array:
+    """The nearest axis where `up` is almost along one, else z: an oblique load does not tilt the hand."""
+    axis = int(np.argmax(abs(up)))
+    return np.asarray(np.eye(3)[axis] * np.sign(up[axis])) if abs(up[axis]) > 0.95 else UP

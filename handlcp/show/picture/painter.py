@@ -1,0 +1,119 @@
+"""The image of the solids: shaded triangles in a depth buffer, outlines, and the translucent object between them.
+
+matplotlib draws one polygon after the other, which leaves seams in translucent surfaces and jagged edges where solids
+meet. So the solids become an image here, and matplotlib draws everything else over it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+
+from handlcp.check import Array
+from handlcp.show.picture.bodies import Body
+from handlcp.show.picture.camera import Camera, Frame
+from handlcp.show.picture.raster import fill
+
+__all__ = ["paint"]
+
+LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])  # screen axes: from the upper left
+CREASE = np.cos(np.radians(28.0))  # edges of the object sharper than this are drawn
+GLASS = 0.40  # opacity of the object
+CONTOUR = 0.55  # brightness of the lines around solids
+OVER = 2  # samples per pixel and direction
+
+
+def paint(ax: Any, camera: Camera, solids: Sequence[Body], glass: Body | None, frame: Frame, dpi: float) -> None:
+    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch."""
+    x0, x1, y0, y1 = frame.box
+    pixels = round((x1 - x0) / frame.inch * dpi), round((y1 - y0) / frame.inch * dpi)
+    w, h = pixels[0] * OVER, pixels[1] * OVER
+    scale = np.array([w / (x1 - x0), h / (y1 - y0), 1.0])
+
+    def page(points: Array) -> Array:
+        return np.asarray((points @ camera.axes.T - np.array([x0, y0, 0.0])) * scale)
+
+    colour, depth = np.ones((h, w, 3)), np.full((h, w), -np.inf)
+    for body in solids:
+        fill(colour, depth, page(body.triangles), _shaded(camera, body))
+    _contours(colour, depth, 0.012 * (y1 - y0))
+    if glass is not None:
+        front, near = np.ones((h, w, 3)), np.full((h, w), -np.inf)
+        fill(front, near, page(glass.triangles), _shaded(camera, glass))
+        seen = near > depth
+        colour[seen] = (1 - GLASS) * colour[seen] + GLASS * front[seen]
+        lines = _ribbons(page(_creases(camera, glass.triangles)), 0.004 * (y1 - y0))
+        fill(colour, depth, lines, np.tile(0.42 * np.array(glass.colour), (len(lines), 1)))
+    _fade(colour, frame)
+    small = colour.reshape(pixels[1], OVER, pixels[0], OVER, 3).mean((1, 3))
+    ax.imshow(small, extent=frame.box, origin="lower", interpolation="antialiased", zorder=1, aspect="auto")
+
+
+def _shaded(camera: Camera, body: Body) -> Array:
+    """(m, 3) colour of each triangle, lit from the viewer's side."""
+    n = _normals(body.triangles) @ camera.axes.T
+    n = n * np.where(n[:, 2:] < 0, -1.0, 1.0)
+    shade = 0.58 + 0.36 * np.clip(n @ LIGHT, 0, None) + 0.12 * n[:, 2]
+    return np.asarray(np.clip(shade[:, None] * np.array(body.colour), 0, 1))
+
+
+def _normals(triangles: Array) -> Array:
+    """(m, 3) unit normals; zero for a triangle without area."""
+    n = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    size = np.linalg.norm(n, axis=1)
+    return np.asarray(n / np.where(size > 0, size, 1.0)[:, None])
+
+
+def _contours(colour: Array, depth: Array, step: float) -> None:
+    """Darken where the depth jumps by more than `step`: the outlines of solids."""
+    cross = ndimage.generate_binary_structure(2, 1)
+    d = np.where(np.isfinite(depth), depth, -1e9)
+    line = d - ndimage.minimum_filter(d, footprint=cross, mode="wrap") > step
+    colour[ndimage.binary_dilation(line, cross, iterations=OVER - 1, mask=d > -1e9)] *= CONTOUR
+
+
+def _fade(colour: Array, frame: Frame) -> None:
+    """Where the hand is cut, it fades into the page."""
+    h, w, _ = colour.shape
+    (x0, x1, y0, y1), (a, b, c, d), soft = frame.box, frame.inner, 0.30 * frame.inch
+    x, y = np.linspace(x0, x1, w), np.linspace(y0, y1, h)
+    across = np.clip(np.minimum(x - a, b - x) / soft + 1.0, 0, 1)
+    along = np.clip(np.minimum(y - c, d - y) / soft + 1.0, 0, 1)
+    share = (along[:, None] * across[None])[..., None]
+    colour *= share
+    colour += 1.0 - share
+
+
+def _ribbons(lines: Array, lift: float) -> Array:
+    """(2k, 3, 3) triangles of lines (k, 2, 3) on the page, one pixel and a half wide and nearer by `lift`."""
+    side = np.cross([0.0, 0.0, 1.0], lines[:, 1] - lines[:, 0])
+    length = np.linalg.norm(side, axis=1)
+    lines, side = lines[length > 0], side[length > 0] / length[length > 0][:, None]
+    a, b, across = lines[:, 0] + (0, 0, lift), lines[:, 1] + (0, 0, lift), side * 0.75 * OVER
+    corners = [a - across, b - across, b + across, a - across, b + across, a + across]
+    return np.asarray(np.stack(corners, axis=1).reshape(-1, 3, 3))
+
+
+def _creases(camera: Camera, triangles: Array) -> Array:
+    """(k, 2, 3) edges to draw: sharp ones on the near side, and the outline."""
+    n = _normals(triangles)
+    t, n = triangles[n.any(axis=1)], n[n.any(axis=1)]
+    scale = float(np.ptp(t.reshape(-1, 3), axis=0).max())
+    ends = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
+    owner = np.tile(np.arange(len(t)), 3)
+    key = np.round(ends / (1e-6 * scale)).astype(np.int64)
+    flip = np.array([tuple(a) > tuple(b) for a, b in key.tolist()])
+    key[flip] = key[flip][:, ::-1]
+    _, first, inverse, count = np.unique(
+        key.reshape(-1, 6), axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    order = np.argsort(inverse.ravel(), kind="stable")
+    starts = np.concatenate([[0], np.cumsum(count)[:-1]])
+    pairs = count == 2
+    a, b = owner[order[starts[pairs]]], owner[order[starts[pairs] + 1]]
+    front = n @ camera.axes[2] > 0
+    sharp = ((n[a] * n[b]).sum(1) < CREASE) & (front[a] | front[b])
+    return np.asarray(ends[first[pairs][sharp | (front[a] != front[b])]])

@@ -1,0 +1,33 @@
+"""Text in pictures: how wide a line is, and places for labels that must not overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+__all__ = ["spread", "width"]
+
+
+def width(figure: Any, line: str, **style: Any) -> float:
+    """Width of a line of text in the figure, in pixels."""
+    drawn = figure.text(0, 0, line, **style)
+    extent = drawn.get_window_extent()
+    drawn.remove()
+    return float(extent.width)
+
+
+def spread(wanted: Sequence[float], sizes: Sequence[float], low: float, high: float) -> list[float]:
+    """Where labels in a column begin, as near to the wanted places as the others and the column's ends permit.
+
+    wanted : places in rising order. sizes : the room that each label takes, counted upwards from its place. Where the
+    column from `low` to `high` is too short for all of them, they reach below `low`.
+    """
+    places, end = [], low
+    for place, size in zip(wanted, sizes, strict=True):
+        places.append(max(place, end))
+        end = places[-1] + size
+    end = high
+    for k in reversed(range(len(places))):
+        places[k] = min(places[k], end - sizes[k])
+        end = places[k]
+    return places
