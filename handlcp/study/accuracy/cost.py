@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime
 from typing import Any
 
@@ -14,17 +14,17 @@ from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import GeometricStiffness, Grasp, GraspSolution
 from handlcp.grasp.pyramid import MOST_FACES
 from handlcp.study.accuracy.left_out import compare, variants
-from handlcp.study.accuracy.measure import Bench, Errors, Setting
+from handlcp.study.accuracy.measure import Bench
 from handlcp.study.accuracy.methods import METHODS, Method
-from handlcp.study.accuracy.plan import FACES, TOLERANCES, settings
-from handlcp.study.accuracy.result import NOT_RUN, AccuracyCost, Conditions, LeftOut, Reference, Row
+from handlcp.study.accuracy.plan import FACES, TOLERANCES, Setting, settings
+from handlcp.study.accuracy.result import NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
 from handlcp.version import VERSION
 
 __all__ = ["Progress", "accuracy_cost"]
 
 Progress = Callable[[int, int, str], None]  # settings done, all of them, what is next
 
-_SHARE = 0.5  # of what a method's budget has left, the most that one setting may take
+_SHARE = 0.5  # one setting may take at most this share of what is left of its method's time
 _FEWEST = 100  # steps: a run that would be cut shorter, and shorter than twice the last one's, says nothing
 
 
@@ -46,8 +46,8 @@ def accuracy_cost(
         Methods run with all faces at a tight tolerance, and with all tolerances at 8 and 16 faces; where both lists
         are given, with every pair. left_out : whether to solve the scene without each of its effects, too.
     repeats : timed runs of a setting; very short ones are repeated more often, long ones as often as time allows.
-    seconds : for all timed runs; compilation and effects left out come on top, the latter half a second each at most
-        where a search finds nothing. Settings that do not fit are rows, too: "not run: budget".
+    seconds : for all timed runs. Compilation and effects left out come on top, the latter with half a second each at
+        most where a search finds nothing. Settings that do not fit are rows, too: "not run: budget".
     seed : of all methods that draw. progress : called before each setting with (settings done, all, what is next).
 
     Errors are measured against `grasp.solve("cone")`, certified. Where that is one equilibrium of several, rows that
@@ -61,98 +61,69 @@ def accuracy_cost(
         raise InputError("left_out", "True or False", repr(left_out))
     if progress is not None and not callable(progress):
         raise InputError("progress", "a function of (done, total, text), or None", repr(progress))
-    if grasp.scene.soft:
-        raise Unsupported("accuracy_cost compares methods that know no soft fingers")
-    if any(isinstance(e, GeometricStiffness) for e in grasp.effects):
-        raise InputError("grasp", "one with one flexibility for all forces", "GeometricStiffness among its effects")
-    begun = datetime.now().astimezone()
+    date = datetime.now().astimezone().isoformat(timespec="seconds")
     exact = grasp.solve("cone")
     bench = Bench(grasp, exact, repeats, seed)
-    pyramids = grasp.scene.plane is None and len(grasp.scene.rough) > 0
-    cells = settings(chosen, sides, tols, pyramids)
+    plan = settings(chosen, sides, tols, grasp.scene.plane is None and len(grasp.scene.rough) > 0)
     simpler = list(variants(grasp)) if left_out else []
-    clock = _Clock(progress, sum(map(len, cells.values())) + len(simpler))
-    for own in cells.values():
-        bench.run(own[0], 0.0, 1)  # compiles
-    effects = tuple(_left_out(grasp, exact, bench.errors, clock, v) for v in simpler)
-    clock.start(seconds)
+    effects: list[LeftOut] = []
     rows: list[Row] = []
-    for k, (method, own) in enumerate(cells.items()):
-        rows += _run(bench, method, own, clock, clock.left / (len(cells) - k))
-    took = time.perf_counter() - clock.begun
-    where = Conditions(
-        VERSION, platform.python_version(), f"{platform.system()} {platform.machine()}", os.cpu_count() or 1,
-        begun.isoformat(timespec="seconds"), repeats, seed, seconds, took,
-    )  # fmt: skip
-    return AccuracyCost(_reference(grasp, exact, bench.errors), tuple(rows), effects, where, _notes(exact, rows))
+
+    def say(text: str) -> None:
+        if progress is not None:
+            progress(len(effects) + len(rows), len(simpler) + sum(map(len, plan.values())), text)
+
+    say("compiling")
+    for own in plan.values():
+        bench.run(own[0], 0.0, 1)
+    for effect, instead, without in simpler:
+        say(f"without {effect}")
+        effects.append(compare(exact, bench.errors, effect, instead, without))
+    begun = time.perf_counter()
+    for k, (method, own) in enumerate(plan.items()):
+        left = max(begun + seconds - time.perf_counter(), 0.0)
+        for row in _run(bench, method, own, left / (len(plan) - k), say):
+            rows.append(row)  # one by one: `say` counts them
+    took = time.perf_counter() - begun
+    machine, processors = f"{platform.system()} {platform.machine()}", os.cpu_count() or 1
+    where = Conditions(VERSION, platform.python_version(), machine, processors, date, repeats, seed, seconds, took)
+    return AccuracyCost(_reference(exact, bench), tuple(rows), tuple(effects), where, _notes(exact, rows))
 
 
-class _Clock:
-    """What is left of the budget, and how far the study is."""
+def _run(
+    bench: Bench, method: Method, own: Sequence[Setting], seconds: float, say: Callable[[str], None]
+) -> Iterator[Row]:
+    """One method's rows, within so many seconds.
 
-    def __init__(self, progress: Progress | None, total: int) -> None:
-        self.progress, self.done, self.total = progress, 0, total
-        self.begun = self.end = 0.0
-        self.say("compiling")
-
-    def say(self, text: str) -> None:
-        if self.progress is not None:
-            self.progress(self.done, self.total, text)
-
-    def next(self, text: str) -> None:
-        self.say(text)
-        self.done += 1
-
-    def start(self, seconds: float) -> None:
-        self.begun = time.perf_counter()
-        self.end = self.begun + seconds
-
-    @property
-    def left(self) -> float:
-        return max(self.end - time.perf_counter(), 0.0)
-
-
-def _run(bench: Bench, method: Method, own: Sequence[Setting], clock: _Clock, slice_: float) -> list[Row]:
-    """One method's rows. No single run may take more than a share of what the slice has left: its steps are cut to
-    that (a whole `grasp.solve()` cannot be cut), and where nothing useful would be left it isn't started. Repeats share
-    what is left evenly.
+    A run's steps are cut so that it takes at most `_SHARE` of what is left (a whole `grasp.solve()` cannot be cut);
+    where too few steps would be left it is not started. Repeats share what is left evenly.
     """
-    end, rows = time.perf_counter() + slice_, []
-    step, known, fewest = 0.0, 1.0, 0  # seconds a step, as far as it is known, at so many unknowns
+    end, step, known, fewest = time.perf_counter() + seconds, 0.0, 1.0, 0  # seconds a step, measured at n = known
     for k, s in enumerate(own):
-        clock.next(f"{method.name}, {s.faces} faces" if s.faces else method.name)
+        say(f"{method.name}, {s.faces} faces" if s.faces else method.name)
         allowed = _SHARE * (end - time.perf_counter())
         n = bench.unknowns(s) if allowed > 0.0 else 0
         most = method.most
         if step > 0.0 and allowed > 0.0:
             most = int(min(most, allowed / (step * (n / known) ** method.growth)))
         if allowed <= 0.0 or most < fewest:
-            rows.append(s.row(NOT_RUN))
+            yield Row(method.name, s.section, s.faces, s.tolerance, NOT_RUN)
             continue
         row = bench.run(s, (end - time.perf_counter()) / (len(own) - k), most)
-        rows.append(row)
         if row.seconds is not None and row.iterations:
             step, known = row.seconds / row.iterations, float(n)
             fewest = min(_FEWEST, method.most, 2 * row.iterations)
-    return rows
+        yield row
 
 
-def _left_out(
-    grasp: Grasp, exact: GraspSolution, errors: Errors, clock: _Clock, variant: tuple[str, str, Grasp]
-) -> LeftOut:
-    effect, instead, without = variant
-    clock.next(f"without {effect}")
-    return compare(grasp, exact, errors, effect, instead, without)
-
-
-def _reference(grasp: Grasp, exact: GraspSolution, errors: Errors) -> Reference:
-    free = exact.uniqueness
+def _reference(exact: GraspSolution, bench: Bench) -> Reference:
+    torques, free = bench.errors.torques, exact.uniqueness
     return Reference(
         exact.names,
         tuple(map(tuple, exact.forces.tolist())),
         tuple(map(tuple, exact.slip.tolist())),
-        None if errors.torques is None else tuple(errors.torques.tolist()),
-        errors.motion_scale,
+        None if torques is None else tuple(torques.tolist()),
+        exact.residuals.motion_scale,
         exact.residuals.worst,
         free is None or free.forces_determined,
     )
@@ -162,7 +133,7 @@ def _notes(exact: GraspSolution, rows: Sequence[Row]) -> tuple[str, ...]:
     notes = []
     if exact.uniqueness is not None and not exact.uniqueness.forces_determined:
         notes.append("the scene does not determine its forces: errors are distances from the smallest that will do")
-    if any(r.status == "another equilibrium" for r in rows):
+    if any(r.status == OTHER for r in rows):
         notes.append("the scene has more than one equilibrium, and some settings reach another than the reference")
     return tuple(notes)
 
@@ -170,6 +141,7 @@ def _notes(exact: GraspSolution, rows: Sequence[Row]) -> tuple[str, ...]:
 def _checked(
     grasp: Any, methods: Any, faces: Any, tolerances: Any
 ) -> tuple[tuple[Method, ...], tuple[tuple[int, ...], bool], tuple[tuple[float, ...], bool]]:
+    """(methods, faces, tolerances), the latter two with whether they were asked for."""
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp, or a HandGrasp", type(grasp).__name__)
     names = tuple(METHODS) if methods is None else _several("methods", methods, "method names")
@@ -179,8 +151,15 @@ def _checked(
     tols = TOLERANCES if tolerances is None else _several("tolerances", tolerances, "tolerances")
     sides = tuple(sorted({integer("faces", m, 3, MOST_FACES) for m in sides}))
     tols = tuple(sorted({number("tolerances", t, above=0.0) for t in tols}, reverse=True))
-    chosen = tuple(m for m in METHODS.values() if m.name in names)
-    return chosen, (sides, faces is not None), (tols, tolerances is not None)
+    if grasp.scene.soft:
+        raise Unsupported("accuracy_cost compares methods that know no soft fingers")
+    if any(isinstance(e, GeometricStiffness) for e in grasp.effects):
+        raise InputError("grasp", "one with one flexibility for all forces", "GeometricStiffness among its effects")
+    return (
+        tuple(m for m in METHODS.values() if m.name in names),
+        (sides, faces is not None),
+        (tols, tolerances is not None),
+    )
 
 
 def _several(argument: str, value: Any, what: str) -> tuple[Any, ...]:

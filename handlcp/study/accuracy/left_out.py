@@ -23,38 +23,9 @@ _SEARCH = 0.5  # seconds of search in scenes that may have no answer
 
 
 def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
-    """(effect, what is put in its place, the grasp without it) for each effect that this scene has.
-
-    Blocks of a positive semidefinite E set to zero in pairs of rows and columns leave it positive semidefinite.
-    """
+    """(effect, what is put in its place, the grasp without it) for each effect that this scene has."""
     scene = grasp.scene
-    E, n = grasp.flexibility, scene.n  # of the fingers alone: compliances asked for are left out one by one
-    normal = np.arange(3 * n) % 3 == 2
-    same_kind = normal[:, None] == normal
-    same_finger = np.kron(np.eye(n, dtype=bool), np.ones((3, 3), bool))
-    if E[~same_kind].any():
-        yield (
-            "normal–tangential coupling",
-            "a push moves no fingertip sideways",
-            _with(grasp, np.where(same_kind, E, 0)),
-        )
-    if E[~same_finger].any():
-        yield "coupling between fingers", "fingers that share no joint", _with(grasp, np.where(same_finger, E, 0))
-    if len(scene.rough) and E[~normal][:, ~normal].any():
-        stiff = np.where(normal[:, None] & normal, E, 0)
-        yield "tangential flexibility", "fingertips that give way along the normal only", _with(grasp, stiff)
-    if isinstance(grasp, HandGrasp):
-        joints, k = _joints_alone(grasp), 3 * (n - scene.environment)
-        around = np.where(np.arange(3 * n)[:, None] < k, 0, E)  # the environment's stays, whatever the hand's is
-        pads = np.where(same_finger, E - joints - around, 0)  # what is left where joints do nothing is rounding
-        pads = np.where(abs(pads) > 1e-12 * abs(E).max(initial=0.0), pads, 0)
-        if pads.any():
-            yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints + around)
-        if joints.any():
-            rest = "soft fingertips" if pads.any() else "rigid fingers"
-            yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads + around)
-    elif E.any():
-        yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
+    yield from _stiffer(grasp)
     if (bare := grasp.replace(preload=0.0)).offset.tolist() != grasp.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
@@ -67,11 +38,43 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
         yield "finger weight", "fingers without weight", _with_effects(light, light.effects)
 
 
-def compare(
-    grasp: Grasp, reference: GraspSolution, errors: Errors, effect: str, instead: str, without: Grasp
-) -> LeftOut:
-    """Solve the grasp without the effect on the exact cone, from the reference, so that the nearest equilibrium comes
-    out should there be several, and compare.
+def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
+    """The same for parts of the fingers' flexibility E. Compliances asked for by name are effects of their own.
+
+    E stays positive semidefinite where blocks of it are set to zero in pairs of rows and columns.
+    """
+    scene = grasp.scene
+    E, n = grasp.flexibility, scene.n
+    normal = np.arange(3 * n) % 3 == 2
+    same_kind = normal[:, None] == normal
+    same_finger = np.kron(np.eye(n, dtype=bool), np.ones((3, 3), bool))
+    if E[~same_kind].any():
+        uncoupled = _with(grasp, np.where(same_kind, E, 0))
+        yield "normal–tangential coupling", "a push moves no fingertip sideways", uncoupled
+    if E[~same_finger].any():
+        yield "coupling between fingers", "fingers that share no joint", _with(grasp, np.where(same_finger, E, 0))
+    if len(scene.rough) and E[~normal][:, ~normal].any():
+        stiff = np.where(normal[:, None] & normal, E, 0)
+        yield "tangential flexibility", "fingertips that give way along the normal only", _with(grasp, stiff)
+    if isinstance(grasp, HandGrasp):
+        joints = grasp.state.hand.stiffness.compliance(grasp.jacobian)  # J K⁻¹ Jᵀ
+        fingers = 3 * (n - scene.environment)
+        around = np.where(np.arange(3 * n)[:, None] < fingers, 0, E)  # the environment's stays
+        pads = np.where(same_finger, E - joints - around, 0)
+        pads = np.where(abs(pads) > 1e-12 * abs(E).max(initial=0.0), pads, 0)  # without rounding errors
+        if pads.any():
+            yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints + around)
+        if joints.any():
+            rest = "soft fingertips" if pads.any() else "rigid fingers"
+            yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads + around)
+    elif E.any():
+        yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
+
+
+def compare(reference: GraspSolution, errors: Errors, effect: str, instead: str, without: Grasp) -> LeftOut:
+    """Solve the grasp without the effect on the exact cone, and compare.
+
+    The solve starts from the reference, so that it finds the nearest equilibrium should there be several.
     """
     solution = without.solve("cone", Auto(search_seconds=_SEARCH), throw=False, start=reference)
     if not solution.held:
@@ -87,20 +90,15 @@ def _with(grasp: Grasp, flexibility: Array) -> Grasp:
 
 
 def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
-    """Effects that count weight or given forces are told what is left of them."""
+    """Effects that count weight or given forces are told which are left."""
     joints = grasp.joints if isinstance(grasp, HandGrasp) else None
     return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints, grasp.scene.fingers))
 
 
 def _unsagged(grasp: HandGrasp) -> HandGrasp:
-    """Joints that don't give way to the fingers' weight."""
+    """The grasp with joints that do not give way to the fingers' weight."""
     if not grasp.sag.any():
         return grasp
     made = changed(grasp, offset=read_only(grasp.offset - grasp.tip_sag))
     made.sag = read_only(np.zeros_like(grasp.sag))
     return made
-
-
-def _joints_alone(grasp: HandGrasp) -> Array:
-    """(3n, 3n) J K⁻¹ Jᵀ, the share of the joints [m/N]."""
-    return grasp.state.hand.stiffness.compliance(grasp.jacobian)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import gc
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp import Grasp, GraspSolution, Pyramid
+from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.assemble import GraspContact
 from handlcp.grasp.candidate import Candidate, of_solution
 from handlcp.grasp.certify import judge
@@ -19,40 +18,15 @@ from handlcp.grasp.changed import changed
 from handlcp.grasp.pyramid import as_section
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto, SemismoothNewton
-from handlcp.study.accuracy.methods import Method
+from handlcp.study.accuracy.plan import Setting
 from handlcp.study.accuracy.result import CERTIFIED, FAILED, LOOSE, OTHER, SPENT, Row
+from handlcp.study.nsngrk import in_units
 
-__all__ = ["Bench", "Errors", "Setting", "timed"]
+__all__ = ["Bench", "Errors", "timed"]
 
-_SHORT, _MANY = 1e-2, 50  # runs that are over at once are repeated for so long [s], but no more often
+_SHORT, _MANY = 1e-2, 50  # short runs are repeated for so long [s], but no more often
 _AMPLIFIED = 1e3  # forces may be off by so many times a residual before another equilibrium is suspected
-_SAME = 1e-6  # two equilibria whose forces differ by no more, relative, are one
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """A cell of the study. faces, inscribed : None where friction is exact. tolerance : None: the method has none."""
-
-    method: Method
-    faces: int | None
-    inscribed: bool | None
-    tolerance: float | None
-
-    @property
-    def section(self) -> str:
-        """In rows."""
-        return "exact" if self.inscribed is None else "inscribed" if self.inscribed else "circumscribed"
-
-    @property
-    def asked(self) -> int | str | Pyramid:
-        """What the grasp is assembled or solved with, as `faces`. A plain LCP of an exact scene ignores its number."""
-        if self.faces is not None:
-            return Pyramid(self.faces, inscribed=bool(self.inscribed))
-        return 8 if self.method.form in ("LCP", "SI") else "cone"
-
-    def row(self, status: str, **found: Any) -> Row:
-        """Its row."""
-        return Row(self.method.name, self.section, self.faces, self.tolerance, status, **found)
+_SAME = 1e-6  # relative: forces of one equilibrium differ by no more
 
 
 class Errors:
@@ -60,25 +34,18 @@ class Errors:
 
     def __init__(self, grasp: Grasp, reference: GraspSolution) -> None:
         self.grasp, self.forces, self.slip = grasp, reference.forces, reference.slip
-        self.torques = self.torques_of(grasp, reference.forces)
+        self.torques = _torques(grasp, reference.forces)
         self.motion_scale = reference.residuals.motion_scale
 
     def __call__(self, forces: Array, slip: Array, grasp: Grasp | None = None) -> dict[str, float | None]:
-        """force_error, slip_error, torque_error. grasp : whose torques; None: the reference's."""
-        torques = self.torques_of(grasp or self.grasp, forces)
+        """force_error, slip_error, torque_error. grasp : the one whose torques count; None: the reference's."""
+        torques = _torques(grasp or self.grasp, forces)
         off = None if torques is None or self.torques is None else _share(torques - self.torques, self.torques)
         return {
             "force_error": _share(np.linalg.norm(forces - self.forces, axis=1), np.linalg.norm(self.forces, axis=1)),
             "slip_error": _share(np.linalg.norm(slip - self.slip, axis=1), np.array([self.motion_scale])),
             "torque_error": off,
         }
-
-    @staticmethod
-    def torques_of(grasp: Grasp, forces: Array) -> Array | None:
-        """(nv,) Jᵀ f, and the fingers' own weight where it was asked for; None without a hand."""
-        if not isinstance(grasp, HandGrasp):
-            return None
-        return np.asarray(forces.reshape(-1) @ grasp.jacobian + grasp.gravity_torque)
 
 
 class Bench:
@@ -89,59 +56,55 @@ class Bench:
         self._problems: dict[Any, Any] = {}
 
     def unknowns(self, s: Setting) -> int:
-        """What the method sees."""
+        """Of the problem that the method gets."""
         return int(self._problem(s).n)
 
     def run(self, s: Setting, seconds: float, most: int) -> Row:
         """Its row: one run of at most `most` steps, and then as many of the repeats as fit into `seconds`."""
         if s.method.form == "grasp":
             return self._whole(s, seconds)
-        problem, section = self._problem(s), as_section(s.asked, self.grasp.scene.plane is not None)
-        solver = s.method.make(s.tolerance or 1.0, most, self.seed)
+        problem, solver = self._problem(s), s.method.set(s.tolerance or 1.0, most, self.seed)
         if s.method.form == "cone":
-            proposal, times = timed(lambda: lambda: solver.propose_contact(problem), self.repeats, seconds)
-            z = proposal.z
+            subject, units, run = problem, np.ones(1), solver.propose_contact
         else:
-            natural = s.method.form == "LCP"
-            scaled = problem.scaled if natural else problem.unscaled().scaled
-            proposal, times = timed(lambda: lambda: solver.propose(scaled), self.repeats, seconds)
-            z = proposal.z if natural else proposal.z / problem.scaled.units.z
-        candidate = problem.candidate(z)
-        verdict = judge(self.grasp.scene, problem.effects, section, candidate)
-        found = _times(times) | {"unknowns": problem.n, "iterations": proposal.iterations, "outcome": proposal.outcome}
+            subject, units = in_units(problem, "natural" if s.method.form == "LCP" else "given")
+            run = solver.propose
+        proposal, times = timed(lambda: subject, run, self.repeats, seconds)
+        scene, candidate = self.grasp.scene, problem.candidate(proposal.z / units)
+        verdict = judge(scene, problem.effects, as_section(s.asked, scene.plane is not None), candidate)
         worst = verdict.residuals.worst
-        slip = np.where(self.grasp.scene.governed_mask[:, None], verdict.motion[:, :2], 0.0)
+        slip = np.where(scene.governed_mask[:, None], verdict.motion[:, :2], 0.0)
         said = _said(proposal.outcome) if worst > 0 and not verdict.residuals.passes else CERTIFIED
-        return self._judged(s, said, worst, candidate, slip, found)
+        found = _times(times) | {"iterations": proposal.iterations, "outcome": proposal.outcome}
+        return self._row(s, said, worst, candidate, slip, found)
 
     def _whole(self, s: Setting, seconds: float) -> Row:
+        """The same for `grasp.solve`, each time of a new grasp, in which nothing of an earlier solve is left."""
         chain = Auto(seed=self.seed)
-
-        def task() -> Callable[[], GraspSolution]:
-            # Nothing of an earlier solve is left in a new grasp
-            grasp = changed(self.grasp)
-            return lambda: grasp.solve(s.asked, chain, throw=False)
-
-        solution, times = timed(task, self.repeats, seconds)
-        found = _times(times) | {"iterations": solution.iterations, "outcome": solution.trace[-1]}
-        found["unknowns"] = self.unknowns(s)
+        solution, times = timed(
+            lambda: changed(self.grasp), lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds
+        )
+        assert solution.scene is not None
+        candidate = of_solution(solution.scene, solution)
         said = CERTIFIED if solution.held else solution.status.name.lower().replace("_", " ")
-        return self._judged(s, said, solution.residuals.worst, _candidate(solution), solution.slip, found)
+        found = _times(times) | {"iterations": solution.iterations, "outcome": solution.trace[-1]}
+        return self._row(s, said, solution.residuals.worst, candidate, solution.slip, found)
 
-    def _judged(
+    def _row(
         self, s: Setting, said: str, worst: float, candidate: Candidate, slip: Array, found: dict[str, Any]
     ) -> Row:
+        """The row. said : status, unless the candidate belongs to another equilibrium. found : further fields."""
         errors = self.errors(candidate.forces, slip)
-        found["residual"] = worst if np.isfinite(worst) else None
         off = errors["force_error"]
-        # A face lets friction point up to π/m away from the slip: forces may be off by about this share
+        # Friction on a pyramid may point up to π/m away from the slip: forces may be off by about this share
         explained = (0.0 if s.faces is None else np.pi / s.faces) + _AMPLIFIED * worst + _SAME
         if off is not None and off > explained and self._leads_elsewhere(candidate):
             said = OTHER
-        return s.row(said, **found, **errors)
+        found |= errors | {"unknowns": self.unknowns(s), "residual": worst if np.isfinite(worst) else None}
+        return Row(s.method.name, s.section, s.faces, s.tolerance, said, **found)
 
     def _leads_elsewhere(self, candidate: Candidate) -> bool:
-        """Whether Newton's method on the exact cone leads from here to a certified equilibrium that is another one."""
+        """Whether Newton's method on the exact cone leads from here to another certified equilibrium."""
         scene, problem = self.grasp.scene, self.grasp.problem("cone")
         assert isinstance(problem, GraspContact)  # soft fingers are refused where the study begins
         there = problem.candidate(SemismoothNewton().propose_contact(problem, problem.natural(candidate)).z)
@@ -150,7 +113,7 @@ class Bench:
         return verdict.residuals.passes and off is not None and off > _SAME
 
     def _problem(self, s: Setting) -> Any:
-        """The assembled problem; friction as a set is what the whole of `solve` works on."""
+        """The assembled problem. "cone" and "grasp" work on friction as a set, the others on multipliers."""
         multipliers = s.method.form in ("LCP", "SI")
         key = (s.asked, multipliers)
         if key not in self._problems:
@@ -159,37 +122,40 @@ class Bench:
         return self._problems[key]
 
 
-def timed(task: Callable[[], Callable[[], Any]], repeats: int, seconds: float) -> tuple[Any, list[float]]:
-    """(what a run returned, times [s]) of `repeats` runs, or as many as fit into `seconds`, and of more short ones.
+def timed(
+    prepare: Callable[[], Any], run: Callable[[Any], Any], repeats: int, seconds: float
+) -> tuple[Any, list[float]]:
+    """(result of the first run, times [s]) of `repeats` runs of what `prepare` makes, untimed.
 
-    task : makes one run ready, untimed. The first run warms the caches; only where there is no time for another does
-    its own count. The garbage collector is off meanwhile.
+    Fewer where they do not fit into `seconds`, more where they are short. The first run warms the caches and counts
+    only where there is no time for another. The garbage collector is off meanwhile.
     """
-    clock, begun = time.perf_counter, time.perf_counter()
-    on = gc.isenabled()
+
+    def once() -> tuple[Any, float]:
+        subject = prepare()
+        start = time.perf_counter()
+        result = run(subject)
+        return result, time.perf_counter() - start
+
+    begun, collects = time.perf_counter(), gc.isenabled()
     gc.disable()
     try:
-        run = task()
-        start = clock()
-        result = run()
-        first = clock() - start
+        result, first = once()
         times: list[float] = []
         wanted = max(repeats, min(_MANY, int(_SHORT / max(first, 1e-9))))
-        while len(times) < wanted and clock() - begun + first < seconds:
-            run = task()
-            start = clock()
-            run()
-            times.append(clock() - start)
+        while len(times) < wanted and time.perf_counter() - begun + first < seconds:
+            times.append(once()[1])
     finally:
-        if on:
+        if collects:
             gc.enable()
     return result, times or [first]
 
 
-def _candidate(solution: GraspSolution) -> Candidate:
-    """Forces and motion of a solution, as a solver would propose them."""
-    assert solution.scene is not None
-    return of_solution(solution.scene, solution)
+def _torques(grasp: Grasp, forces: Array) -> Array | None:
+    """(nv,) Jᵀ f, with the fingers' own weight where it was asked for; None without a hand."""
+    if not isinstance(grasp, HandGrasp):
+        return None
+    return np.asarray(forces.reshape(-1) @ grasp.jacobian + grasp.gravity_torque)
 
 
 def _times(times: list[float]) -> dict[str, Any]:
@@ -198,7 +164,7 @@ def _times(times: list[float]) -> dict[str, Any]:
 
 
 def _said(outcome: str) -> str:
-    """What an answer that the certifier refuses is, by the method's own words."""
+    """The status of an answer that the certifier refuses, from the method's own words."""
     if "spent" in outcome:
         return SPENT
     return LOOSE if outcome.startswith(("converged", "complementary basis")) else FAILED

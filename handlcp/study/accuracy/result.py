@@ -1,4 +1,4 @@
-"""What a study of accuracy and cost came to: plain numbers, written as JSON or CSV and read back."""
+"""The result of a study of accuracy and cost: plain numbers, written as JSON or CSV and read back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["NOT_RUN", "OTHER", "AccuracyCost", "Conditions", "FaceLaw", "LeftOut
 CERTIFIED, LOOSE, SPENT, FAILED = "certified", "loose", "budget spent", "not converged"
 OTHER, NOT_RUN = "another equilibrium", "not run: budget"
 
-_DISTINCT = 0.9  # share of another's time that is certainly less
+_DISTINCT = 0.9  # times that differ by less than a tenth count as equal: they are no more certain than that
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +27,11 @@ class Row:
 
     section : "inscribed" or "circumscribed" pyramid of `faces`, or "exact" (cone, planar scene, no friction: None).
     tolerance : at which the method stops, in its own measure; None where it has none.
-    status : "certified" (the certifier's, for the row's own section), "loose" (the method stopped content, the
-        certifier isn't), "budget spent", "not converged", "not run: budget"; of `grasp.solve()` also "not holdable",
-        "no equilibrium", "undecided"; "another equilibrium": an answer, but Newton's method leads from it to an
-        equilibrium that is not the reference, so that its errors compare two different things.
-    unknowns : what the method sees. seconds : median; low, high: quartiles; runs : how many.
+    status : "certified" (the certifier's, for the row's own section), "loose" (the method met its tolerance, the
+        certifier refuses the answer), "budget spent", "not converged", "not run: budget"; of `grasp.solve()` also "not
+        holdable", "no equilibrium", "undecided"; "another equilibrium": Newton's method leads from the answer to an
+        equilibrium that is not the reference, so that the errors compare two different things.
+    unknowns : of the problem that the method gets. seconds : median; low, high: quartiles; runs : how many.
     iterations : of the method's own kind. residual : the certifier's worst, relative.
     force_error : max |f_i - f*_i| over max |f*_i|. slip_error : max |s_i - s*_i| over the scene's motion scale.
     torque_error : max |τ - τ*| over max |τ*|; None without a hand. All against the exact cone. outcome : the method's
@@ -60,14 +60,20 @@ class Row:
         """Whether there are a time and a force error, of the equilibrium that the reference is."""
         return self.seconds is not None and self.force_error is not None and self.status != OTHER
 
+    @property
+    def cost(self) -> tuple[float, float]:
+        """(time, force error); infinite where there is none."""
+        time, error = self.seconds, self.force_error
+        return np.inf if time is None else time, np.inf if error is None else error
+
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """The scene without one effect, solved exactly: what is wrong then.
+    """The scene without one effect, solved exactly.
 
     effect, instead : what was left out, and what was put in its place. status : "certified", "forces not determined"
     (the smallest are taken), or why there is no answer ("not holdable", "no equilibrium", "undecided").
-    force_error, slip_error, torque_error : as in `Row`; None: there is no such number.
+    force_error, slip_error, torque_error : as in `Row`.
     """
 
     effect: str
@@ -82,8 +88,8 @@ class LeftOut:
 class Reference:
     """The certified equilibrium on the exact cone that errors are measured against.
 
-    forces (n, 3) N and slip (n, 2) m in contact axes; torques (nv,) N·m, None without a hand; motion_scale [m]: what
-    slip errors are a share of.
+    forces (n, 3) N and slip (n, 2) m in contact axes; torques (nv,) N·m, None without a hand; motion_scale [m]: slip
+    errors are shares of it.
     """
 
     names: tuple[str, ...]
@@ -97,7 +103,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """Where and how times were taken. budget, seconds : what the study was allowed to take, and took [s]."""
+    """Where and how times were taken. budget, seconds : the time that the study was given, and took [s]."""
 
     handlcp: str
     python: str
@@ -143,20 +149,25 @@ class AccuracyCost:
         return tuple(r for r in self.rows if r.method == method)
 
     def front(self, method: str) -> tuple[Row, ...]:
-        """Its best settings, fastest first: no other of this method is about as fast and nearer to the exact forces.
+        """The method's best settings, fastest first: no other is as fast and nearer to the exact forces.
 
-        Times that differ by less than a tenth count as equal: they are no more certain than that.
+        Times that differ by less than a tenth count as equal.
         """
+
+        def error_and_time(r: Row) -> tuple[float, float]:
+            time, error = r.cost
+            return (error if error > ROUNDING else 0.0), time
+
         out: list[Row] = []
-        for r in sorted((r for r in self.of(method) if r.comparable), key=_error_and_time):
-            if not out or _time_and_error(r)[0] < _DISTINCT * _time_and_error(out[-1])[0]:
+        for r in sorted((r for r in self.of(method) if r.comparable), key=error_and_time):
+            if not out or r.cost[0] < _DISTINCT * out[-1].cost[0]:
                 out.append(r)
         return tuple(reversed(out))
 
     def cheapest(self, error: float, method: str | None = None) -> Row | None:
         """The fastest setting whose force error is at most `error`, of one method or of all; None: there is none."""
-        met = [r for r in self.rows if r.comparable and method in (None, r.method) and _time_and_error(r)[1] <= error]
-        return min(met, key=_time_and_error, default=None)
+        met = [r for r in self.rows if r.comparable and method in (None, r.method) and r.cost[1] <= error]
+        return min(met, key=lambda r: r.cost, default=None)
 
     def pyramids(self, section: str = "inscribed") -> tuple[tuple[int, float], ...]:
         """(faces, force error) of exactly solved pyramids, by faces."""
@@ -168,7 +179,7 @@ class AccuracyCost:
 
     def law(self, section: str = "inscribed") -> FaceLaw | None:
         """How the error falls with the faces; None with fewer than three pyramids whose errors exceed rounding, or
-        where the scene leaves its forces free.
+        where the scene does not determine its forces.
         """
         points = [(m, e) for m, e in self.pyramids(section) if e > ROUNDING]
         if len(points) < 3 or not self.reference.forces_determined:
@@ -181,18 +192,15 @@ class AccuracyCost:
         """One sentence: what 8 faces cost, or the number nearest to it, and what the cone costs."""
         if not any(any(f) for f in self.reference.forces):
             return "no finger pushes here: there is no relative force error"
-        parts, cone = [], min((r for r in self.rows if _solved(r, "exact")), key=_time_and_error, default=None)
-        flat = [r for r in self.rows if _solved(r, "inscribed")]
+        solved = [r for r in self.rows if r.status == CERTIFIED and r.comparable]
+        flat, exact = ([r for r in solved if r.section == section] for section in ("inscribed", "exact"))
+        parts = []
         if flat:
             faces = min((r.faces or 0 for r in flat), key=lambda m: (abs(m - 8), m))
-            best = min((r for r in flat if r.faces == faces), key=_time_and_error)
-            time, error = _time_and_error(best)
-            parts.append(f"{faces} faces: {_error(error)} in {microseconds(time)} ({best.method})")
-        if cone is not None:
-            time, error = _time_and_error(cone)
+            parts.append(f"{faces} faces: {_price([r for r in flat if r.faces == faces], 'no force error')}")
+        if exact:
             kind = "the cone" if any(r.section != "exact" for r in self.rows) else "no pyramids here"
-            exact = "exact" if error < ROUNDING else _error(error)
-            parts.append(f"{kind}: {exact} in {microseconds(time)} ({cone.method})")
+            parts.append(f"{kind}: {_price(exact, 'exact')}")
         return "; ".join(parts) or "nothing was certified within the budget"
 
     def as_dict(self) -> dict[str, Any]:
@@ -207,26 +215,18 @@ class AccuracyCost:
     @classmethod
     def from_json(cls, text: str) -> AccuracyCost:
         """What `to_json` wrote. Raises InputError for anything else."""
+        from pydantic import TypeAdapter, ValidationError
+
         try:
-            d = json.loads(text)
-            r = d["reference"]
-            torques = None if r["torques"] is None else tuple(r["torques"])
-            names, forces, slip = tuple(r["names"]), tuple(map(tuple, r["forces"])), tuple(map(tuple, r["slip"]))
-            return cls(
-                Reference(**r | {"names": names, "forces": forces, "slip": slip, "torques": torques}),
-                tuple(Row(**row) for row in d["rows"]),
-                tuple(LeftOut(**row) for row in d["left_out"]),
-                Conditions(**d["conditions"]),
-                tuple(d["notes"]),
-            )
-        except (ValueError, KeyError, TypeError) as error:
-            raise InputError(
-                "text", "JSON that AccuracyCost.to_json wrote", f"{type(error).__name__}: {error}"
-            ) from None
+            return TypeAdapter(cls).validate_json(text)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"])) or "text"
+            raise InputError("text", "JSON that AccuracyCost.to_json wrote", f"{where}: {first['msg']}") from None
 
     def to_csv(self, path: Any) -> Path:
-        """Write `rows`, one a line under their names; an empty cell is None. Raises InputError for a place that will
-        not do.
+        """Write `rows`, one a line under their names; an empty cell is None. Raises InputError for a file that cannot
+        be written.
         """
         file = Path(path)
         try:
@@ -239,18 +239,8 @@ class AccuracyCost:
         return file
 
 
-def _error(error: float) -> str:
-    return "no force error" if error < ROUNDING else f"{share(error)} force error"
-
-
-def _time_and_error(r: Row) -> tuple[float, float]:
-    return (np.inf if r.seconds is None else r.seconds, np.inf if r.force_error is None else r.force_error)
-
-
-def _error_and_time(r: Row) -> tuple[float, float]:
-    time, error = _time_and_error(r)
-    return (error if error > ROUNDING else 0.0), time
-
-
-def _solved(r: Row, section: str) -> bool:
-    return r.status == CERTIFIED and r.section == section and r.comparable
+def _price(rows: list[Row], none: str) -> str:
+    """Error, time and method of the fastest row. none : the words for an error that is rounding."""
+    best = min(rows, key=lambda r: r.cost)
+    time, error = best.cost
+    return f"{none if error < ROUNDING else f'{share(error)} force error'} in {microseconds(time)} ({best.method})"

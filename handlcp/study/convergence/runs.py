@@ -1,4 +1,4 @@
-"""One run of NSNGRK without its exact ending, watched along the way."""
+"""One run of NSNGRK without its exact ending, observed along the way."""
 
 from __future__ import annotations
 
@@ -11,30 +11,28 @@ import numpy as np
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp import Grasp, GraspProblem
 from handlcp.lcp import LCP, NSNGRK, Proposal
-from handlcp.lcp.problem import Scaled
 from handlcp.study.convergence.rates import generalized_jacobian, greedy_bound, measured_rate, uniform_bound
+from handlcp.study.nsngrk import UnitsOf, in_units
 
-__all__ = ["Read", "Run", "Sampling", "UnitsOf", "follow", "watch"]
+__all__ = ["Read", "Run", "Sampling", "follow", "watch"]
 
 Sampling = Literal["greedy", "uniform"]
-UnitsOf = Literal["natural", "equilibrated", "given"]
 
 Read = Callable[[Array], Array]  # from an iterate in natural units
 
-_HISTORY, _LOOKS = 400, 60  # points of a history; looks at what is watched, evenly over the logarithm of the steps
+_HISTORY, _LOOKS = 400, 60  # points of a history; steps at which values are read off, evenly over their logarithm
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
     """One seed in one set of units.
 
-    units : "natural", "equilibrated" (Ruiz's, which sees M and q only) or "given" (the user's, the paper's way).
-    sampling, seed : of the rows.
+    units : as in `in_units`. sampling, seed : of the rows.
     history : (k, 2) step and ‖Φ‖₂, in those units.
     looks : (m,) steps at which `values` (m, p) were read off: normal forces [N] of a grasp, z of any other problem in
         the user's units.
     stop : the first step with ‖Φ‖ ≤ the stop rule, one of `looks`; None where it was never met.
-    converged : whether it got to its tolerance.
+    converged : whether it reached its tolerance.
     rate : measured, the decrease of ln ‖Φ‖ per step. bound : the least that conditioning at the run's end promises.
     """
 
@@ -66,10 +64,10 @@ def watch(problem: Grasp | LCP, lcp: LCP) -> tuple[str, tuple[str, ...], Read]:
 
 
 def follow(
-    problem: LCP, read: Read, units: UnitsOf, sampling: Sampling, seed: int, tol: float, most: int, stop: float | None
+    problem: LCP, read: Read, units: UnitsOf, sampling: Sampling, seed: int, tol: float, most: int, stop: float
 ) -> Run:
     """Run to ‖Φ‖ ≤ tol or `most` steps. Equal seeds give equal runs, so a look is the same run, ended earlier."""
-    scaled = _in(problem, units)
+    scaled, size = in_units(problem, units)
 
     def run(most: int, until: float = tol, stride: int = 0) -> Proposal:
         return NSNGRK(until, most, seed, polish=False, stride=stride, sampling=sampling).propose(scaled)
@@ -78,18 +76,11 @@ def follow(
     steps = max(end.iterations, 1)
     history = run(steps, stride=max(1, steps // _HISTORY)).history
     assert history is not None
-    early = None if stop is None else run(steps, until=max(stop, tol))
-    stopped = early.iterations if early is not None and early.outcome == "converged" else None
+    early = run(steps, until=max(stop, tol))
+    stopped = early.iterations if early.outcome == "converged" else None
     looks = np.unique([*np.geomspace(1, steps, _LOOKS).astype(int), *([] if stopped is None else [stopped])])
-    into = scaled.units.z / problem.scaled.units.z
-    values = np.array([read(run(int(k)).z * into) for k in looks])
+    values = np.array([read(run(int(k)).z / size) for k in looks])
     J = generalized_jacobian(scaled, end.z)
     bound = greedy_bound(J) if sampling == "greedy" else uniform_bound(J)
     rate, there = measured_rate(history), end.outcome == "converged"
     return Run(units, sampling, seed, read_only(history), looks, read_only(values), stopped, there, rate, bound)
-
-
-def _in(problem: LCP, units: UnitsOf) -> Scaled:
-    if units == "natural":
-        return problem.scaled
-    return (problem.unscaled() if units == "given" else LCP(problem.M, problem.q, problem.free)).scaled

@@ -11,8 +11,8 @@ from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, Pyramid
 from handlcp.lcp import LCP, solve_lcp
-from handlcp.study.convergence.runs import Run, Sampling, UnitsOf, follow, watch
-from handlcp.study.paper.nsngrk_as_printed import RES, SEEDS, STEPS
+from handlcp.study.convergence.runs import Run, Sampling, follow, watch
+from handlcp.study.nsngrk import RES, SEEDS, STEPS, UnitsOf
 
 __all__ = ["Convergence", "convergence"]
 
@@ -28,9 +28,9 @@ _KINDS: tuple[tuple[UnitsOf, Sampling], ...] = (
 class Convergence:
     """NSNGRK's runs on one problem, none of them ended by Newton's method.
 
-    names : (p,) of what was watched: fingers, or "z[0]", "z[1]", … quantity : "normal force [N]", or "z".
+    names : (p,) of the values that were read off: fingers, or "z[0]", "z[1]", … quantity : "normal force [N]", or "z".
     answer : (p,) the certified values.
-    stop : the stop rule on ‖Φ‖ that the runs in given units are judged by, the paper's 1e-5.
+    stop : the stop rule on ‖Φ‖ that runs in given units are judged by, the paper's 1e-5.
     runs : all of them; `select` finds those of a kind.
     """
 
@@ -53,17 +53,17 @@ class Convergence:
         return float(np.median([r.rate for r in self.select(units, sampling)]))
 
     def bound(self, units: UnitsOf = "natural", sampling: Sampling = "greedy") -> float:
-        """Median of what conditioning promises at least, per step; see `rates`."""
+        """Median of the least rate that conditioning promises, per step; see `rates`."""
         return float(np.median([r.bound for r in self.select(units, sampling)]))
 
     @property
     def gain(self) -> float:
-        """How many times as fast as uniform sampling greedy sampling is, per step, in natural units."""
+        """How many uniform steps a greedy one is worth, in natural units."""
         return self.rate() / self.rate(sampling="uniform")
 
     @property
     def disputed(self) -> int:
-        """The index on which runs in given units disagree most at the stop rule, among those that carry something.
+        """Index of the value that seeds disagree on most at the stop rule in given units, among those not almost zero.
 
         The first of those that differ by less than a thousandth, such as fingers that mirror each other.
         """
@@ -95,8 +95,8 @@ def convergence(
     """Run NSNGRK on a grasp, or on any LCP, in several units, with both samplings and with each of `seeds`.
 
     faces : of the friction pyramids, for a grasp. tol : of every run, ‖Φ‖₂ in its own units. max_iterations : of runs
-        in natural units; the others, which mostly stand still, get the paper's 20 000 at most.
-    stop : a rule ‖Φ‖₂ ≤ stop, the paper's, whose effect on runs in given units is looked at.
+        in natural units; the others, which mostly make no progress, get the paper's 20 000 at most.
+    stop : a rule ‖Φ‖₂ ≤ stop, such as the paper's; what it does to runs in given units is recorded.
 
     Raises InputError for a problem that is neither, for no seeds and for settings that are not as described;
     NoSolutionFound when there is no certified answer to compare with.
