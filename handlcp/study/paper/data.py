@@ -1,22 +1,23 @@
-"""The paper's numbers as printed: magnitudes with their digits, and where they cannot be meant."""
+"""The paper's numbers as printed: magnitudes with their digits, and the misprints among them."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BeforeValidator, TypeAdapter
 
 from handlcp.check import Array
 
-__all__ = ["AXES", "NUMBERS", "Number", "PaperTable", "Reading", "raw", "short", "source", "table"]
+__all__ = ["AXES", "COLUMN", "NUMBERS", "Number", "PaperTable", "Reading", "raw", "short", "source", "table"]
 
 NUMBERS = tuple(range(1, 11))
 AXES = ("n", "o", "t")
-_COLUMN = {"n": 2, "o": 0, "t": 1}  # the paper's (n, o, t) are our (z, x, y)
+COLUMN = {"n": 2, "o": 0, "t": 1}  # the paper's (n, o, t) are our (z, x, y)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +36,12 @@ class Number:
         return Number(text, float(text), 10.0 ** (int(exponent or 0) - decimals))
 
 
+Numbers = tuple[Annotated[Number, BeforeValidator(Number.parse)], ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A force that cannot be meant as printed: finger (from 1), axis "n" | "o" | "t", both texts, and why."""
+    """A force that must be a misprint: finger (from 1), axis "n" | "o" | "t", both texts, and why."""
 
     finger: int
     axis: str
@@ -46,14 +50,14 @@ class Reading:
     why: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PaperTable:
     """One table. Entries are magnitudes; fingers count from 1.
 
     example, faces (None: planar), method : what the paper ran.
     golden : the columns that must be reproduced, of "force", "fingertip", "object".
     force : finger → (n, o, t) or (n,). slip : finger → (o, t). fingertip : finger → (n,). object : 6 or 3 numbers.
-    readings : misprints. overwritten : (finger, axis) whose force entry repeats the slip beside it.
+    readings : misprints. overwritten : (finger, axis) of force entries in whose place a slip is printed.
     """
 
     number: int
@@ -61,10 +65,10 @@ class PaperTable:
     faces: int | None
     method: str
     golden: tuple[str, ...]
-    force: dict[int, tuple[Number, ...]]
-    slip: dict[int, tuple[Number, ...]]
-    fingertip: dict[int, tuple[Number, ...]]
-    object: tuple[Number, ...]
+    force: dict[int, Numbers]
+    slip: dict[int, Numbers] = field(default_factory=dict)
+    fingertip: dict[int, Numbers] = field(default_factory=dict)
+    object: Numbers
     readings: tuple[Reading, ...]
     overwritten: tuple[tuple[int, str], ...]
 
@@ -82,9 +86,9 @@ class PaperTable:
         out = np.full((contacts, 3), np.nan)
         for finger, numbers in self.force.items():
             for axis, number in zip(AXES, numbers, strict=False):
-                out[finger - 1, _COLUMN[axis]] = number.value
+                out[finger - 1, COLUMN[axis]] = number.value
         for r in self.readings if read else ():
-            out[r.finger - 1, _COLUMN[r.axis]] = float(r.read)
+            out[r.finger - 1, COLUMN[r.axis]] = float(r.read)
         return out
 
     def slips(self, contacts: int) -> Array:
@@ -96,7 +100,7 @@ class PaperTable:
 
     def overwritten_entries(self) -> list[tuple[int, int]]:
         """(contact from 0, our axis) of the overwritten entries."""
-        return [(finger - 1, _COLUMN[axis]) for finger, axis in self.overwritten]
+        return [(finger - 1, COLUMN[axis]) for finger, axis in self.overwritten]
 
 
 @cache
@@ -120,21 +124,4 @@ def source() -> str:
 @cache
 def table(number: int) -> PaperTable:
     """Table 1 to 10."""
-    t = raw()["tables"][str(number)]
-
-    def columns(name: str) -> dict[int, tuple[Number, ...]]:
-        return {int(k): tuple(map(Number.parse, v)) for k, v in t.get(name, {}).items()}
-
-    return PaperTable(
-        number,
-        t["example"],
-        t["faces"],
-        t["method"],
-        tuple(t["golden"]),
-        columns("force"),
-        columns("slip"),
-        columns("fingertip"),
-        tuple(map(Number.parse, t["object"])),
-        tuple(Reading(**r) for r in t["readings"]),
-        tuple((finger, axis) for finger, axis in t["overwritten"]),
-    )
+    return TypeAdapter(PaperTable).validate_python({"number": number} | raw()["tables"][str(number)])

@@ -1,4 +1,4 @@
-"""One line per equation of the paper: whether a table's printed numbers satisfy it, and by how much they don't."""
+"""One line per equation of the paper: whether a table's printed numbers satisfy it, and how far they miss it."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array
-from handlcp.study.paper.data import PaperTable, short
+from handlcp.study.paper.data import AXES, COLUMN, PaperTable, short
 from handlcp.study.paper.examples import example
 from handlcp.study.paper.printed import (
-    Motion,
     SignedForces,
     against_faces,
     compatibility,
@@ -21,32 +19,48 @@ from handlcp.study.paper.printed import (
 
 __all__ = ["Evidence", "Miss", "evidence"]
 
-# A displacement equation holds when missed by less than this share of the largest elastic displacement
-_FITS = 1e-4
+# Shares of the largest elastic displacement by which an equation may be missed: one that holds, one with printed slips
+_FITS, _FITS_SLIPS = 1e-4, 0.02
 
 
 @dataclass(frozen=True, slots=True)
 class Miss:
     """How far the printed numbers miss one equation.
 
-    equation : the paper's name and number. amount [unit]; share : of the largest elastic displacement, None for forces.
-    holds : within what the printed digits leave open. forces : whether the printed forces alone decide it.
+    equation : the paper's name and number. amount : [N], or [m] of displacements. elastic : the largest elastic
+    displacement [m], which a miss of displacements is compared with; None: the equation is about forces.
+    allowed : the miss that the printed digits leave open, [N] or a share of `elastic`. forces : whether the printed
+    forces alone decide it.
     """
 
     equation: str
     amount: float
-    unit: str
-    share: float | None
-    holds: bool
+    elastic: float | None
+    allowed: float
     forces: bool
     comment: str = ""
+
+    @property
+    def unit(self) -> str:
+        """Of the amount."""
+        return "N" if self.elastic is None else "m"
+
+    @property
+    def share(self) -> float | None:
+        """Of the largest elastic displacement; None for forces."""
+        return None if self.elastic is None else self.amount / self.elastic
+
+    @property
+    def holds(self) -> bool:
+        """Whether the equation is satisfied as far as the printed digits tell."""
+        return (self.amount if self.share is None else self.share) <= self.allowed
 
     @property
     def size(self) -> str:
         """The amount, readable: "0.254 N", "0.116 µm"."""
         if self.amount < 1e-9:
             return "0"
-        return f"{short(self.amount * 1e6)} µm" if self.unit == "m" else f"{short(self.amount)} {self.unit}"
+        return f"{short(self.amount)} N" if self.elastic is None else f"{short(self.amount * 1e6)} µm"
 
     @property
     def percent(self) -> str:
@@ -58,7 +72,7 @@ class Miss:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """The printed forces with signs that balance best (and overwritten ones recovered), and the misses.
+    """The printed forces with the signs that balance best (and overwritten ones recovered), and the misses.
 
     fits : the E_T [m/N] for which the printed displacement gives the printed slips; stated : the one of the example.
     """
@@ -74,72 +88,47 @@ class Evidence:
 
 
 def evidence(table: PaperTable) -> Evidence:
-    """Residuals of a table with friction (3 to 10) in equations (1) to (13)."""
+    """How far a table with friction (3 to 10) misses equations (1) to (13)."""
     assert table.faces is not None
     grasp, faces = example(table.example).grasp, table.faces
     digits = sum(x.ulp for column in table.force.values() for x in column)
     length = grasp.scene.units.length
-    out: list[Miss] = []
 
-    def balance(signed: SignedForces, comment: str) -> None:
-        miss = float(np.hypot(signed.force, signed.moment / length))
-        out.append(Miss("balance (1)", miss, "N", None, miss <= digits, True, comment))
+    def balance(signed: SignedForces, comment: str) -> Miss:
+        return Miss("balance (1)", float(np.hypot(signed.force, signed.moment / length)), None, digits, True, comment)
 
-    signed = signed_forces(grasp, table)
+    out = []
     if table.readings or table.overwritten:
         comment = "as printed" if table.readings else "as printed: slips stand in place of forces"
-        balance(signed_forces(grasp, table, read=False), comment)
-    balance(signed, _reading(table, signed))
+        out.append(balance(signed_forces(grasp, table, read=False), comment))
+    signed = signed_forces(grasp, table)
+    out.append(balance(signed, _reading(table, signed)))
     over = float(np.nanmax(excess(grasp, faces, signed.forces)))
-    out.append(Miss("friction limit (8)", max(over, 0.0), "N", None, over <= digits, True, _where(over, digits)))
-    E_T = float(grasp.scene.flexibility[0, 0])
-    E_N = float(grasp.scene.flexibility[2, 2])
+    out.append(Miss("friction limit (8)", max(over, 0.0), None, digits, True, _where(over, digits)))
+    E_T, _, E_N = grasp.scene.flexibility.diagonal()[:3].tolist()
     # Examples 3 to 5 come without flexibilities, and their printed slips fit E_T = E_N: both are tried
     tangentials = (E_T,) if table.example == 2 else (E_T, E_N)
     for value in tangentials:
         miss, size = compatibility(example(table.example, tangential=value).grasp, faces, signed.forces)
-        share = miss / size
-        out.append(
-            Miss(
-                "elastic compatibility (2), (5), (13)",
-                miss,
-                "m",
-                share,
-                share <= _FITS,
-                True,
-                f"E_T = {short(value)} m/N",
-            )
-        )
+        comment = f"E_T = {short(value)} m/N"
+        out.append(Miss("elastic compatibility (2), (5), (13)", miss, size, _FITS, True, comment))
     fit = motion(grasp, table, signed.forces, tangentials)
-    return Evidence(signed, (*out, *_displacements(table, signed.forces, fit)), fit.tangential, E_T)
-
-
-def _displacements(table: PaperTable, forces: Array, fit: Motion) -> list[Miss]:
-    assert table.faces is not None
-    used = example(table.example, tangential=fit.tangential).grasp
-    size = float(abs(used.scene.flexibility @ forces.ravel())[np.repeat(np.array(used.scene.governed), 3)].max())
-    tangent, slide = fit.slip_miss, against_faces(used, table.faces, forces, np.nan_to_num(fit.slip))
-    overlap, gap = float(np.nanmin(fit.gap)), float(np.nanmax(fit.gap))
-    said = "finger and object overlap" if -overlap > gap else "a gap that carries force"
-    return [
-        Miss(
-            "printed slip (5), (13)",
-            tangent,
-            "m",
-            tangent / size,
-            tangent / size <= 0.02,
-            False,
-            f"fits E_T = {short(fit.tangential)} m/N",
-        ),
-        Miss("unilateral contact (3), (4)", fit.worst, "m", fit.worst / size, fit.worst / size <= _FITS, False, said),
-        Miss("slip against its faces (11), (12)", slide, "m", slide / size, slide / size <= 0.02, False, ""),
-    ]
+    scene = example(table.example, tangential=fit.tangential).grasp.scene
+    elastic = abs(scene.flexibility @ signed.forces.ravel())
+    size = float(elastic[np.repeat(np.array(scene.governed), 3)].max())
+    slide = against_faces(grasp, faces, signed.forces, np.nan_to_num(fit.slip))
+    said = "finger and object overlap" if -np.nanmin(fit.gap) > np.nanmax(fit.gap) else "a gap that carries force"
+    fits = f"fits E_T = {short(fit.tangential)} m/N"
+    out.append(Miss("printed slip (5), (13)", fit.slip_miss, size, _FITS_SLIPS, False, fits))
+    out.append(Miss("unilateral contact (3), (4)", fit.worst, size, _FITS, False, said))
+    out.append(Miss("slip against its faces (11), (12)", slide, size, _FITS_SLIPS, False))
+    return Evidence(signed, tuple(out), fit.tangential, E_T)
 
 
 def _reading(table: PaperTable, signed: SignedForces) -> str:
     if signed.recovered:
-        axis = {0: "o", 1: "t"}
-        found = ", ".join(f"{i + 1} {axis[k]} = {x:.5g}" for i, k, x in signed.recovered)
+        axes = sorted(AXES, key=lambda axis: COLUMN[axis])
+        found = ", ".join(f"{i + 1} {axes[k]} = {x:.5g}" for i, k, x in signed.recovered)
         return f"{found} N recovered from it"
     if table.readings:
         return "misprint read as " + ", ".join(r.read for r in table.readings)

@@ -1,4 +1,4 @@
-"""The printed numbers put into the paper's own equations: what they miss, and by how much.
+"""The printed numbers in the paper's own equations: how far they miss each.
 
     (1)            balance           G_N r_N + G_T r_T = F_ext
     (8)            friction limit    r_T in the polygon of apothem μ cos(π/m) r_N
@@ -6,7 +6,7 @@
     (3),(4)        unilateral        0 ≤ r_N ⟂ ε_N ≥ 0, for the printed object displacement
     (11),(12)      complementarity   slip against the faces that the force is on, for the printed object displacement
 
-Signs are lost in print: those are taken that balance best, and for displacements those that fit the printed slips best.
+Signs are lost in print. Forces get the signs that balance best, displacements those that fit the printed slips best.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from itertools import product
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, PrescribedForce, Pyramid
 from handlcp.study.paper.data import PaperTable
 
 __all__ = ["LIMIT", "Motion", "SignedForces", "against_faces", "compatibility", "excess", "motion", "signed_forces"]
 
-# A force counts as on a face within this share of the largest force: generous to the printed numbers
+# A force counts as on a face within this share of the largest force, which is generous to the printed numbers
 LIMIT = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
 class SignedForces:
-    """forces (n, 3) N in contact axes with the signs that balance best; what is left over: force [N], moment [N·m].
+    """forces (n, 3) N in contact axes with the signs that balance best; force [N] and moment [N·m] left unbalanced.
 
     recovered : (contact, axis, value) of entries that were not printed and follow from balance.
     """
@@ -41,10 +41,10 @@ class SignedForces:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The printed object displacement, with the signs and E_T that fit the printed slips best.
+    """The printed object displacement, with the signs and the E_T that fit the printed slips best.
 
-    twist (6,) m, rad about the origin; tangential [m/N] the fitting E_T; slip_miss [m] the worst miss of the
-    tangential equation; slip (n, 2) m and gap (n,) m: ε_T and ε_N that follow, NaN where the force is prescribed.
+    twist (6,) m, rad about the origin; tangential [m/N]: that E_T; slip_miss [m]: worst miss of the tangential
+    equation; slip (n, 2) m and gap (n,) m: ε_T and ε_N that follow, NaN where the force is prescribed.
     """
 
     twist: Array
@@ -78,21 +78,13 @@ def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedF
         choices[:, missing] = -left @ np.linalg.pinv(A).T
     left = choices @ G.T + scene.wrench
     best = int(np.argmin(np.linalg.norm(left * scale, axis=1)))
-    f = choices[best]
-    return SignedForces(
-        f.reshape(-1, 3),
-        float(np.linalg.norm(left[best, :3])),
-        float(np.linalg.norm(left[best, 3:])),
-        tuple((i // 3, i % 3, float(f[i])) for i in missing),
-    )
+    f, force, moment = choices[best], *(float(np.linalg.norm(part)) for part in (left[best, :3], left[best, 3:]))
+    return SignedForces(f.reshape(-1, 3), force, moment, tuple((i // 3, i % 3, float(f[i])) for i in missing))
 
 
 def excess(grasp: Grasp, faces: int, forces: Array) -> Array:
     """(n,) N by which each governed tangential force leaves its inscribed polygon; < 0 inside, NaN without friction."""
-    pyramid = Pyramid(faces)
-    outward = (forces[:, :2] @ pyramid.normals).max(axis=1)
-    ruled = np.array(grasp.scene.governed) & (grasp.scene.mu > 0)
-    return np.where(ruled, outward - pyramid.limit(grasp.scene.mu) * forces[:, 2], np.nan)
+    return np.where(_rubs(grasp), -_slack(grasp, faces, forces).min(axis=1), np.nan)
 
 
 def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float]:
@@ -103,8 +95,8 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
     """
     from scipy.optimize import linprog
 
-    scene, pyramid = grasp.scene, Pyramid(faces)
-    n, near = scene.n, LIMIT * float(abs(forces).max())
+    scene, normals = grasp.scene, Pyramid(faces).normals
+    limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
     elastic = scene.flexibility @ forces.ravel()
     rows: list[int] = []
     slides: list[Array] = []
@@ -112,10 +104,9 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
         rows.append(3 * i + 2)
         if scene.mu[i] > 0:
             rows += [3 * i, 3 * i + 1]
-            slack = pyramid.limit(scene.mu)[i] * forces[i, 2] - forces[i, :2] @ pyramid.normals
-            for face in np.flatnonzero(slack <= near):
-                column = np.zeros(3 * n)
-                column[3 * i : 3 * i + 2] = pyramid.normals[:, face]
+            for face in np.flatnonzero(limit[i]):
+                column = np.zeros(3 * scene.n)
+                column[3 * i : 3 * i + 2] = normals[:, face]
                 slides.append(column)
     size = float(abs(elastic[rows]).max())
     A = np.column_stack([scene.grasp_matrix.T, *slides])[rows]
@@ -133,34 +124,40 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
 def motion(grasp: Grasp, table: PaperTable, forces: Array, tangentials: tuple[float, ...]) -> Motion:
     """Which signs of the printed displacement, and which E_T, fit the printed slips; and the gaps that follow."""
     scene = grasp.scene
-    printed = np.array([x.value for x in table.object])
-    slips = table.slips(scene.n)
-    given = np.isfinite(slips[:, 0])
+    printed, slips = np.array([x.value for x in table.object]), table.slips(scene.n)
+    given, ruled = np.isfinite(slips[:, 0]), np.array(scene.governed)
     E_N = scene.flexibility.diagonal().reshape(-1, 3)[:, 2]
-    best: Motion | None = None
+    found = []
     for signs in product((1.0, -1.0), repeat=6):
         twist = printed * signs
         point = twist[:3] + np.cross(twist[3:], scene.positions)
         moves = (scene.frames.transpose(0, 2, 1) @ point[:, :, None])[:, :, 0]
+        gap = np.where(ruled, moves[:, 2] + E_N * forces[:, 2], np.nan)
         for E_T in tangentials:
             slip = moves[:, :2] + E_T * forces[:, :2]
             miss = float(abs(abs(slip) - slips)[given].max())
-            if best is None or miss < best.slip_miss:
-                ruled = np.array(scene.governed)
-                gap = np.where(ruled, moves[:, 2] + E_N * forces[:, 2], np.nan)
-                best = Motion(twist, E_T, miss, np.where(ruled[:, None], slip, np.nan), gap)
-    assert best is not None
-    return best
+            found.append(Motion(twist, E_T, miss, np.where(ruled[:, None], slip, np.nan), gap))
+    return min(found, key=lambda m: m.slip_miss)
 
 
 def against_faces(grasp: Grasp, faces: int, forces: Array, slip: Array) -> float:
     """Worst distance [m] of the slips (n, 2) from -Nλ, λ ≥ 0, over the faces that each force is on (`LIMIT`)."""
     from scipy.optimize import nnls
 
-    pyramid, worst = Pyramid(faces), 0.0
-    scene, near = grasp.scene, LIMIT * float(abs(forces).max())
-    for i in np.flatnonzero(np.array(scene.governed) & (scene.mu > 0)):
-        slack = pyramid.limit(scene.mu)[i] * forces[i, 2] - forces[i, :2] @ pyramid.normals
-        N = pyramid.normals[:, slack <= near]
+    normals, worst = Pyramid(faces).normals, 0.0
+    limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
+    for i in np.flatnonzero(_rubs(grasp)):
+        N = normals[:, limit[i]]
         worst = max(worst, float(nnls(N, -slip[i])[1]) if N.size else float(np.linalg.norm(slip[i])))
     return worst
+
+
+def _rubs(grasp: Grasp) -> Bools:
+    """(n,) bool: contacts with friction whose force is not prescribed."""
+    return np.asarray(grasp.scene.governed_mask & (grasp.scene.mu > 0))
+
+
+def _slack(grasp: Grasp, faces: int, forces: Array) -> Array:
+    """(n, faces) N from each tangential force to the faces of its inscribed polygon; < 0 beyond a face."""
+    pyramid = Pyramid(faces)
+    return np.asarray(pyramid.limit(grasp.scene.mu)[:, None] * forces[:, 2:] - forces[:, :2] @ pyramid.normals)

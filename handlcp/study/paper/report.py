@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 import json
-import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from handlcp.grasp import GraspSolution
 from handlcp.study.paper.data import source
 from handlcp.study.paper.misses import Miss
 from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, NoEquilibrium, no_equilibrium
 from handlcp.study.paper.nsngrk_as_printed import CASES, RES, STEPS, Case, Run, run_case
+from handlcp.study.paper.rows import Row
 from handlcp.study.paper.tables import Comparison, compare_all
+from handlcp.study.plain import plain
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
-__all__ = ["PaperReport", "paper_command", "run"]
+__all__ = ["PaperReport", "run"]
 
 
 @dataclass(frozen=True, slots=True)
 class PaperReport:
     """Ours beside Tables 1 to 10, Example 4 without an equilibrium, and NSNGRK as printed.
 
-    seconds : what computing it took.
+    seconds : computing time.
     """
 
     tables: tuple[Comparison, ...]
@@ -38,22 +37,17 @@ class PaperReport:
         """Whether every golden number is reproduced: Tables 1 and 2, the forces of Tables 3, 6 and 8."""
         return all(c.ok for c in self.tables)
 
-    @property
-    def verdicts(self) -> dict[int, str]:
-        """Table number → its verdict in one sentence."""
-        return {c.table.number: c.verdict for c in self.tables}
-
     def to_json(self) -> str:
         """Everything, SI units, printed numbers as text; NaN becomes null."""
         data = {
             "source": source(),
             "ok": self.ok,
             "seconds": self.seconds,
-            "tables": {str(c.table.number): _table(c) for c in self.tables},
+            "tables": {c.table.number: _table(c) for c in self.tables},
             "example_4": _example_4(self.example_4),
             "nsngrk_as_printed": [_case(c) for c in self.nsngrk],
         }
-        return json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False)
+        return json.dumps(plain(data), indent=1, ensure_ascii=False, allow_nan=False)
 
 
 def run() -> PaperReport:
@@ -64,45 +58,21 @@ def run() -> PaperReport:
     return PaperReport(tables, no_equilibrium(), cases, time.perf_counter() - start)
 
 
-def paper_command(json: bool = False, console: Console | None = None) -> int:
-    """`handlcp paper`: print the report, or write it as JSON to the console's file. 0 if all golden numbers match."""
-    from rich.console import Console
-
-    from handlcp.study.paper.render import render
-
-    console = Console() if console is None else console
-    report = run()
-    if json:
-        console.file.write(report.to_json() + "\n")
-    else:
-        render(report, console)
-    return 0 if report.ok else 1
-
-
 def _table(c: Comparison) -> dict[str, Any]:
+    judged = {"golden": c.golden, "ok": c.ok, "level": c.level, "verdict": c.verdict, "remarks": c.remarks}
     return {
         "title": c.table.title,
-        "golden": c.golden,
-        "ok": c.ok,
-        "level": c.level,
-        "verdict": c.verdict,
-        "remarks": c.remarks,
+        **judged,
         "ours": _solution(c.solution) | {"what": c.ours},
-        "rows": [
-            {
-                "column": r.column,
-                "place": r.place,
-                "printed": r.printed.text,
-                "ours": r.ours,
-                "difference": r.difference,
-                "relative": r.relative,
-                "mark": r.mark.name.lower(),
-            }
-            for r in c.rows
-        ],
+        "rows": [_row(r) for r in c.rows],
         "printed_forces_signed": None if c.evidence is None else c.evidence.signed.forces,
         "misses": [] if c.evidence is None else [_miss(m) for m in c.evidence.misses],
     }
+
+
+def _row(r: Row) -> dict[str, Any]:
+    found = {"column": r.column, "place": r.place, "printed": r.printed.text, "ours": r.ours}
+    return found | {"difference": r.difference, "relative": r.relative, "mark": r.mark.name.lower()}
 
 
 def _miss(m: Miss) -> dict[str, Any]:
@@ -143,16 +113,13 @@ def _example_4(e: NoEquilibrium) -> dict[str, Any]:
 
 
 def _case(c: Case) -> dict[str, Any]:
-    def runs(rs: tuple[Run, ...]) -> list[dict[str, Any]]:
-        return [{"seed": r.seed, "steps": r.steps, "res": r.res, "normal_force": r.normal} for r in rs]
-
     return {
         "example": c.example,
         "faces": c.faces,
         "res": RES,
         "max_steps": STEPS,
-        "as_printed": runs(c.printed),
-        "natural_units": runs(c.natural),
+        "as_printed": _runs(c.printed),
+        "natural_units": _runs(c.natural),
         "ours": c.ours,
         "ours_steps": c.steps,
         "finger": c.finger + 1,
@@ -161,12 +128,5 @@ def _case(c: Case) -> dict[str, Any]:
     }
 
 
-def _plain(x: Any) -> Any:
-    """Arrays to lists, NaN to None."""
-    if isinstance(x, dict):
-        return {k: _plain(v) for k, v in x.items()}
-    if isinstance(x, (list, tuple)):
-        return [_plain(v) for v in x]
-    if hasattr(x, "tolist"):
-        return _plain(x.tolist())
-    return None if isinstance(x, float) and not math.isfinite(x) else x
+def _runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    return [{"seed": r.seed, "steps": r.steps, "res": r.res, "normal_force": r.normal} for r in runs]

@@ -9,15 +9,14 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import GraspSolution
-from handlcp.study.paper.data import AXES, Number, PaperTable
+from handlcp.study.paper.data import AXES, COLUMN, Number, PaperTable
 from handlcp.study.paper.examples import Example
 
 __all__ = ["Mark", "Row", "mark_of", "rows_of"]
 
 _ZERO, _NOISE, _RESIDUE = 1e-9, 1e-12, 1e-6  # shares of the table's largest force or motion
-_OURS = {"n": 2, "o": 0, "t": 1}
-_PLANAR = (("u_x", 0), ("u_y", 1), ("φ", 5))
-_SPATIAL = tuple((name, k) for k, name in enumerate(("u_x", "u_y", "u_z", "φ_x", "φ_y", "φ_z")))
+_PLANAR = {"u_x": 0, "u_y": 1, "φ": 5}
+_SPATIAL = {"u_x": 0, "u_y": 1, "u_z": 2, "φ_x": 3, "φ_y": 4, "φ_z": 5}
 
 
 class Mark(Enum):
@@ -25,7 +24,7 @@ class Mark(Enum):
 
     DIGITS = "✓"  # every printed digit
     LAST = "±1"  # to one unit of the last printed digit
-    RESIDUE = "≈0"  # exactly zero, printed as what the paper's stop rule leaves
+    RESIDUE = "≈0"  # exactly zero, printed as the residual that the paper's stop rule permits
     LOOSE = "loose"  # the solution leaves this component free
     OTHER = "other"  # ours solves another problem (preloaded): shown, not compared
     NO = "✗"
@@ -41,7 +40,7 @@ class Row:
     """A printed magnitude and ours.
 
     column : "force" [N] | "slip" [m] | "fingertip" [m] | "object" [m, rad]. place : "1 n", "3 t", "u_x", …
-    ours : with its sign, SI. difference : |ours| - printed; relative : of the printed number, NaN where that is zero.
+    ours : with its sign, SI.
     """
 
     column: str
@@ -57,12 +56,12 @@ class Row:
 
     @property
     def relative(self) -> float:
-        """The difference as a share of the printed number."""
+        """The difference as a share of the printed number; NaN where that is zero."""
         return self.difference / self.printed.value if self.printed.value else float("nan")
 
 
 def mark_of(printed: Number, ours: float, scale: float) -> Mark:
-    """Compare magnitudes; scale : the largest number of its kind (forces, or motions), which says what zero is."""
+    """Compare magnitudes. scale : the largest force or motion, beside which a number may count as zero."""
     size, off = abs(ours), abs(abs(ours) - printed.value)
     if printed.value <= _RESIDUE * scale and size <= _ZERO * scale:
         return Mark.DIGITS if printed.value <= _NOISE * scale else Mark.RESIDUE
@@ -76,28 +75,34 @@ def mark_of(printed: Number, ours: float, scale: float) -> Mark:
 def rows_of(table: PaperTable, example: Example, solution: GraspSolution, other: bool) -> tuple[Row, ...]:
     """All rows of a table; other : ours solves another problem, so nothing is marked right or wrong."""
     scene = example.grasp.scene
-    read = {(r.finger, r.axis): Number.parse(r.read) for r in table.readings}
-    entries: list[tuple[str, str, Number, Number, float, bool]] = []
     loose_twist, loose_slip = _loose(solution, scene.positions, scene.frames)
+    entries: list[tuple[str, str, Number, float, bool]] = []  # column, place, printed, ours, left free
     for finger, numbers in table.force.items():
         for axis, number in zip(AXES, numbers, strict=False):
-            ours = float(solution.forces[finger - 1, _OURS[axis]])
-            entries.append(("force", f"{finger} {axis}", number, read.get((finger, axis), number), ours, False))
+            ours = float(solution.forces[finger - 1, COLUMN[axis]])
+            entries.append(("force", f"{finger} {axis}", number, ours, False))
     for finger, numbers in table.fingertip.items():
-        retreat = scene.flexibility[3 * finger - 1] @ solution.forces.ravel()
-        entries += [("fingertip", f"{finger} n", x, x, float(retreat), False) for x in numbers]
+        retreat = float(scene.flexibility[3 * finger - 1] @ solution.forces.ravel())
+        entries += [("fingertip", f"{finger} n", number, retreat, False) for number in numbers]
     for finger, numbers in table.slip.items():
         for k, (axis, number) in enumerate(zip(AXES[1:], numbers, strict=True)):
-            loose = bool(loose_slip[finger - 1, k])
-            entries.append(("slip", f"{finger} {axis}", number, number, float(solution.slip[finger - 1, k]), loose))
-    for (name, k), number in zip(_PLANAR if len(table.object) == 3 else _SPATIAL, table.object, strict=True):
-        entries.append(("object", name, number, number, float(solution.object_displacement[k]), bool(loose_twist[k])))
-    # One scale for forces, one for everything that moves
-    scales = {f: max(max(abs(e[4]), e[3].value) for e in entries if (e[0] == "force") is f) for f in (True, False)}
+            ours, loose = float(solution.slip[finger - 1, k]), bool(loose_slip[finger - 1, k])
+            entries.append(("slip", f"{finger} {axis}", number, ours, loose))
+    names = _PLANAR if len(table.object) == 3 else _SPATIAL
+    for (name, k), number in zip(names.items(), table.object, strict=True):
+        entries.append(("object", name, number, float(solution.object_displacement[k]), bool(loose_twist[k])))
+    # Misprints are compared as what they are read as
+    read = {("force", f"{r.finger} {r.axis}"): Number.parse(r.read) for r in table.readings}
+    meant = [read.get((column, place), number) for column, place, number, _, _ in entries]
+    scales = {"force": 0.0, "motion": 0.0}
+    for (column, _, _, ours, _), number in zip(entries, meant, strict=True):
+        kind = "force" if column == "force" else "motion"
+        scales[kind] = max(scales[kind], abs(ours), number.value)
     rows = []
-    for column, place, number, meant, ours, loose in entries:
-        mark = Mark.OTHER if other else Mark.LOOSE if loose else mark_of(meant, ours, scales[column == "force"])
-        rows.append(Row(column, place, number, ours, mark))
+    for (column, place, printed, ours, loose), number in zip(entries, meant, strict=True):
+        scale = scales["force" if column == "force" else "motion"]
+        mark = Mark.OTHER if other else Mark.LOOSE if loose else mark_of(number, ours, scale)
+        rows.append(Row(column, place, printed, ours, mark))
     return tuple(rows)
 
 

@@ -24,7 +24,7 @@ class Comparison:
 
     table, example : what was printed, and the grasp. solution : our certified answer. rows : one per printed number.
     evidence : the printed numbers in the paper's own equations; None for the frictionless Tables 1 and 2.
-    ours : what our column solves, in words.
+    ours : the problem that our column solves, in words.
     """
 
     table: PaperTable
@@ -58,7 +58,7 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """One sentence about what must match, or about which of the paper's equations the printed forces miss."""
+        """One sentence: whether the golden rows match, else which of the paper's equations the printed forces miss."""
         if not self.golden:
             return self._missing()
         rows = self.golden_rows
@@ -80,43 +80,41 @@ class Comparison:
         """Further findings: misprints, what the printed displacements miss, what the solution leaves free."""
         readings = self.table.readings
         out = [f"misprint: force {r.finger} {r.axis} = {r.printed} reads {r.read} ({r.why})" for r in readings]
-        e, unique = self.evidence, self.solution.uniqueness
+        e = self.evidence
         if e is None:
             return tuple(out)
         if any(r.mark is Mark.LAST for r in self.golden_rows):
-            worst = min(m.amount for m in e.misses if m.equation.startswith("balance"))
-            out.append(
-                f"the printed forces miss balance by {short(worst)} N themselves: their last digit is what the "
-                "stop rule RES < 1e-5 leaves"
-            )
+            worst = short(min(m.amount for m in e.misses if m.equation.startswith("balance")))
+            last = "their last digit is what the stop rule RES < 1e-5 leaves"
+            out.append(f"the printed forces miss balance by {worst} N themselves: {last}")
         if self.golden and (failed := e.failed(forces=False)):
             out.append("the printed displacements do not belong to these forces: they miss " + _list(failed))
-        if unique is not None and unique.loose_motions and any(r.mark is Mark.LOOSE for r in self.rows):
-            n = unique.loose_motions
-            text = f"the object's motion is free in {n} direction{'s' if n > 1 else ''}; ours is the smallest one"
-            fixed = [
-                ("slip " if r.column == "slip" else "") + r.place
-                for r in self.rows
-                if r.column in ("slip", "object") and r.mark is Mark.NO
-            ]
-            if self.golden and fixed:
-                text += (
-                    f", and all share our {', '.join(fixed)}: whatever the lost signs, the printed motion is none "
-                    "of them"
-                )
-            out.append(text)
-        if e.fits != e.stated:
-            out.append(
-                f"the printed slips fit E_T = {short(e.fits)} m/N, not the {short(e.stated)} of Example 2"
-                + ("; the forces are the same for both" if self.golden else "")
-            )
-            if self.table.example == 5:  # the only example whose forces depend on E_T
-                normal = example(5, tangential=e.fits).grasp.solve(self.table.faces or 8).normal_force
-                numbers = ", ".join(f"{x:.6g}" for x in normal)
-                out.append(
-                    f"with E_T = {short(e.fits)} m/N the certified r_N are {numbers} N, not the printed ones either"
-                )
-        return tuple(out)
+        return (*out, *self._free(), *self._other_flexibility(e))
+
+    def _free(self) -> list[str]:
+        """On directions in which the object may move without a change of forces."""
+        unique = self.solution.uniqueness
+        if unique is None or not unique.loose_motions or not any(r.mark is Mark.LOOSE for r in self.rows):
+            return []
+        n = unique.loose_motions
+        text = f"the object's motion is free in {n} direction{'s' if n > 1 else ''}; ours is the smallest one"
+        wrong = [r for r in self.rows if r.column in ("slip", "object") and r.mark is Mark.NO]
+        if self.golden and wrong:
+            fixed = ", ".join(("slip " if r.column == "slip" else "") + r.place for r in wrong)
+            text += f", and all share our {fixed}: whatever the lost signs, the printed motion is none of them"
+        return [text]
+
+    def _other_flexibility(self, e: Evidence) -> list[str]:
+        """On the tangential flexibility that the printed slips fit, where it is not the stated one."""
+        if e.fits == e.stated:
+            return []
+        text = f"the printed slips fit E_T = {short(e.fits)} m/N, not the {short(e.stated)} of Example 2"
+        out = [text + ("; the forces are the same for both" if self.golden else "")]
+        if self.table.example == 5:  # the only example whose forces depend on E_T
+            normal = example(5, tangential=e.fits).grasp.solve(self.table.faces or 8).normal_force
+            numbers = ", ".join(f"{x:.6g}" for x in normal)
+            out.append(f"with E_T = {short(e.fits)} m/N the certified r_N are {numbers} N, not the printed ones either")
+        return out
 
     def _missing(self) -> str:
         assert self.evidence is not None
