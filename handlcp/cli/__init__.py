@@ -22,9 +22,7 @@ def main() -> None:
 
 
 def _keep_stdout() -> None:
-    """What C code prints on stdout goes nowhere from here on (HiGHS prints a stray line at times); Python's still
-    arrives.
-    """
+    """Discard what C code prints on stdout, such as a stray line of HiGHS; what Python prints still arrives."""
     ours, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)

@@ -9,8 +9,9 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar
+from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
 from handlcp.errors import InputError, NoSolutionFound
+from handlcp.show.file import checked
 
 __all__ = ["accuracy"]
 
@@ -29,7 +30,6 @@ def accuracy(
     """
     from handlcp import scene as scenes
     from handlcp.show import accuracy_table, work_precision
-    from handlcp.show.file import checked
     from handlcp.study.accuracy import accuracy_cost
 
     file = scenes.load(scene)
@@ -42,12 +42,11 @@ def accuracy(
         with progress_bar() as progress:
             cost = accuracy_cost(grasp, seconds=seconds, progress=progress)
     except NoSolutionFound as error:
+        status, why = error.solution.status.name, error.solution.diagnosis
         if json:
-            print_json(
-                {"title": file.title, "status": error.solution.status.name, "diagnosis": error.solution.diagnosis}
-            )
+            print_json({"title": file.title, "status": status, "diagnosis": why})
         else:
-            Console(stderr=True).print(Text(f"Nothing to compare with: {error.solution.diagnosis}."))
+            Console(stderr=True).print(Text(f"Nothing to compare with: {why}."))
         raise typer.Exit(1) from None
     if csv is not None:
         cost.to_csv(csv)
@@ -56,14 +55,12 @@ def accuracy(
     if json:
         print_json({"title": file.title} | cost.as_dict())
         return
-    out = Console()
-    if file.title:
-        out.print(Text(file.title, style="bold"), end="\n\n")
+    out = titled(file.title)
     for table in accuracy_table.all_tables(cost):
         out.print(table)
     out.print(Text(f"{cost}."))
     for note in cost.notes:
-        out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
+        say(out, "Note", "yellow", note)
     for path in (csv, plot):
         if path is not None:
             out.print(Text(f"Written: {path}", style="dim"))

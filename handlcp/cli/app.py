@@ -15,10 +15,11 @@ from rich.console import Console
 from rich.text import Text
 from typer.core import TyperGroup
 
-from handlcp.errors import HandLCPError, InputError
+from handlcp.errors import HandLCPError
+from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["Json", "app", "print_json", "progress_bar", "read_faces"]
+__all__ = ["Json", "app", "print_json", "progress_bar", "say", "titled"]
 
 
 class _Commands(TyperGroup):
@@ -68,29 +69,25 @@ def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
 
     console = Console(stderr=True)
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
-    with Progress(
-        *columns, console=console, auto_refresh=False, transient=True, disable=not console.is_terminal
-    ) as bar:
+    bar = Progress(*columns, console=console, auto_refresh=False, transient=True, disable=not console.is_terminal)
+    with bar:
         task = bar.add_task("", total=None)
-
-        def show(done: int, total: int, text: str) -> None:
-            bar.update(task, completed=done, total=total, description=text)
-            bar.refresh()
-
-        yield show
-
-
-def read_faces(text: str) -> Any:
-    """What `--faces` says. Raises InputError."""
-    if text == "cone":
-        return text
-    if not text.isdecimal() or int(text) < 3:
-        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(text))
-    return int(text)
+        yield lambda done, total, text: bar.update(task, completed=done, total=total, description=text, refresh=True)
 
 
 def print_json(value: dict[str, Any]) -> None:
-    """One object on stdout; what is no number is null."""
-    from handlcp.study.plain import plain
-
+    """One object on stdout; numbers that are not finite become null."""
     typer.echo(jsonlib.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def titled(title: str) -> Console:
+    """The console, with the scene's title printed on it."""
+    out = Console()
+    if title:
+        out.print(Text(title, style="bold"), end="\n\n")
+    return out
+
+
+def say(out: Console, word: str, style: str, sentence: str) -> None:
+    """Print a sentence after a coloured word."""
+    out.print(Text.assemble((f"{word}: ", style), f"{sentence}."))

@@ -1,7 +1,8 @@
-"""What there is to know: doubts about a URDF, the hands at hand, all effects, the keys of scene files, the paper."""
+"""Lists: doubts about a URDF, the hands at hand, all effects, the keys of scene files, the paper."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,8 @@ from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json
 from handlcp.errors import HandLCPError
+from handlcp.hand import HANDS, audit_urdf, example_hand
+from handlcp.show import tables
 
 __all__ = ["audit", "effects", "hands", "keys", "paper"]
 
@@ -22,12 +25,9 @@ def audit(
     json: Json = False,
 ) -> None:
     """List every doubt about the limits in a URDF, and what to pass instead. Exit status 0, 2 for bad input."""
-    from handlcp.hand import audit_urdf
-
     found = audit_urdf(urdf, base)
     if json:
-        doubts = [{"joint": d.joint, "what": d.what, "advice": d.advice} for d in found]
-        print_json({"source": found.source, "doubts": doubts})
+        print_json({"source": found.source, "doubts": [asdict(d) for d in found]})
     else:
         Console().print(found)
 
@@ -43,26 +43,21 @@ def paper(json: Json = False) -> None:
 @app.command()
 def hands(json: Json = False) -> None:
     """List the hands to use by name, with their joints and fingertips."""
-    from handlcp.hand import HANDS, example_hand
-    from handlcp.show import tables
-
-    rows, missing = [], []
+    found, missing = {}, {}
     for name in HANDS:
         try:
-            rows.append((name, example_hand(name)))
+            found[name] = example_hand(name)
         except HandLCPError as error:
-            missing.append((name, str(error)))
+            missing[name] = str(error)
     if json:
         listed = [
             {"name": n, "joints": h.joint_names, "fingertips": h.fingertips, "torque_limits_Nm": h.torque_limits}
-            for n, h in rows
+            for n, h in found.items()
         ]
-        print_json({"hands": listed, "missing": dict(missing)})
-        return
-    limits = [", ".join(f"{x:g}" for x in dict.fromkeys(h.torque_limits.tolist())) for _, h in rows]
+        return print_json({"hands": listed, "missing": missing})
     out = Console()
-    out.print(tables.hand_table([(n, h.joint_names, h.fingertips, t) for (n, h), t in zip(rows, limits, strict=True)]))
-    for name, why in missing:
+    out.print(tables.hand_table(found))
+    for name, why in missing.items():
         out.print(Text(f"{name}: {why}", style="yellow"))
 
 
@@ -74,15 +69,12 @@ def effects(
     ] = False,
 ) -> None:
     """List every effect there is: when to use it, how to ask for it, which unknowns it brings."""
-    from dataclasses import asdict
-
-    from handlcp.show import tables
     from handlcp.study import catalogue
 
     found = catalogue.entries()
     costs = catalogue.costs() if measure else None
     if json:
-        cost = {} if costs is None else {title: asdict(c) for title, c in costs.items()}
+        cost = {title: asdict(c) for title, c in (costs or {}).items()}
         print_json({"effects": [asdict(e) | {"cost": cost.get(e.title)} for e in found]})
     else:
         Console().print(tables.catalogue_table(found, costs))
@@ -91,10 +83,7 @@ def effects(
 @app.command()
 def keys(json: Json = False) -> None:
     """List every key of a scene file, what it holds and what it means."""
-    from dataclasses import asdict
-
     from handlcp import scene
-    from handlcp.show import tables
 
     found = scene.keys()
     if json:

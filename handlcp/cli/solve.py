@@ -10,8 +10,13 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, read_faces
+from handlcp.cli.app import Json, app, print_json, say, titled
 from handlcp.errors import InputError
+from handlcp.grasp import Grasp, GraspSolution
+from handlcp.lcp import Auto
+from handlcp.show import Verdict, tables, verdict
+from handlcp.show.file import checked
+from handlcp.show.record import record
 
 __all__ = ["solve"]
 
@@ -41,60 +46,68 @@ def solve(
     A joint over its torque limit is "not held". A solver that stopped without an answer is not "held" either.
     """
     from handlcp import scene as scenes
-    from handlcp.lcp import Auto
-    from handlcp.show import tables
-    from handlcp.show.record import record
-    from handlcp.show.verdict import verdict
 
     if plot is not None:
-        from handlcp.show.file import checked
-
         checked(plot)
     file = scenes.load(scene)
-    sides: Any = "cone" if accuracy is not None else file.solve_with.faces
-    if faces is not None:
-        if accuracy is not None:
-            raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
-        sides = read_faces(faces)
+    sides = _sides(file.solve_with.faces, faces, accuracy)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
     explanation = grasp.explain(sides, measure=explain)
     solution = grasp.solve(None if accuracy is not None else sides, solver, throw=False, accuracy=accuracy)
-    judged = verdict(grasp, solution)
     if plot is not None:
         from handlcp.show.picture import save
 
         save(grasp, solution, plot, obj=file.shape(), title=file.title)
     left_out = grasp.suggest(solution, sides) if suggest and solution.held else None
+    judged = verdict(grasp, solution)
     if json:
         print_json(record(grasp, solution, explanation, file.title, left_out))
     else:
-        out = Console()
-        if file.title:
-            out.print(Text(file.title, style="bold"), end="\n\n")
+        out = titled(file.title)
         out.print(tables.effect_table(explanation))
         if explain and explanation.seconds is None:
             out.print(Text("No shares of the time: they are measured at an answer, and there is none.", style="dim"))
-        if solution.held:
-            out.print(tables.contact_table(grasp, solution, sides))
-            if (check := getattr(solution, "torque_check", None)) is not None:
-                out.print(tables.torque_table(check))
-            if (effort := getattr(solution, "effort", None)) is not None:
-                out.print(tables.effort_table(effort))
-        else:
-            out.print()
-        out.print(Text.assemble((f"{judged.word}: ", f"bold {judged.colour}"), f"{judged.text}."))
-        if (reached := solution.accuracy) is not None and solution.held:
-            style = "green" if reached.met else "bold red"
-            out.print(
-                Text.assemble(("Accuracy: ", style), f"{reached}{'' if reached.met else ': not shown to keep it'}.")
-            )
-        for note in judged.notes:
-            out.print(Text.assemble(("Note: ", "yellow"), f"{note}."))
+        _print_numbers(out, grasp, solution, sides)
+        _print_words(out, solution, judged)
         if left_out is not None:
             out.print(Text("Left out:", style="yellow"))
             out.print(Padding(Text(str(left_out)), (0, 0, 0, 2)))
         if plot is not None:
             out.print(Text(f"Picture: {plot}", style="dim"))
-    short = solution.accuracy is not None and solution.held and not solution.accuracy.met
+    short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short else judged.exit_code)
+
+
+def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
+    """Faces of the friction pyramids, or "cone". own : the scene file's. Raises InputError."""
+    if accuracy is not None and faces is not None:
+        raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
+    if accuracy is not None or faces == "cone":
+        return "cone"
+    if faces is None:
+        return own
+    if not faces.isdecimal() or int(faces) < 3:
+        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
+    return int(faces)
+
+
+def _print_numbers(out: Console, grasp: Grasp, solution: GraspSolution, sides: Any) -> None:
+    """Tables of contacts, joints and actuators; an empty line where there is no answer."""
+    if not solution.held:
+        return out.print()
+    out.print(tables.contact_table(grasp, solution, sides))
+    if (check := getattr(solution, "torque_check", None)) is not None:
+        out.print(tables.torque_table(check))
+    if (effort := getattr(solution, "effort", None)) is not None:
+        out.print(tables.effort_table(effort))
+
+
+def _print_words(out: Console, solution: GraspSolution, judged: Verdict) -> None:
+    """Verdict, accuracy and notes."""
+    say(out, judged.word, f"bold {judged.colour}", judged.text)
+    if (reached := solution.accuracy) is not None and solution.held:
+        words = f"{reached}" if reached.met else f"{reached}: not shown to keep it"
+        say(out, "Accuracy", "green" if reached.met else "bold red", words)
+    for note in judged.notes:
+        say(out, "Note", "yellow", note)

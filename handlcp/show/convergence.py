@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from handlcp.show.axes import SMALL, TEXT, panel
 from handlcp.show.colours import BLUE, INK, RED
-from handlcp.show.file import checked, figure_type, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.text import spread
 from handlcp.show.units import percent
 from handlcp.study.convergence import Convergence, Run
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = ["GIVEN", "NATURAL", "UNIFORM", "draw", "save"]
 
@@ -44,7 +41,7 @@ def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> F
     conditioning predicts. Right, the user's units: ‖Φ‖ meets the stop rule, yet the value on which seeds disagree most
     is not the answer's; in natural units it is. Raises Unsupported when matplotlib is not installed.
     """
-    figure: Figure = figure_type()(figsize=(WIDTH, HEIGHT), dpi=100)
+    figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
     figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
     kinds = f"Kaczmarz steps alone, no exact ending; a line is one seed, {len(result.select())} of each kind"
     stops = [r.stop for r in result.select("given") if r.stop is not None]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from handlcp.errors import InputError, Unsupported
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+__all__ = ["Figure", "checked", "new_figure", "write"]
 
-__all__ = ["checked", "figure_type", "write"]
+Figure = Any  # matplotlib's, which is imported only when something is drawn
 
 _FORMATS = (".png", ".svg", ".pdf", ".jpg")
 
@@ -21,7 +20,7 @@ def checked(path: Any) -> Path:
     Raises InputError for an unknown format or a folder that does not exist; Unsupported when matplotlib is not
     installed.
     """
-    figure_type()
+    new_figure()
     file = Path(path)
     if file.suffix.lower() not in _FORMATS:
         raise InputError("plot", "a file name that ends in " + ", ".join(_FORMATS), repr(str(path)))
@@ -30,13 +29,13 @@ def checked(path: Any) -> Path:
     return file
 
 
-def figure_type() -> type[Figure]:
-    """Matplotlib's Figure, which needs no global state. Raises Unsupported when matplotlib is not installed."""
+def new_figure(**style: Any) -> Figure:
+    """An empty figure that pyplot does not know about. Raises Unsupported when matplotlib is not installed."""
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
-    return Figure
+    return Figure(**style)
 
 
 def write(figure: Figure, file: Path, dpi: int) -> Path:

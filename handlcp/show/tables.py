@@ -15,6 +15,7 @@ from handlcp.grasp.entry import Entry
 from handlcp.grasp.explain import EffectLine
 from handlcp.grasp.limit_surface import limit_surface
 from handlcp.grasp.pyramid import Pyramid
+from handlcp.hand import Hand
 from handlcp.show import units
 
 __all__ = [
@@ -115,14 +116,16 @@ def effort_table(effort: Any) -> Table:
     return table
 
 
-def hand_table(rows: Sequence[tuple[str, Sequence[str], Sequence[str], str]]) -> Table:
-    """Hands to use, from (name, joints, fingertips, torque limits)."""
+def hand_table(hands: Mapping[str, Hand]) -> Table:
+    """Hands to use, by name: joints, fingertips, torque limits."""
     table = empty("Hands")
     table.add_column("name", no_wrap=True)
     for heading in ("joints", "fingertips", "limits\nN·m"):
         table.add_column(heading)
-    for name, joints, tips, limits in rows:
+    for name, hand in hands.items():
+        joints, tips = hand.joint_names, hand.fingertips
         title = Text.assemble((name, "bold"), f"\n{len(joints)} joints\n{len(tips)} fingers")
+        limits = ", ".join(f"{x:g}" for x in dict.fromkeys(hand.torque_limits.tolist()))
         table.add_row(title, Text(", ".join(joints)), Text(", ".join(tips)), limits)
         table.add_section()
     return table

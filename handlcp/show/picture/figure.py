@@ -8,22 +8,19 @@ collections by depth, and cannot draw over solids.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.show import units
-from handlcp.show.file import checked, figure_type, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Frame, camera_for, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
 from handlcp.show.picture.overlay import Overlay, nice, rim
 from handlcp.show.picture.painter import paint
 from handlcp.show.picture.panel import headline, legend, torque_bars
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = ["draw", "save"]
 
@@ -42,7 +39,7 @@ def draw(grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = ""
 
     Raises Unsupported when matplotlib is not installed.
     """
-    figure: Figure = figure_type()(figsize=(WIDTH, HEIGHT))
+    figure = new_figure(figsize=(WIDTH, HEIGHT))
     head = headline(figure, grasp, solution, title)
     shown = Content(grasp, solution, obj)
     _scene(figure, shown, head)

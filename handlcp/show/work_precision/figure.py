@@ -7,19 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.show.axes import SMALL, TEXT
 from handlcp.show.colours import GREY, INK
-from handlcp.show.file import checked, figure_type, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.work_precision.faces_panel import faces_panel
 from handlcp.show.work_precision.left_out_panel import left_out_panel
 from handlcp.show.work_precision.time_panel import time_panel
 from handlcp.study.accuracy.result import AccuracyCost
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = ["draw", "save"]
 
@@ -42,7 +39,7 @@ def draw(costs: Costs) -> Figure:
     """
     scenes = _scenes(costs)
     inches = ROW * len(scenes) + FOOT
-    figure: Figure = figure_type()(figsize=(WIDTH, inches), dpi=100)
+    figure = new_figure(figsize=(WIDTH, inches), dpi=100)
     for k, (title, cost) in enumerate(scenes):
         top = inches - ROW * k
         figure.text(0.012, (top - 0.08) / inches, title, fontsize=HEAD, weight="bold", color=INK, va="top")

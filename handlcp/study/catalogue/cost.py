@@ -2,8 +2,9 @@
 
     ratio = T(with the effect) / T(without it),    T of state.grasp(ball, …).solve(): contacts found, posed, certified
 
-in turns, the best of many. Friction and the flexibility of the fingers are part of the reference scene, and little is
-left of it without them; their ratio is 1/(1 - share), with the share that `explain(measure=True)` measures.
+The two are timed in turns, and the best of many times counts. Friction and the flexibility of the fingers are part of
+the reference scene, and little is left of it without them. Their ratio is 1/(1 - share), with the share of the time
+that `explain(measure=True)` measures.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ Clock = Callable[[dict[int, Callable[[], bool]]], dict[int, float]]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """unknowns : how many more the scene has; below 0: fewer. ratio : of times; None: no scene is without it."""
+    """unknowns : how many more the scene has; below 0: fewer. ratio : of times; None: every scene has the effect."""
 
     unknowns: int
     ratio: float | None
@@ -35,37 +36,30 @@ class Cost:
         return f"{self.unknowns:+d}" if self.unknowns else "0"
 
     def __str__(self) -> str:
-        """Of time, as it is printed."""
+        """The ratio, as it is printed."""
         return "–" if self.ratio is None else f"× {self.ratio:.1f}"
 
 
 def costs(clock: Clock = best_times) -> dict[str, Cost]:
-    """By title. Some seconds; clock : times runs [s]. Raises NoSolutionFound where the reference scene isn't held."""
+    """By title; takes some seconds. clock : times runs [s]. Raises NoSolutionFound where the scene is not held."""
     return {entry.title: cost(entry, clock) for entry in entries()}
 
 
 def cost(entry: Entry, clock: Clock = best_times) -> Cost:
-    """That of one effect."""
+    """The cost of one effect."""
     on, off = trials(entry)
+    grasp = on.grasp(on.state(), on.ball())
     if on == off:
-        return _of_the_scene_itself(entry, on, clock)
-    more = _unknowns(on) - _unknowns(off)
+        lines = grasp.explain(on.faces, measure=True).effects
+        line = next(x for x in lines if x.on and x.title == entry.title)
+        return Cost(line.cost, None if line.share is None else 1.0 / (1.0 - line.share))
+    less = off.grasp(off.state(), off.ball()).explain(off.faces)
     times = clock({0: _run(off), 1: _run(on)})
-    return Cost(more, times[1] / times[0])
-
-
-def _of_the_scene_itself(entry: Entry, trial: Trial, clock: Clock) -> Cost:
-    grasp = trial.grasp(trial.state(), trial.ball())
-    line = next(x for x in grasp.explain(trial.faces, measure=True).effects if x.on and x.title == entry.title)
-    return Cost(line.cost, None if line.share is None else 1.0 / (1.0 - line.share))
-
-
-def _unknowns(trial: Trial) -> int:
-    return trial.grasp(trial.state(), trial.ball()).explain(trial.faces).unknowns
+    return Cost(grasp.explain(on.faces).unknowns - less.unknowns, times[1] / times[0])
 
 
 def _run(trial: Trial) -> Callable[[], bool]:
-    """The work that is timed, done once: compiled, and shown to hold."""
+    """The work that is timed. It is done once here, to compile it and to show that the grasp holds."""
     state, ball = trial.state(), trial.ball()
 
     def run() -> bool:

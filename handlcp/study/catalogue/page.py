@@ -19,7 +19,8 @@ __all__ = ["anchor", "here_and_now", "page"]
 
 _WHERE = PurePosixPath("handlcp/grasp/effects")  # the page's folder in the repository
 
-_THE_SCENE = (ObjectBalance.title, UnilateralContact.title, CoulombPyramid.title)  # whose unknowns it has
+# The effects that bring the reference scene's unknowns
+_THE_SCENE = (ObjectBalance.title, UnilateralContact.title, CoulombPyramid.title)
 
 _TOP = """\
 # Effects
@@ -64,7 +65,7 @@ Ai & Li (2025) is [Sensors 25(7), 2309](https://doi.org/10.3390/s25072309), the 
 
 
 def page(costs: Mapping[str, Cost], measured: str) -> str:
-    """The whole page; costs by title, measured : when and where."""
+    """The whole page. costs : by title. measured : when and where, such as `here_and_now`."""
     every = entries()
     size = sum(costs[title].unknowns for title in _THE_SCENE)
     lines = [_TOP, *(_row(e, costs[e.title]) for e in every), _COST.format(unknowns=size, measured=measured)]
@@ -72,16 +73,17 @@ def page(costs: Mapping[str, Cost], measured: str) -> str:
 
 
 def here_and_now() -> str:
-    """When and where it was measured."""
+    """Date and machine."""
     return f"{datetime.date.today().isoformat()} ({os.cpu_count()} cores, {platform.system()} {platform.machine()})"
 
 
 def anchor(title: str) -> str:
-    """GitHub's name for the heading."""
+    """GitHub's anchor of a heading."""
     return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
 
 
 def _row(entry: Entry, cost: Cost) -> str:
+    """Of the table to choose from."""
     ask = "<br>".join(f"`{code}`" for code in (entry.in_short, *entry.file_keys) if code) or "every grasp has it"
     name = f"**[{entry.title}](#{anchor(entry.title)})**<br>{entry.when}"
     return f"| {name} | {ask} | {entry.brings} | {cost.more} | {cost} |\n"

@@ -1,6 +1,6 @@
-"""The scene that every effect is tried on: a ball in five fingers, and for what is planar in two.
+"""The scene that every effect is tried on: a ball in five fingers, or in two for what is planar.
 
-An entry says in Python how its effect is asked for, and that text itself is run here: what the page shows works.
+An entry says in Python how its effect is asked for. That text is evaluated here, so what the page shows works.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import handlcp.grasp as mechanics
 import handlcp.hand as robots
 from handlcp.grasp.entry import Entry
-from handlcp.hand import Hand, HandGrasp, HandState, Sphere, example_hand
+from handlcp.hand import HandGrasp, HandState, Sphere, example_hand
 
 __all__ = ["Trial", "arguments", "trials"]
 
@@ -20,7 +20,7 @@ _PLAIN: dict[str, Any] = {
     "joint_stiffness": 6.0, "mass": 0.0, "friction": mechanics.Coulomb(0.6), "faces": 8, "preload": 0.003,
     "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0), "gravity": (0.0, 0.0, 9.81),
 }  # fmt: skip
-_SECTION = ("faces", "plane")  # how the scene is posed, with the effect and without
+_SECTION = ("faces", "plane")  # arguments that a scene keeps when the effect is left out
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Trial:
 
     @property
     def faces(self) -> Any:
-        """Of the friction."""
+        """Of the friction pyramids, or "cone"."""
         return self.given["faces"]
 
     def state(self) -> HandState:
@@ -40,17 +40,17 @@ class Trial:
         return example_hand(name, joint_stiffness=self.given["joint_stiffness"]).at(_closed(name))
 
     def ball(self) -> Sphere:
-        """What it holds."""
+        """The object."""
         return Sphere(0.035, placement=(0.0, 0.0, 0.07), mass=self.given["mass"])
 
     def grasp(self, state: HandState, ball: Sphere) -> HandGrasp:
-        """`state.grasp`, with what is left of the arguments."""
+        """`state.grasp` with the remaining arguments."""
         rest = {name: x for name, x in self.given.items() if name not in ("joint_stiffness", "mass", "faces")}
         return state.grasp(ball, **rest)
 
 
 def arguments(entry: Entry) -> dict[str, Any]:
-    """What `in_python` says. The texts are the package's own."""
+    """The keyword arguments that `in_python` shows; the package wrote that text itself."""
     return dict(eval(f"dict({entry.in_python})", vars(mechanics) | vars(robots)))
 
 
@@ -63,6 +63,5 @@ def trials(entry: Entry) -> tuple[Trial, Trial]:
 
 @cache
 def _closed(name: str) -> Any:
-    """The posture, the same for all springs."""
-    hand: Hand = example_hand(name)
-    return hand.close_on(Trial(_PLAIN).ball())
+    """The posture of the closed hand, which does not depend on its springs."""
+    return example_hand(name).close_on(Trial(_PLAIN).ball())

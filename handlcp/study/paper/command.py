@@ -10,9 +10,8 @@ from handlcp.study.paper.report import run
 __all__ = ["paper_command"]
 
 
-def paper_command(json: bool = False, console: Console | None = None) -> int:
+def paper_command(console: Console, json: bool = False) -> int:
     """Print the report, or write it as JSON to the console's file. 0 if all golden numbers match."""
-    console = Console() if console is None else console
     report = run()
     if json:
         console.file.write(report.to_json() + "\n")

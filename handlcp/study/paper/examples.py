@@ -2,7 +2,7 @@
 
 The paper's contact frame (n, o, t) is our (z, x, y): `tangent` is its o axis. It writes G r = F_ext for the wrench that
 the fingers exert, so F_ext is minus our wrench and its object displacement minus our object's. Object displacements are
-taken about the world's origin, as the paper's are (the tangential slips of its tables fit no other point).
+about the world's origin, as in the paper: the tangential slips of its tables fit no other point.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from handlcp.study.paper.data import raw
 
 __all__ = ["PRELOAD", "Example", "example"]
 
-# Squeeze of fingers 1 and 2 that lets Example 4 have an elastic equilibrium [m]
+# Squeeze of fingers 1 and 2 with which Example 4 has an elastic equilibrium [m]
 PRELOAD = (5e-6, 5e-6, 0.0)
 
 
@@ -34,31 +34,26 @@ class Example:
 def example(number: int, *, tangential: float | None = None, preload: Any = 0.0) -> Example:
     """Example 1 to 5. tangential : E_T [m/N] in place of the paper's; preload : as in `Grasp` [m]."""
     e = raw()["examples"][str(number)]
-    grasp = _planar(e) if number == 1 else _spatial(e, tangential, preload)
-    return Example(number, e["title"], e["note"], grasp)
-
-
-def _planar(e: dict[str, Any]) -> Grasp:
-    contacts = [
-        Contact(p, n, Frictionless(), name=f"finger {i + 1}")
-        for i, (p, n) in enumerate(zip(e["positions"], e["normals"], strict=True))
-    ]
-    return Grasp(contacts, [-float(x) for x in e["load"]], flexibility=e["flexibility"])
-
-
-def _spatial(e: dict[str, Any], tangential: float | None, preload: Any) -> Grasp:
-    E_T = e["flexibility_tangential"] if tangential is None else tangential
-    smooth = e.get("frictionless", [])
+    planar, smooth = number == 1, e.get("frictionless", [])
     contacts = []
-    for i, (p, n, o) in enumerate(zip(e["positions"], e["normals"], e["o_axes"], strict=True)):
-        normal = np.array(n, dtype=float)
-        friction = Frictionless() if i + 1 in smooth else Coulomb(e["mu"])
-        contacts.append(Contact(p, normal / np.linalg.norm(normal), friction, o, f"finger {i + 1}"))
+    for i, (position, n) in enumerate(zip(e["positions"], e["normals"], strict=True), 1):
+        friction = Frictionless() if planar or i in smooth else Coulomb(e["mu"])
+        normal, tangent = np.array(n, dtype=float), None if planar else e["o_axes"][i - 1]
+        contacts.append(Contact(position, normal / np.linalg.norm(normal), friction, tangent, f"finger {i}"))
+    if planar:
+        grasp = Grasp(contacts, [-float(x) for x in e["load"]], flexibility=e["flexibility"])
+        return Example(number, e["title"], e["note"], grasp)
     wrench, effects = np.zeros(6), []
     if "weight" in e:
         wrench[2] = -e["weight"]
         wrench[3:] = np.cross(e["centre"], wrench[:3])
     if "known_force" in e:  # along the printed direction, whose components are rounded
         effects.append(PrescribedForce(0, (0.0, 0.0, e["known_force"] * float(np.linalg.norm(e["normals"][0])))))
+    E_T = e["flexibility_tangential"] if tangential is None else tangential
     flexibility = (E_T, E_T, e["flexibility_normal"])
-    return Grasp(contacts, wrench, flexibility=flexibility, preload=preload, effects=effects)
+    return Example(
+        number,
+        e["title"],
+        e["note"],
+        Grasp(contacts, wrench, flexibility=flexibility, preload=preload, effects=effects),
+    )

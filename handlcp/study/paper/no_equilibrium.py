@@ -2,11 +2,11 @@
 
 Three statements, each with its own witness:
 
-- a force in the friction pyramids balances the weight: the certified answer with preload is one (preload changes
-  elastic displacements, not what forces can hold);
-- no elastic equilibrium without preload, with normal forces and friction reserves up to 1000 N, slips and gaps up to
-  1 mm: a search over all active sets (`search`) comes out empty;
-- the same search on the preloaded scene finds the certified forces, so an empty search means something.
+- A force in the friction pyramids balances the weight. Witness: the certified answer with preload. Preload changes
+  elastic displacements, not which forces can hold.
+- There is no elastic equilibrium without preload, with normal forces and friction reserves up to 1000 N, slips and gaps
+  up to 1 mm. Witness: a search over all active sets (`search`), which finds none.
+- The search can find equilibria. Witness: on the preloaded scene it finds the certified forces.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from handlcp.grasp import Grasp, GraspSolution
 from handlcp.lcp.search import SearchResult, search
 from handlcp.study.paper.examples import PRELOAD, example
 
-__all__ = ["FACES", "FORCE_BOUND", "MOTION_BOUND", "PRELOAD_FACES", "NoEquilibrium", "no_equilibrium", "search_grasp"]
+__all__ = ["FORCE_BOUND", "MOTION_BOUND", "PRELOAD_FACES", "NoEquilibrium", "no_equilibrium", "search_grasp"]
 
 FORCE_BOUND, MOTION_BOUND = 1000.0, 1e-3  # N, m
 SECONDS = 30.0  # for each search
@@ -50,9 +50,7 @@ class NoEquilibrium:
 
 
 def search_grasp(grasp: Grasp, faces: int) -> SearchResult:
-    """All active sets of a grasp, forces within `FORCE_BOUND`, slips and gaps within `MOTION_BOUND`; z in natural
-    units.
-    """
+    """All active sets, forces within `FORCE_BOUND`, slips and gaps within `MOTION_BOUND`; z in natural units."""
     problem = grasp.problem(faces)
     force = np.array([label.startswith("r_N") for label in problem.labels])
     z, w = np.where(force, FORCE_BOUND, MOTION_BOUND), np.where(force, MOTION_BOUND, FORCE_BOUND)
@@ -62,7 +60,7 @@ def search_grasp(grasp: Grasp, faces: int) -> SearchResult:
 def no_equilibrium() -> NoEquilibrium:
     """Solve and search Example 4, with E_T of the text (Example 2) and with E_T = E_N, which its printed slips fit."""
     bare, preloaded = example(4).grasp, example(4, preload=PRELOAD).grasp
-    E_T, E_N = float(bare.scene.flexibility[0, 0]), float(bare.scene.flexibility[2, 2])
+    E_T, _, E_N = bare.scene.flexibility.diagonal()[:3].tolist()
     searches = tuple(
         (faces, value, search_grasp(example(4, tangential=value).grasp, faces))
         for value in (E_T, E_N)
