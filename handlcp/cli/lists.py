@@ -14,6 +14,7 @@ from handlcp.cli.app import Json, app, print_json
 from handlcp.errors import HandLCPError
 from handlcp.hand import HANDS, audit_urdf, example_hand
 from handlcp.show import tables
+from handlcp.study.plain import pick
 
 __all__ = ["audit", "effects", "hands", "keys", "paper"]
 
@@ -50,10 +51,8 @@ def hands(json: Json = False) -> None:
         except HandLCPError as error:
             missing[name] = str(error)
     if json:
-        listed = [
-            {"name": n, "joints": h.joint_names, "fingertips": h.fingertips, "torque_limits_Nm": h.torque_limits}
-            for n, h in found.items()
-        ]
+        keys = {"joints": "joint_names", "torque_limits_Nm": "torque_limits"}
+        listed = [{"name": name} | pick(hand, "fingertips", **keys) for name, hand in found.items()]
         return print_json({"hands": listed, "missing": missing})
     out = Console()
     out.print(tables.hand_table(found))

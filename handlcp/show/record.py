@@ -12,10 +12,12 @@ import numpy as np
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions
 from handlcp.show.tables import friction_used
 from handlcp.show.verdict import verdict
-from handlcp.study.plain import plain
+from handlcp.study.plain import pick, plain
 from handlcp.version import VERSION
 
 __all__ = ["record"]
+
+ACCURACY = ("asked", "error", "met", "setting", "solves", "seconds")
 
 
 def record(
@@ -26,18 +28,19 @@ def record(
     left_out: Suggestions | None = None,
 ) -> dict[str, Any]:
     """Everything `handlcp solve` prints, and the residuals behind it."""
-    s, v, scene = solution, verdict(grasp, solution), grasp.scene
+    s, scene, reached = solution, grasp.scene, solution.accuracy
     used = friction_used(grasp, solution)
     torque = scene.moment - np.cross(grasp.reference, scene.force)
+    line = {"unknowns": "cost", "share_of_solve": "share"}
     packages = {name: _version(name) for name in ("numpy", "scipy", "numba", "pin")}
     found = {
         "title": title,
         "status": s.status.name,
-        "verdict": {"word": v.word, "text": v.text, "notes": v.notes, "exit_code": v.exit_code},
+        "verdict": pick(verdict(grasp, solution), "word", "text", "notes", "exit_code"),
         "load": {"force_N": scene.force, "torque_Nm": torque, "reference_m": grasp.reference},
-        "effects": _effects(explanation),
-        "problem": _problem(explanation),
-        "contacts": [_contact(grasp, s, i, used[i]) for i in range(scene.n)],
+        "effects": [pick(e, "title", "on", "why", "equation", **line) for e in explanation.effects],
+        "problem": pick(explanation, "unknowns", "eliminated", "rcond", solved="size", solve_s="seconds"),
+        "contacts": [_contact(grasp, s, i) | {"friction_used": used[i]} for i in range(scene.n)],
         "object_displacement": _twist(s.object_displacement),
         "torques": _torques(s),
         "actuators": _actuators(s),
@@ -47,7 +50,7 @@ def record(
         "required_preload_m": s.required_preload,
         "proven_within": None if s.bounds is None else {"force_N": s.bounds[0], "motion_m": s.bounds[1]},
         "extra": s.extra,
-        "accuracy": _accuracy(s),
+        "accuracy": None if reached is None else pick(reached, *ACCURACY),
         "left_out": None if left_out is None else asdict(left_out),
         "iterations": s.iterations,
         "trace": s.trace,
@@ -56,31 +59,12 @@ def record(
     return dict(plain(found))
 
 
-def _effects(explanation: Explanation) -> list[dict[str, Any]]:
-    return [
-        {
-            "title": e.title,
-            "on": e.on,
-            "why": e.why,
-            "equation": e.equation,
-            "unknowns": e.cost,
-            "share_of_solve": e.share,
-        }
-        for e in explanation.effects
-    ]
-
-
-def _problem(e: Explanation) -> dict[str, Any]:
-    sizes = {"unknowns": e.unknowns, "eliminated": e.eliminated, "solved": e.size}
-    return sizes | {"rcond": e.rcond, "solve_s": e.seconds}
-
-
 def _twist(twist: Any) -> dict[str, Any]:
     """Of a motion (6,)."""
     return {"linear_m": twist[:3], "angular_rad": twist[3:]}
 
 
-def _contact(grasp: Grasp, s: GraspSolution, i: int, used: float) -> dict[str, Any]:
+def _contact(grasp: Grasp, s: GraspSolution, i: int) -> dict[str, Any]:
     planar = grasp.scene.plane is not None
     found = {
         "name": s.names[i],
@@ -91,7 +75,6 @@ def _contact(grasp: Grasp, s: GraspSolution, i: int, used: float) -> dict[str, A
         "state": s.contact_state[i],
         "force_N": s.forces[i],
         "force_world_N": s.forces_world[i],
-        "friction_used": used,
         "slip_m": s.slip[i][:1] if planar else s.slip[i],
         "gap_m": s.gap[i],
     }
@@ -101,21 +84,14 @@ def _contact(grasp: Grasp, s: GraspSolution, i: int, used: float) -> dict[str, A
 
 
 def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
-    """None without a hand."""
+    """Joint by joint; None without a hand."""
     check: Any = getattr(solution, "torque_check", None)
     if check is None:
         return None
     return [
-        {
-            "joint": r.joint,
-            "torque_Nm": r.torque,
-            "limit_Nm": r.limit,
-            "utilisation": r.utilisation if r.known else None,
-            "limit_known": r.known,
-            "binding": r.joint == check.binding,
-            "yield_rad": y,
-        }
-        for r, y in zip(check, vars(solution)["joint_yield"], strict=True)
+        pick(row, "joint", torque_Nm="torque", limit_Nm="limit", limit_known="known")
+        | {"utilisation": row.utilisation if row.known else None, "binding": row.joint == check.binding, "yield_rad": y}
+        for row, y in zip(check, vars(solution)["joint_yield"], strict=True)
     ]
 
 
@@ -124,16 +100,7 @@ def _actuators(solution: GraspSolution) -> dict[str, Any] | None:
     effort: Any = getattr(solution, "effort", None)
     if effort is None:
         return None
-    return {"kind": effort.kind, "unit": effort.unit, "each": dict(zip(effort.names, effort.values, strict=True))}
-
-
-def _accuracy(solution: GraspSolution) -> dict[str, Any] | None:
-    """The accuracy that was asked for and the one reached."""
-    a = solution.accuracy
-    if a is None:
-        return None
-    errors = {"asked": a.asked, "error": a.error, "met": a.met}
-    return errors | {"setting": a.setting, "solves": a.solves, "seconds": a.seconds}
+    return pick(effort, "kind", "unit") | {"each": dict(zip(effort.names, effort.values, strict=True))}
 
 
 def _version(name: str) -> str | None:

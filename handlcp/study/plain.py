@@ -1,4 +1,4 @@
-"""Values as JSON has them."""
+"""Results as JSON has them: plain values under the keys that they are known by."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["plain"]
+__all__ = ["pick", "plain"]
+
+
+def pick(source: Any, *names: str, **renamed: str) -> dict[str, Any]:
+    """Attributes by name. renamed : key in the result = name of the attribute."""
+    return {key: getattr(source, name) for key, name in ({name: name for name in names} | renamed).items()}
 
 
 def plain(value: Any) -> Any:

@@ -95,7 +95,6 @@ class Content:
         return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
     def entries(self) -> list[Entry]:
-        """The legend."""
         s, grasp, out = self.solution, self.grasp, []
         who = "contact" if grasp.scene.environment else "finger"
         if self.glass is not None:

@@ -25,7 +25,6 @@ class Overlay:
         self.flat_arrow(self.camera.project(start), self.camera.project(start + vector), colour, width, dashed)
 
     def flat_arrow(self, a: Array, b: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
-        """An arrow between two screen points."""
         from matplotlib.patches import Polygon
 
         along = b - a
@@ -57,7 +56,6 @@ class Overlay:
             self.ax.plot(*s.T, color=colour, alpha=0.75, linewidth=0.8, zorder=3)
 
     def dot(self, point: Array, colour: str) -> None:
-        """A contact point."""
         p = self.camera.project(point)
         self.ax.plot(*p, "o", color=colour, markersize=5.5, markeredgecolor="white", markeredgewidth=0.9, zorder=7)
 
@@ -75,7 +73,6 @@ class Overlay:
             self._faint(x, y, name, "center")
 
     def scale_bar(self, corner: Array, length: float, text: str) -> None:
-        """A length to scale."""
         x, y = corner
         tick = 0.04 * self.inch
         for xs, ys in (([x, x + length], [y, y]), *(([e, e], [y - tick, y + tick]) for e in (x, x + length))):

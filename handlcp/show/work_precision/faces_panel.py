@@ -23,7 +23,6 @@ LEGEND = {"frameon": False, "handlelength": 1.5, "borderaxespad": 0.1, "handlete
 
 
 def faces_panel(ax: Any, cost: AccuracyCost) -> None:
-    """Draw the panel."""
     panel(ax, "… against faces", "faces of the pyramid", "")
     ax.set_xscale("log")
     ax.set_yscale("log")

@@ -1,4 +1,4 @@
-"""What an effect left out does to forces, torques and slips: one line an effect."""
+"""The error of leaving an effect out: for each a line with points for forces, torques and slips [%]."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ LEAST, MOST = 0.08, 4000.0  # [%] shown
 
 
 def left_out_panel(ax: Any, cost: AccuracyCost) -> None:
-    """Draw the panel: for each effect its name, and points for the errors of force, torque and slip [%]."""
     panel(ax, "An effect left out", "error [%]", "")
     ax.set_xscale("log")
     ax.grid(False, axis="y")

@@ -35,7 +35,6 @@ SIZES = {"*": 15.0, "X": 7.5, "P": 7.0}  # of the markers that would look small 
 
 
 def time_panel(ax: Any, cost: AccuracyCost) -> None:
-    """Draw the panel."""
     panel(ax, "Force error against time", "time of one call", "force error, of the largest force")
     ax.set_xscale("log")
     ax.set_yscale("function", functions=(_stretch, _shrink))

@@ -15,7 +15,6 @@ __all__ = ["entries"]
 
 
 def entries() -> tuple[Entry, ...]:
-    """One an effect."""
     data = (entry_of(kind) for kind in FROM_DATA)
     asked = (entry_of(kind) for kind in BY_NAME)
     return (*data, TENDONS, SYNERGIES, WEIGHT, COMMAND, WEIGHS, *asked, ENVIRONMENT)

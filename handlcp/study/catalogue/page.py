@@ -1,4 +1,4 @@
-"""The page of all effects, in Markdown: a table to choose from, then each with equation, unknowns and source."""
+"""The page of all effects: the text of `page.md` around a table of effects, then a section on each."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import platform
 import posixpath
 import re
 from collections.abc import Mapping
+from importlib import resources
 from pathlib import PurePosixPath
 
 from handlcp.grasp.effects import CoulombPyramid, ObjectBalance, UnilateralContact
@@ -22,54 +23,13 @@ _WHERE = PurePosixPath("handlcp/grasp/effects")  # the page's folder in the repo
 # The effects that bring the reference scene's unknowns
 _THE_SCENE = (ObjectBalance.title, UnilateralContact.title, CoulombPyramid.title)
 
-_TOP = """\
-# Effects
-
-What a grasp can be made of. Each effect is one file, with its equation on top; a scene without it has none of its
-unknowns and none of its rows. `grasp.explain()` says which of them a scene has and why, `handlcp effects` prints this
-list. The page is written by `python -m handlcp.study.catalogue`; a test keeps it true.
-
-## Which one?
-
-In the second column Python comes first, the keys of a scene file below. `joint_stiffness=` is an argument of the hand,
-`mass=` of the object, `faces=` of `solve`, all others of `state.grasp` (`Grasp` takes most of them, too).
-
-| effect, and when to use it | how to ask for it | unknowns | here | time |
-| --- | --- | --- | ---: | ---: |
-"""
-
-_COST = """\
-
-**Here** and **time**: by how many unknowns the reference scene grows, and by what its time is multiplied. The scene is
-a ball in five fingers with friction pyramids of 8 faces, {unknowns} unknowns in all; time is that of
-`state.grasp(ball, …).solve()`, the best of many with the effect and without it in turns. Friction and finger
-flexibility are in the scene from the start: theirs is the share that `explain(measure=True)` finds. Planar friction is
-tried on two fingers in a plane, whatever has `faces="cone"` on the cone, soft fingers against points of contact. The
-force bounds are reached there, the torque limits are not. –: every scene has it.
-
-Measured on {measured}. Runs differ by a few percent; only the ratios carry over to other machines.
-
-A contact with μ = 0, or `Frictionless()`, is no effect but the lack of one: it has no tangential unknowns at all.
-
-## One by one
-
-r are the contact forces in contact axes, normal part r_N, tangential part r_T; u the object's motion, w the load on it,
-G the grasp matrix. ε = v = Gᵀu + E r + d is how far the object moves from a fingertip: ε_N the gap, ε_T the slip, d
-what they are at the start. E is the flexibility of all contacts, J the Jacobian of the contact points, K the stiffness
-of the joints, C its inverse, τ their torques. N holds the normals of a pyramid's faces, λ how far a contact slips
-against each; z̄ and s are how far fingers and joints give way at their limits. 0 ≤ a ⟂ b ≥ 0: both are at least zero,
-and one of them is zero. += is what an effect adds. Letters that only one effect has are explained in its file.
-
-Ai & Li (2025) is [Sensors 25(7), 2309](https://doi.org/10.3390/s25072309), the paper this package started from.
-"""
-
 
 def page(costs: Mapping[str, Cost], measured: str) -> str:
     """The whole page. costs : by title. measured : when and where, such as `here_and_now`."""
-    every = entries()
+    text = resources.files(__package__).joinpath("page.md").read_text(encoding="utf-8")
     size = sum(costs[title].unknowns for title in _THE_SCENE)
-    lines = [_TOP, *(_row(e, costs[e.title]) for e in every), _COST.format(unknowns=size, measured=measured)]
-    return "".join([*lines, *(_section(e) for e in every)])
+    rows = "".join(_row(e, costs[e.title]) for e in entries())
+    return text.format(rows=rows, unknowns=size, measured=measured) + "".join(map(_section, entries()))
 
 
 def here_and_now() -> str:

@@ -6,12 +6,13 @@ smallest singular value of J that is not zero (of J with rows of length one for 
     greedy    E‖e'‖² ≤ (1 - ½ (‖J‖²_F / (‖J‖²_F - min_i |g_i|²) + 1) σ² / ‖J‖²_F) ‖e‖²
     uniform   E‖e'‖² ≤ (1 - σ² / n) ‖e‖²
 
-The first, from the second step on, is Z.-Z. Bai & W.-T. Wu's, SIAM J. Sci. Comput. 40 (2018), A592-A606. The second
-follows from E‖e'‖² = ‖e‖² - Σ_i (g_i·e / |g_i|)² / n, and is nearly sharp: the mean error, E e' = (I - Jᵀ J / n) e with
-rows of length one, shrinks by 1 - σ² / n in its slowest part, and E‖e‖² no faster than by the square of that: the rate
-in mean square lies between once and twice the bound. What a run shows is often a little faster than its mean square,
-2.0 to 2.4 times the bound on grasps, up to 3.9 with six rows. The greedy bound allows for the worst e; how much faster
-it is in fact has to be measured: 4 to 19 times.
+The greedy bound is Z.-Z. Bai & W.-T. Wu's, SIAM J. Sci. Comput. 40 (2018), A592-A606. It holds from the second step on
+and allows for the worst e: measured rates are 4 to 19 times as large.
+
+The uniform bound follows from E‖e'‖² = ‖e‖² - Σ_i (g_i·e / |g_i|)² / n, and is nearly sharp. The mean error,
+E e' = (I - Jᵀ J / n) e with rows of length one, shrinks by 1 - σ² / n in its slowest part, and E‖e‖² no faster than the
+square of that. So the rate in mean square lies between once and twice the bound. A single run is often a little faster:
+2.0 to 2.4 times the bound on grasps, up to 3.9 times with six rows.
 
 A rate here is the decrease of ln ‖e‖, or of ln ‖Φ‖, per step: ln 10 / rate steps gain a digit.
 """
@@ -56,8 +57,8 @@ def uniform_bound(J: Array) -> float:
 def measured_rate(history: Array) -> float:
     """Rate per step: least squares on ln ‖Φ‖ over the second half of the steps.
 
-    history : (k, 2) step and ‖Φ‖. NaN for fewer than three points there, or once ‖Φ‖ is zero. A run that stands still
-    has a rate of zero, or a little less.
+    history : (k, 2) step and ‖Φ‖. NaN for fewer than three points there, or once ‖Φ‖ is zero. A run without
+    progress has a rate of zero, or a little less.
     """
     steps, norms = history[history[:, 0] >= 0.5 * history[-1, 0]].T
     if len(steps) < 3 or not (norms > 0.0).all():

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, TypeAdapter
 
 from handlcp.check import Array
 
-__all__ = ["AXES", "COLUMN", "NUMBERS", "Number", "PaperTable", "Reading", "raw", "short", "source", "table"]
+__all__ = ["AXES", "COLUMN", "NUMBERS", "Number", "PaperTable", "Reading", "raw", "short", "table"]
 
 NUMBERS = tuple(range(1, 11))
 AXES = ("n", "o", "t")
@@ -114,11 +114,6 @@ def raw() -> dict[str, Any]:
 def short(x: float) -> str:
     """A number in few characters, such as "1.5e-6" or "0.0494"."""
     return f"{x:.3g}".replace("e-0", "e-").replace("e+0", "e")
-
-
-def source() -> str:
-    """Where the numbers come from."""
-    return str(raw()["source"])
 
 
 @cache

@@ -41,11 +41,6 @@ class Miss:
     comment: str = ""
 
     @property
-    def unit(self) -> str:
-        """Of the amount."""
-        return "N" if self.elastic is None else "m"
-
-    @property
     def share(self) -> float | None:
         """Of the largest elastic displacement; None for forces."""
         return None if self.elastic is None else self.amount / self.elastic
@@ -120,7 +115,7 @@ def evidence(table: PaperTable) -> Evidence:
     said = "finger and object overlap" if -np.nanmin(fit.gap) > np.nanmax(fit.gap) else "a gap that carries force"
     fits = f"fits E_T = {short(fit.tangential)} m/N"
     out.append(Miss("printed slip (5), (13)", fit.slip_miss, size, _FITS_SLIPS, False, fits))
-    out.append(Miss("unilateral contact (3), (4)", fit.worst, size, _FITS, False, said))
+    out.append(Miss("unilateral contact (3), (4)", float(np.nanmax(abs(fit.gap))), size, _FITS, False, said))
     out.append(Miss("slip against its faces (11), (12)", slide, size, _FITS_SLIPS, False))
     return Evidence(signed, tuple(out), fit.tangential, E_T)
 

@@ -53,11 +53,6 @@ class Motion:
     slip: Array
     gap: Array
 
-    @property
-    def worst(self) -> float:
-        """Largest |ε_N| [m], which should be zero at every printed force."""
-        return float(np.nanmax(abs(self.gap)))
-
 
 def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedForces:
     """Best balance over all signs of the tangential forces; overwritten entries are solved for when `read`."""

@@ -10,7 +10,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from handlcp.study.paper.data import short, source
+from handlcp.study.paper.data import raw, short
 from handlcp.study.paper.misses import Evidence
 from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, PRELOAD_FACES, NoEquilibrium
 from handlcp.study.paper.nsngrk_as_printed import RES, STEPS, Case
@@ -26,10 +26,9 @@ _HEAD = {"force": "force [N]", "fingertip": "fingertip [m]", "slip": "slip [m]",
 
 
 def render(report: PaperReport, console: Console) -> None:
-    """Print the report."""
     console.print()
     console.print(Text("The paper, reproduced", style="bold"))
-    console.print(Text(source(), style="dim"))
+    console.print(Text(raw()["source"], style="dim"))
     console.print()
     console.print(_legend())
     shown = 0
@@ -121,7 +120,6 @@ def _misses(evidence: Evidence, console: Console) -> None:
 
 
 def _no_equilibrium(e: NoEquilibrium, console: Console) -> None:
-    """Example 4."""
     console.print()
     console.print(Text("Example 4 has no elastic equilibrium as printed", style="bold"))
     lines = [f"our default solver, 6 faces: {e.unloaded.status.name}, {len(e.unloaded.trace)} stages, none certified"]

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from handlcp.grasp import GraspSolution
-from handlcp.study.paper.data import source
+from handlcp.study.paper.data import raw
 from handlcp.study.paper.misses import Miss
 from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, NoEquilibrium, no_equilibrium
-from handlcp.study.paper.nsngrk_as_printed import CASES, RES, STEPS, Case, Run, run_case
+from handlcp.study.paper.nsngrk_as_printed import CASES, RES, STEPS, Case, run_case
 from handlcp.study.paper.rows import Row
 from handlcp.study.paper.tables import Comparison, compare_all
-from handlcp.study.plain import plain
+from handlcp.study.plain import pick, plain
 
 __all__ = ["PaperReport", "run"]
 
@@ -40,7 +39,7 @@ class PaperReport:
     def to_json(self) -> str:
         """Everything, SI units, printed numbers as text; NaN becomes null."""
         data = {
-            "source": source(),
+            "source": raw()["source"],
             "ok": self.ok,
             "seconds": self.seconds,
             "tables": {c.table.number: _table(c) for c in self.tables},
@@ -59,45 +58,31 @@ def run() -> PaperReport:
 
 
 def _table(c: Comparison) -> dict[str, Any]:
-    judged = {"golden": c.golden, "ok": c.ok, "level": c.level, "verdict": c.verdict, "remarks": c.remarks}
-    return {
+    misses = () if c.evidence is None else c.evidence.misses
+    return pick(c, "golden", "ok", "level", "verdict", "remarks") | {
         "title": c.table.title,
-        **judged,
         "ours": _solution(c.solution) | {"what": c.ours},
         "rows": [_row(r) for r in c.rows],
         "printed_forces_signed": None if c.evidence is None else c.evidence.signed.forces,
-        "misses": [] if c.evidence is None else [_miss(m) for m in c.evidence.misses],
+        "misses": [_miss(m) for m in misses],
     }
 
 
 def _row(r: Row) -> dict[str, Any]:
-    found = {"column": r.column, "place": r.place, "printed": r.printed.text, "ours": r.ours}
-    return found | {"difference": r.difference, "relative": r.relative, "mark": r.mark.name.lower()}
+    found = pick(r, "column", "place", "ours", "difference", "relative")
+    return found | {"printed": r.printed.text, "mark": r.mark.name.lower()}
 
 
 def _miss(m: Miss) -> dict[str, Any]:
-    return {
-        "equation": m.equation,
-        "amount": m.amount,
-        "unit": m.unit,
-        "share_of_largest_elastic_displacement": m.share,
-        "holds": m.holds,
-        "decided_by": "forces" if m.forces else "displacements",
-        "comment": m.comment,
-    }
+    found = pick(m, "equation", "amount", "holds", "comment", share_of_largest_elastic_displacement="share")
+    unit, numbers = "N" if m.elastic is None else "m", "forces" if m.forces else "displacements"
+    return found | {"unit": unit, "decided_by": numbers}
 
 
 def _solution(s: GraspSolution) -> dict[str, Any]:
-    return {
-        "status": s.status.name,
-        "forces": s.forces,
-        "slip": s.slip,
-        "gap": s.gap,
-        "states": s.contact_state,
-        "object_displacement": s.object_displacement,
-        "worst_residual": s.residuals.worst,
-        "loose_motions": None if s.uniqueness is None else s.uniqueness.loose_motions,
-    }
+    loose = None if s.uniqueness is None else s.uniqueness.loose_motions
+    found = pick(s, "forces", "slip", "gap", "object_displacement", states="contact_state")
+    return found | {"status": s.status.name, "worst_residual": s.residuals.worst, "loose_motions": loose}
 
 
 def _example_4(e: NoEquilibrium) -> dict[str, Any]:
@@ -108,25 +93,17 @@ def _example_4(e: NoEquilibrium) -> dict[str, Any]:
         "motion_bound": MOTION_BOUND,
         "with_preload": _solution(e.preloaded),
         "control_normal_force": e.control_normal,
-        "searches": [{"faces": f, "E_T": E, "pairs": r.pairs, "none_exists": r.none_exists} for f, E, r in e.searches],
+        "searches": [{"faces": f, "E_T": E} | pick(r, "pairs", "none_exists") for f, E, r in e.searches],
     }
 
 
 def _case(c: Case) -> dict[str, Any]:
-    return {
-        "example": c.example,
-        "faces": c.faces,
+    found = pick(c, "example", "faces", "ours", ours_steps="steps", spread_as_printed="spread")
+    return found | {
+        "spread_natural_units": c.natural_spread,
         "res": RES,
         "max_steps": STEPS,
-        "as_printed": _runs(c.printed),
-        "natural_units": _runs(c.natural),
-        "ours": c.ours,
-        "ours_steps": c.steps,
+        "as_printed": [pick(r, "seed", "steps", "res", normal_force="normal") for r in c.printed],
+        "natural_units": [pick(r, "seed", "steps", "res", normal_force="normal") for r in c.natural],
         "finger": c.finger + 1,
-        "spread_as_printed": c.spread,
-        "spread_natural_units": c.natural_spread,
     }
-
-
-def _runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    return [{"seed": r.seed, "steps": r.steps, "res": r.res, "normal_force": r.normal} for r in runs]
