@@ -20,9 +20,9 @@ __all__ = ["accuracy"]
 def accuracy(
     scene: Annotated[Path, typer.Argument(help="A scene file (TOML).")],
     json: Json = False,
-    csv: Annotated[Path | None, typer.Option("--csv", help="Write every setting into this file, one a line.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Draw error against time (png, svg, pdf).")] = None,
-    seconds: Annotated[float, typer.Option("--seconds", help="What the study may take, compilation aside.")] = 60.0,
+    csv: Annotated[Path | None, typer.Option(help="Write every setting into this file, one a line.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw error against time (png, svg, pdf).")] = None,
+    seconds: Annotated[float, typer.Option(help="What the study may take, compilation aside.")] = 60.0,
 ) -> None:
     """What accuracy costs in this scene: methods, faces, tolerances, effects left out, against the exact cone.
 

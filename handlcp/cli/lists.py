@@ -22,7 +22,7 @@ __all__ = ["audit", "effects", "hands", "keys", "paper"]
 @app.command()
 def audit(
     urdf: Annotated[Path, typer.Argument(help="A hand's URDF file.")],
-    base: Annotated[str | None, typer.Option("--base", help="Audit only the links below this one.")] = None,
+    base: Annotated[str | None, typer.Option(help="Audit only the links below this one.")] = None,
     json: Json = False,
 ) -> None:
     """List every doubt about the limits in a URDF, and what to pass instead. Exit status 0, 2 for bad input."""

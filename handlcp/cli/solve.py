@@ -25,11 +25,9 @@ __all__ = ["solve"]
 def solve(
     scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
     json: Json = False,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Draw the grasp into this file (png, svg, pdf).")] = None,
-    faces: Annotated[
-        str | None, typer.Option("--faces", help="Faces of the friction pyramids, over the file's.")
-    ] = None,
-    seed: Annotated[int | None, typer.Option("--seed", help="Of the solver, over the file's.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the grasp into this file (png, svg, pdf).")] = None,
+    faces: Annotated[str | None, typer.Option(help="Faces of the friction pyramids, over the file's.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the solver, over the file's.")] = None,
     explain: Annotated[
         bool, typer.Option("--explain", help="Measure each effect's share of the solve, beside its unknowns.")
     ] = False,
@@ -37,8 +35,7 @@ def solve(
         bool, typer.Option("--suggest", help="Which effects that are left out would change the answer by 5 % or more.")
     ] = False,
     accuracy: Annotated[
-        float | None,
-        typer.Option("--accuracy", help="Force error that will do, of the largest force; not with --faces."),
+        float | None, typer.Option(help="Force error that will do, of the largest force; not with --faces.")
     ] = None,
 ) -> None:
     """Solve a scene: effects, contacts, joint torques, verdict. Exit status 0 held, 1 not held, 2 bad input.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.colours import INK
+from handlcp.show.style import INK
 
 __all__ = ["SMALL", "TEXT", "error_ticks", "number_ticks", "panel", "say", "time_ticks"]
 

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.show.axes import SMALL, TEXT, panel
-from handlcp.show.colours import BLUE, INK, RED
 from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.text import spread
+from handlcp.show.style import BLUE, INK, RED, spread
 from handlcp.show.units import percent
 from handlcp.study.convergence import Convergence, Run
 

@@ -100,7 +100,9 @@ def torque_table(check: Any) -> Table:
         limit = f"{r.limit:.3g}" if finite else "none" if r.known else "unknown"
         share = units.percent(r.utilisation) if finite else "–"
         mark = " over limit" if over else " binding" if binding and finite else ""
-        bar = Text(_bar(r.utilisation) if finite else "", style="red" if over else "cyan") + Text(mark)
+        filled = round(min(r.utilisation, 1.0) * BAR) if finite else 0
+        cells = "█" * filled + "·" * (BAR - filled) if finite else ""
+        bar = Text(cells, style="red" if over else "cyan") + Text(mark)
         table.add_row(Text(r.joint), _number(r.torque, 4), limit, share, bar, style=style)
     return table
 
@@ -192,11 +194,6 @@ def _number(value: float, digits: int = 3) -> str:
     if not np.isfinite(value):
         return "–"
     return f"{round(value, digits) + 0.0:.{digits}f}" if abs(value) < 100 else f"{value:.1f}"
-
-
-def _bar(share: float) -> str:
-    filled = round(min(share, 1.0) * BAR)
-    return "█" * filled + "·" * (BAR - filled)
 
 
 def _limit_note(grasp: Grasp, faces: Any) -> str | None:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import copy
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
+from handlcp.hand import HandState
+from handlcp.hand.urdf import captured_stderr, resolve_meshes
 from handlcp.show.picture import shapes
-
-if TYPE_CHECKING:
-    from handlcp.hand import HandState
 
 __all__ = ["Body", "environment_bodies", "hand_bodies", "object_body", "stub_bodies"]
 
@@ -76,10 +76,6 @@ def environment_bodies(grasp: Grasp) -> list[Body]:
 
 def _links(state: HandState) -> list[Body]:
     """Bodies from the hand's URDF; none where it has no geometry, or its meshes cannot be read."""
-    import pinocchio as pin
-
-    from handlcp.hand.urdf import captured_stderr, resolve_meshes
-
     root, folders = state.hand.urdf_tree
     if root is None:
         return []
@@ -115,8 +111,6 @@ def _tint(item: Any) -> Colour:
 
 def _rods(state: HandState) -> list[Body]:
     """From each joint to the next, and to the fingertips."""
-    import pinocchio as pin
-
     hand = state.hand
     model = hand.model
     data = model.createData()

@@ -9,10 +9,10 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.show import units
-from handlcp.show.colours import BLUE, PURPLE, RED
 from handlcp.show.picture.bodies import environment_bodies, hand_bodies, object_body, stub_bodies
 from handlcp.show.picture.overlay import nice
 from handlcp.show.picture.panel import Entry
+from handlcp.show.style import BLUE, PURPLE, RED
 
 __all__ = ["ESCAPE", "LOAD", "SLIP", "Content"]
 

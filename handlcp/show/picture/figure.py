@@ -56,7 +56,7 @@ def _scene(figure: Any, shown: Content, head: float) -> None:
     camera = camera_for(shown.grasp, shown.solids, shown.glass, shown.marks())
     ax = figure.add_axes((0.005, 0.01, SCENE, head - 0.02))
     inches = (WIDTH * SCENE, HEIGHT * (head - 0.02))
-    margin = min(0.30 + labels.width(figure, names, details), 0.35 * inches[0])
+    margin = min(0.30 + labels.widest(figure, names, details), 0.35 * inches[0])
     view = frame(camera, shown.solids, shown.glass, shown.reach(), inches, margin)
     ax.axis("off")
     paint(ax, camera, shown.solids, shown.glass, view, DPI)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from handlcp.check import Array
-from handlcp.show import text
-from handlcp.show.colours import INK
 from handlcp.show.picture.camera import Frame
+from handlcp.show.style import INK, spread, width
 
-__all__ = ["Label", "place", "width"]
+__all__ = ["Label", "place", "widest"]
 
 LINE = 0.50  # inches from one label to the next
 NAME, DETAIL = 10.5, 9.5  # points
@@ -27,10 +26,10 @@ class Label:
     colour: str
 
 
-def width(figure: Any, names: Sequence[str], details: Sequence[str]) -> float:
+def widest(figure: Any, names: Sequence[str], details: Sequence[str]) -> float:
     """Inches that the widest line takes."""
-    widths = [text.width(figure, name, fontsize=NAME, weight="bold") for name in names]
-    widths += [text.width(figure, detail, fontsize=DETAIL) for detail in details]
+    widths = [width(figure, name, fontsize=NAME, weight="bold") for name in names]
+    widths += [width(figure, detail, fontsize=DETAIL) for detail in details]
     return max(widths, default=0.0) / float(figure.dpi)
 
 
@@ -49,7 +48,7 @@ def place(ax: Any, labels: Sequence[Label], frame: Frame) -> None:
     for column, x, way in ((left, frame.inner[0], -1.0), (right, frame.inner[1], 1.0)):
         column.sort(key=lambda m: -float(m.at[1]))
         # From the top down: what rises is minus the height
-        depths = text.spread([-float(m.at[1]) - line / 2 for m in column], [line] * len(column), -high, -low)
+        depths = spread([-float(m.at[1]) - line / 2 for m in column], [line] * len(column), -high, -low)
         for label, depth in zip(column, depths, strict=True):
             _draw(ax, label, x + way * 0.10 * frame.inch, -depth - line / 2, way, frame.inch)
 
@@ -62,6 +61,6 @@ def _draw(ax: Any, label: Label, x: float, y: float, way: float, inch: float) ->
     bend = x - way * 0.12 * inch
     ax.plot([x, bend, label.at[0]], [y, y, label.at[1]], path_effects=casing, color=label.colour, linewidth=0.9,
             zorder=5, solid_capstyle="round")  # fmt: skip
-    style = {"x": x + way * 0.06 * inch, "ha": "right" if way < 0 else "left", "zorder": 9}
-    ax.text(y=y + 0.01 * inch, s=label.name, va="bottom", color=label.colour, fontsize=NAME, weight="bold", **style)
-    ax.text(y=y - 0.02 * inch, s=label.detail, va="top", color=INK, fontsize=DETAIL, **style)
+    beside = {"x": x + way * 0.06 * inch, "ha": "right" if way < 0 else "left", "zorder": 9}
+    ax.text(y=y + 0.01 * inch, s=label.name, va="bottom", color=label.colour, fontsize=NAME, weight="bold", **beside)
+    ax.text(y=y - 0.02 * inch, s=label.detail, va="top", color=INK, fontsize=DETAIL, **beside)

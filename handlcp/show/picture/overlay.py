@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
 from handlcp.show.picture.camera import Camera
@@ -105,8 +106,6 @@ def nice(value: float) -> float:
 
 def _outline(points: Array) -> Array:
     """Convex hull of screen points, in order; the points as they are where they lie on a line."""
-    from scipy.spatial import ConvexHull, QhullError
-
     try:
         return np.asarray(points[ConvexHull(points).vertices])
     except QhullError:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.show import text, units
-from handlcp.show.colours import BLUE, INK, RED
+from handlcp.show import units
+from handlcp.show.style import BLUE, INK, RED, width
 from handlcp.show.verdict import verdict
 
 __all__ = ["Entry", "headline", "legend", "torque_bars"]
@@ -30,7 +30,7 @@ def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> 
     style = {"fontsize": 10.5, "va": "top"}
     said, letters = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 140
     lines = textwrap.wrap(said, letters)
-    while any(text.width(figure, line, **style) > 0.94 * figure.bbox.width for line in lines):
+    while any(width(figure, line, **style) > 0.94 * figure.bbox.width for line in lines):
         letters -= 3
         lines = textwrap.wrap(said, letters)
     while len(lines) > 1 and len(lines[-1]) < 0.35 * letters:  # no lonely word on the last line
@@ -39,7 +39,7 @@ def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> 
     if len(lines) > 4:
         lines = [*lines[:3], f"{lines[3]} …"]
     figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
-    indent = text.width(figure, f"{v.word}:", weight="bold", **style) / figure.bbox.width
+    indent = width(figure, f"{v.word}:", weight="bold", **style) / figure.bbox.width
     figure.text(0.023 + indent, y, lines[0].removeprefix(f"{v.word}: "), color=INK, **style)
     for line in lines[1:]:
         y -= 0.032

@@ -5,7 +5,9 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
+import coal
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
 
@@ -67,8 +69,6 @@ def capsule(start: Any, end: Any, radius: float) -> Array:
 
 def hull(points: Array, thickness: float) -> Array | None:
     """The convex hull of points (n, 3), given a thickness where they lie in a plane; None where they span nothing."""
-    from scipy.spatial import ConvexHull, QhullError
-
     p = np.asarray(points, dtype=float)
     centred = p - p.mean(0)
     _, s, axes = np.linalg.svd(centred)
@@ -89,8 +89,6 @@ def hull(points: Array, thickness: float) -> Array | None:
 
 def of_coal(geometry: Any) -> Array | None:
     """Triangles of a coal geometry; None for one that has no picture."""
-    import coal
-
     g = geometry
     if isinstance(g, coal.Sphere):
         return ellipsoid(g.radius)

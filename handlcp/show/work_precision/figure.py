@@ -11,8 +11,8 @@ from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.show.axes import SMALL, TEXT
-from handlcp.show.colours import GREY, INK
 from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.show.style import GREY, INK
 from handlcp.show.work_precision.faces_panel import faces_panel
 from handlcp.show.work_precision.left_out_panel import left_out_panel
 from handlcp.show.work_precision.time_panel import time_panel

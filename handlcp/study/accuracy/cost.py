@@ -15,8 +15,7 @@ from handlcp.grasp import GeometricStiffness, Grasp, GraspSolution
 from handlcp.grasp.pyramid import MOST_FACES
 from handlcp.study.accuracy.left_out import compare, variants
 from handlcp.study.accuracy.measure import Bench
-from handlcp.study.accuracy.methods import METHODS, Method
-from handlcp.study.accuracy.plan import FACES, TOLERANCES, Setting, settings
+from handlcp.study.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
 from handlcp.study.accuracy.result import NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
 from handlcp.version import VERSION
 

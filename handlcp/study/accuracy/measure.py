@@ -18,7 +18,7 @@ from handlcp.grasp.changed import changed
 from handlcp.grasp.pyramid import as_section
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto, SemismoothNewton
-from handlcp.study.accuracy.plan import Setting
+from handlcp.study.accuracy.methods import Setting
 from handlcp.study.accuracy.result import CERTIFIED, FAILED, LOOSE, OTHER, SPENT, Row
 from handlcp.study.nsngrk import in_units
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from scipy.optimize import linprog, nnls
 
 from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, PrescribedForce, Pyramid
@@ -88,8 +89,6 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
     Rows are the normals and tangents of the governed fingers; λ may act on the faces at the limit (`LIMIT`), also where
     the force is beyond it. A linear program.
     """
-    from scipy.optimize import linprog
-
     scene, normals = grasp.scene, Pyramid(faces).normals
     limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
     elastic = scene.flexibility @ forces.ravel()
@@ -137,8 +136,6 @@ def motion(grasp: Grasp, table: PaperTable, forces: Array, tangentials: tuple[fl
 
 def against_faces(grasp: Grasp, faces: int, forces: Array, slip: Array) -> float:
     """Worst distance [m] of the slips (n, 2) from -Nλ, λ ≥ 0, over the faces that each force is on (`LIMIT`)."""
-    from scipy.optimize import nnls
-
     normals, worst = Pyramid(faces).normals, 0.0
     limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
     for i in np.flatnonzero(_rubs(grasp)):

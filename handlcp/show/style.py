@@ -1,11 +1,15 @@
-"""Text in pictures: how wide a line is, and places for labels that must not overlap."""
+"""Colours of pictures, and room for their text."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["spread", "width"]
+__all__ = ["BLUE", "GREEN", "GREY", "INK", "PURPLE", "RED", "spread", "width"]
+
+# Okabe and Ito's palette, which colour-blind readers can tell apart
+BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#A0307A"
+INK, GREY = "#222222", "#5F5F5F"  # of text, and of text that matters less
 
 
 def width(figure: Any, line: str, **style: Any) -> float:
