@@ -64,7 +64,7 @@ def common(
 
 @contextmanager
 def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
-    """A bar on stderr, where that is a terminal, drawn between steps only: a thread that draws would disturb times."""
+    """A bar on stderr if that is a terminal, drawn between steps: a drawing thread would disturb the measured times."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     console = Console(stderr=True)

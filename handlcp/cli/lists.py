@@ -1,4 +1,4 @@
-"""Lists: doubts about a URDF, the hands at hand, all effects, the keys of scene files, the paper."""
+"""Commands that list: doubts about a URDF, hands, effects, keys of scene files, and the paper's tables."""
 
 from __future__ import annotations
 

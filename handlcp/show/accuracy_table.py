@@ -93,7 +93,7 @@ def left_out_table(cost: AccuracyCost) -> Table | None:
 
 
 def _tightest(rows: Iterable[Row]) -> Row | None:
-    """The first of: certified rows before others, tight tolerances before loose ones, small errors before large."""
+    """The first row when sorted: certified before others, then by tolerance, then by force error."""
 
     def place(r: Row) -> tuple[bool, float, float]:
         return r.status != CERTIFIED, r.tolerance or 0.0, np.inf if r.force_error is None else r.force_error
@@ -112,7 +112,7 @@ def _spread(row: Row) -> str:
 
 
 def _errors(row: Row | LeftOut) -> list[str]:
-    """Under `HEADINGS`."""
+    """Force, slip and torque error, as in `HEADINGS`."""
     return [_share(e) for e in (row.force_error, row.slip_error, row.torque_error)]
 
 

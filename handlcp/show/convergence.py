@@ -1,4 +1,4 @@
-"""How NSNGRK converges, drawn: rates in natural units, and what the paper's stop rule sees of metres and newtons."""
+"""The figure of NSNGRK's convergence: rates in natural units, and the effect of the paper's stop rule in SI units."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ __all__ = ["GIVEN", "NATURAL", "UNIFORM", "draw", "save"]
 
 WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches, dots an inch
 HEAD = 12.5  # points
-NATURAL, UNIFORM, GIVEN = BLUE, "#B87800", RED  # the orange is darker than the palette's: text has that colour, too
+NATURAL, UNIFORM, GIVEN = BLUE, "#B87800", RED  # the palette's orange, darker for text
 LINES: dict[str, Any] = {"linewidth": 0.9, "alpha": 0.8}
 DASHED = (0, (4, 2.5))
-AFTER = 3.0  # the right half shows so many times the steps to the stop rule
+AFTER = 3.0  # steps shown in the right half, in multiples of the steps to the stop rule
 ROW = 0.054  # height of a line of text in the left panel, as a share of the panel's
 
 Mark = tuple[str, float]  # a name and a value
@@ -34,11 +34,11 @@ def save(result: Convergence, path: Any, title: str = "", printed: Mark | None =
 
 
 def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> Figure:
-    """The figure. title : of the scene. printed : a name and a value to mark beside the value that seeds disagree on.
+    """The figure. title : of the scene. printed : a name and a value to mark in the panel of values.
 
-    Left, natural units: ‖Φ‖ over steps with greedy and with uniform sampling, a line for every seed; dashed: what
-    conditioning predicts. Right, the user's units: ‖Φ‖ meets the stop rule, yet the value on which seeds disagree most
-    is not the answer's; in natural units it is. Raises Unsupported when matplotlib is not installed.
+    Left, natural units: ‖Φ‖ over steps with greedy and with uniform sampling, a line for every seed; dashed: the rates
+    that conditioning predicts. Right, the user's units: ‖Φ‖ with the stop rule above, and below the value on which
+    seeds disagree most, which natural units determine. Raises Unsupported when matplotlib is not installed.
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
     figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")

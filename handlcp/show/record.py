@@ -60,7 +60,7 @@ def record(
 
 
 def _twist(twist: Any) -> dict[str, Any]:
-    """Of a motion (6,)."""
+    """A motion (6,)."""
     return {"linear_m": twist[:3], "angular_rad": twist[3:]}
 
 

@@ -33,7 +33,7 @@ __all__ = [
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar
-SAVES = -0.02  # an effect whose share of the time is at most this saves time
+SAVES = -0.02  # an effect with a share of the time below this saves time
 
 
 def effect_table(explanation: Explanation) -> Table:
@@ -197,7 +197,7 @@ def _number(value: float, digits: int = 3) -> str:
 
 
 def _limit_note(grasp: Grasp, faces: Any) -> str | None:
-    """From which share of the friction limit on a contact may slide in a pyramid; None without pyramids."""
+    """The share of the friction limit at which a contact in a pyramid may slide; None without pyramids."""
     if grasp.scene.plane is not None or not grasp.scene.frictional or not isinstance(faces, int):
         return None
     sticks = float(np.cos(np.pi / faces))

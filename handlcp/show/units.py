@@ -65,7 +65,7 @@ def percent(share: float) -> str:
 
 
 def _text(value: float, unit: str, digits: int = 3) -> str:
-    """So many significant digits, but no rounding of whole numbers."""
+    """A number with so many significant digits, whole numbers unrounded, and its unit."""
     if not np.isfinite(value):
         return "–"
     if abs(value) < 1e-9:

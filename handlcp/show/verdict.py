@@ -138,7 +138,7 @@ def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
 
 
 def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:
-    """Which contacts slide, twist on the object or let go; that all stick where none does."""
+    """Which contacts slide, twist on the object or let go; "all stick" where none does."""
     who, slips = "contacts" if grasp.scene.environment else "fingers", np.hypot(*s.slip.T).tolist()
     spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
     sliding = [(n, d) for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"]

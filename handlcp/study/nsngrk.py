@@ -1,4 +1,4 @@
-"""What studies of NSNGRK have in common: the paper's settings, and problems in the units that it may work in."""
+"""What studies of NSNGRK have in common: the paper's settings, and the units in which a problem is solved."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ UnitsOf = Literal["natural", "equilibrated", "given"]
 
 
 def in_units(problem: LCP, units: UnitsOf) -> tuple[Scaled, Array]:
-    """The problem in these units; z (n,) in them divided by the array (n,) is z in natural units.
+    """(the problem in these units, sizes (n,)): z in these units divided by the sizes is z in natural units.
 
     "natural": the problem's own. "equilibrated": found from M and q alone (Ruiz). "given": the user's, as in the paper.
     """

@@ -1,4 +1,4 @@
-"""Results as JSON has them: plain values under the keys that they are known by."""
+"""Results for JSON."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ __all__ = ["pick", "plain"]
 
 
 def pick(source: Any, *names: str, **renamed: str) -> dict[str, Any]:
-    """Attributes by name. renamed : key in the result = name of the attribute."""
+    """Attributes of `source` by name. renamed : key in the result = name of the attribute."""
     return {key: getattr(source, name) for key, name in ({name: name for name in names} | renamed).items()}
 
 
 def plain(value: Any) -> Any:
-    """Arrays become lists, numpy's numbers Python's, numbers that are not finite None."""
+    """The value with arrays as lists, numpy's numbers as Python's, and None for numbers that are not finite."""
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):

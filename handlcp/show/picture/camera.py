@@ -1,4 +1,4 @@
-"""An orthographic camera: the side from which a grasp is seen, and the part of the screen that becomes the picture."""
+"""An orthographic camera: the direction from which a grasp is seen, and the limits of the picture."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ __all__ = ["Camera", "Frame", "camera_for", "facing", "frame"]
 
 ELEVATIONS = (16.0, 28.0, -14.0, -26.0)  # [degrees] above the horizon; from below only when that shows more
 STEP = 15.0  # of the azimuth [degrees]
-SMALL = (96, 80)  # pixels of the sketches that are compared
-FAR, NEAR = 3.8, 2.5  # a hand farther from the object than FAR sizes of the grasp is cut at NEAR of them
+SMALL = (96, 80)  # pixels of the images that are compared
+FAR, NEAR = 3.8, 2.5  # a hand that reaches farther from the object than FAR times its radius is cut at NEAR times
 FOOT, HEAD = 0.62, 0.12  # inches for the scales below, and of air above
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -55,7 +55,7 @@ def facing(normal: Array, up: Array) -> Camera:
 
 
 def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: Array) -> Camera:
-    """A planar grasp is seen along its normal, another from where most can be seen; the load points down if possible.
+    """Along the normal for a planar grasp, otherwise from where most can be seen; the load points down if possible.
 
     glass : the object. marks (n, 3) : points that should lie apart on the screen.
     """
@@ -65,7 +65,7 @@ def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: 
         normal = scene.plane * (1.0 if scene.plane[int(np.argmax(abs(scene.plane)))] > 0 else -1.0)
         up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.9 else UP
         above = _upwards(-scene.force / load) if load > 0 else up
-        return facing(normal, up if abs(above @ normal) > 0.9 else above)  # `above` may point at the viewer
+        return facing(normal, up if abs(above @ normal) > 0.9 else above)  # where `above` points at the viewer
     down = scene.force
     if isinstance(grasp, HandGrasp) and grasp.target is not None and grasp.target.mass > 0.0:
         # An object with a weight hangs in the picture, whatever else pushes it
@@ -77,7 +77,7 @@ def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: 
 
 def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Array, inches: tuple[float, float],
           margin: float) -> Frame:  # fmt: skip
-    """The object, the points of `reach` (k, 3), and as much of the hand as leaves them large enough.
+    """Limits around the object and the points of `reach` (k, 3), and around the hand unless that makes them small.
 
     inches : (width, height) of the picture on paper. margin : inches at each side for labels.
     """

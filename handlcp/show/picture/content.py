@@ -1,4 +1,4 @@
-"""What the picture shows of a solved grasp: solids, arrows and their scale, colours, words."""
+"""What the picture of a solved grasp shows: solids, arrows and their scale, colours, text."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _NO_MOMENT = 5e-6  # [N·m] moments below are not written
 
 
 class Content:
-    """Everything in world axes; an arrow that does not exist is zero.
+    """All vectors are in world axes; an arrow that is not drawn is zero.
 
     solids, glass : opaque bodies, and the translucent object or None. colours : (n) by contact state.
     per_newton : length of a force arrow [m/N]. forces (n, 3) : their arrows [m]. load [N] and its arrow `pull` [m].
     escape : arrow of the motion in which the object escapes [m]. acts_at (3,) : where the arrows on the object start.
-    slips : arrow of the slip by contact, for contacts that slide [m]. slip_note : what the legend says about them.
+    slips : contact → arrow of its slip [m], where it slides. slip_note : their line in the legend.
     """
 
     def __init__(self, grasp: Grasp, solution: GraspSolution, obj: Any) -> None:

@@ -27,7 +27,7 @@ class Label:
 
 
 def widest(figure: Any, names: Sequence[str], details: Sequence[str]) -> float:
-    """Inches that the widest line takes."""
+    """Width of the widest line in inches."""
     widths = [width(figure, name, fontsize=NAME, weight="bold") for name in names]
     widths += [width(figure, detail, fontsize=DETAIL) for detail in details]
     return max(widths, default=0.0) / float(figure.dpi)
@@ -47,7 +47,7 @@ def place(ax: Any, labels: Sequence[Label], frame: Frame) -> None:
         left.append(right.pop(0))
     for column, x, way in ((left, frame.inner[0], -1.0), (right, frame.inner[1], 1.0)):
         column.sort(key=lambda m: -float(m.at[1]))
-        # From the top down: what rises is minus the height
+        # The column is filled from the top, `spread` counts upwards: heights change sign
         depths = spread([-float(m.at[1]) - line / 2 for m in column], [line] * len(column), -high, -low)
         for label, depth in zip(column, depths, strict=True):
             _draw(ax, label, x + way * 0.10 * frame.inch, -depth - line / 2, way, frame.inch)

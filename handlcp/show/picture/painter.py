@@ -76,7 +76,7 @@ def _contours(colour: Array, depth: Array, step: float) -> None:
 
 
 def _fade(colour: Array, frame: Frame) -> None:
-    """Where the hand is cut, it fades into the page."""
+    """Fade into the page where the hand is cut."""
     h, w, _ = colour.shape
     (x0, x1, y0, y1), (a, b, c, d), soft = frame.box, frame.inner, 0.30 * frame.inch
     x, y = np.linspace(x0, x1, w), np.linspace(y0, y1, h)

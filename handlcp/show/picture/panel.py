@@ -17,7 +17,7 @@ __all__ = ["Entry", "headline", "legend", "torque_bars"]
 Entry = tuple[str, str, str]  # kind ("patch", "cone", "dot", "line", "dashed"), colour, text
 
 ROW = 0.058  # height of a joint, as a share of the figure
-LETTERS = 31  # of joint and share together, that fit a bar's width at full size, bold
+LETTERS = 31  # that fit a bar's width: joint and share, bold, at full size
 VERDICT = {"HELD": "#00734D", "UNDECIDED": "#8A6100"}  # the rest is red
 
 
@@ -33,7 +33,7 @@ def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> 
     while any(width(figure, line, **style) > 0.94 * figure.bbox.width for line in lines):
         letters -= 3
         lines = textwrap.wrap(said, letters)
-    while len(lines) > 1 and len(lines[-1]) < 0.35 * letters:  # no lonely word on the last line
+    while len(lines) > 1 and len(lines[-1]) < 0.35 * letters:  # not a single word on the last line
         letters -= 2
         lines = textwrap.wrap(said, letters)
     if len(lines) > 4:

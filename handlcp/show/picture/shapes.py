@@ -15,6 +15,7 @@ __all__ = ["box", "capsule", "cylinder", "ellipsoid", "hull", "of_coal", "placed
 
 AROUND = 96  # facets around a round shape
 _CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))  # of a cube with edges of one
+# Corners of each side in their order, seen from outside
 _SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
 
@@ -40,14 +41,14 @@ def revolved(profile: Any, around: int = AROUND) -> Array:
 
 
 def ellipsoid(radii: Any) -> Array:
-    """About the origin. radii : semi-axes (3,), or one radius."""
+    """An ellipsoid about the origin. radii : semi-axes (3,), or one radius."""
     a = np.linspace(-np.pi / 2, np.pi / 2, 25)
     ball = revolved(np.stack([np.cos(a), np.sin(a)], axis=1))
     return np.asarray(ball * (np.ones(3) * np.asarray(radii, dtype=float)))
 
 
 def cylinder(radius: float, length: float) -> Array:
-    """Along z about the origin."""
+    """A cylinder along z about the origin."""
     h = length / 2
     return revolved([(0, -h), (radius, -h), (radius, h), (0, h)])
 

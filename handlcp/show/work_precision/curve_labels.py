@@ -65,7 +65,7 @@ def ladder(ax: Any, points: Sequence[CurveLabel], size: float, curves: Sequence[
 
 
 def write(ax: Any, curves: Sequence[CurveLabel], size: float, others: Array, written: Sequence[Any]) -> None:
-    """Write every name, the shortest curve first. Limits and scales of `ax` must be final.
+    """Write the name of every curve beside it, the shortest curve first. Limits and scales of `ax` must be final.
 
     others : (k, 2) further points to keep clear of. written : texts and lines that are there already. Each name
     stands beside a point of its curve, at the place whose box covers least; a line leads to it where that is far.
@@ -84,7 +84,7 @@ def write(ax: Any, curves: Sequence[CurveLabel], size: float, others: Array, wri
                     outside = box[0] < frame.x0 or box[2] > frame.x1 or box[1] < frame.y0 or box[3] > frame.y1
                     around = (box[0] - 2, box[1] - 1, box[2] + 2, box[3] + 1)
                     cost = 1e6 * outside + 1e4 * sum(_overlap(box, b) for b in taken) + 60.0 * _inside(ink, around)
-                    # Near the ends of a curve, near the point, and on its right if possible
+                    # Better near an end of the curve, near the point, and on its right
                     cost += 2.0 * min(k, len(points) - 1 - k) + 8.0 * far + 0.4 * place
                     if far and cost < least:
                         cost += _line_cost(_between(point, box), box, ink, taken, lines)

@@ -56,7 +56,7 @@ def faces_panel(ax: Any, cost: AccuracyCost) -> None:
 
 
 def _guides(ax: Any, law: FaceLaw, faces: Array) -> None:
-    """1/m and 1/m² from where the fitted law begins, and its exponent."""
+    """Lines for 1/m and 1/m² from the start of the fitted law, and its exponent."""
     begin = law.factor * float(faces[0]) ** -law.exponent
     for power, dash in ((1, (0, (5, 2))), (2, (0, (1.2, 1.6)))):
         label = f"∝ 1/m{'²' if power == 2 else ''}"

@@ -57,7 +57,7 @@ def draw(costs: Costs) -> Figure:
 
 
 def _row(figure: Any, cost: AccuracyCost, bottom: float, height: float) -> None:
-    """The panels of one scene: those for which it has rows."""
+    """The panels of one scene, as far as it has data for them."""
     effects, pyramids = bool(cost.left_out), any(r.section != "exact" for r in cost.rows)
     end = (0.507 if effects else 0.597) if pyramids else (0.735 if effects else 0.98)
     time_panel(figure.add_axes((0.082, bottom, end - 0.082, height)), cost)

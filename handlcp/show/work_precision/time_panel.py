@@ -17,7 +17,7 @@ __all__ = ["FLOOR", "ROUNDING", "STYLE", "time_panel"]
 
 FLOOR = 1e-16  # where errors below ROUNDING are drawn
 ROUNDING = 1e-13
-COARSE, STRETCH = 1e-4, 2.6  # above this error, where pyramids differ, a decade is drawn so many times as high
+COARSE, STRETCH = 1e-4, 2.6  # above COARSE, where pyramids differ, a decade is drawn STRETCH times as high
 
 # Okabe and Ito's palette, darker where text in it would be hard to read; a marker each, for print in grey
 STYLE: dict[str, tuple[str, str]] = {
@@ -86,7 +86,7 @@ def _shrink(height: Array) -> Array:
 
 
 def _points(rows: Sequence[Row]) -> Array:
-    """(k, 2) seconds and force errors; those that are rounding all at `FLOOR`."""
+    """(k, 2) seconds and force errors; errors below `ROUNDING` are put at `FLOOR`."""
     found = np.array([(r.seconds, r.force_error) for r in rows], dtype=float).reshape(-1, 2)
     found[found[:, 1] < ROUNDING, 1] = FLOOR
     return found

@@ -23,8 +23,8 @@ __all__ = ["Progress", "accuracy_cost"]
 
 Progress = Callable[[int, int, str], None]  # settings done, all of them, what is next
 
-_SHARE = 0.5  # one setting may take at most this share of what is left of its method's time
-_FEWEST = 100  # steps: a run that would be cut shorter, and shorter than twice the last one's, says nothing
+_SHARE = 0.5  # of the time that its method has left: one setting takes no more
+_FEWEST = 100  # steps: a run cut shorter, and shorter than twice the last one, is not worth its time
 
 
 def accuracy_cost(
@@ -94,10 +94,11 @@ def _run(
 ) -> Iterator[Row]:
     """One method's rows, within so many seconds.
 
-    A run's steps are cut so that it takes at most `_SHARE` of what is left (a whole `grasp.solve()` cannot be cut);
-    where too few steps would be left it is not started. Repeats share what is left evenly.
+    The steps of a run are limited so that it takes at most `_SHARE` of the time left (a whole `grasp.solve()` cannot be
+    limited). A run that would get too few steps is not started. The settings to come share the time left evenly.
     """
-    end, step, known, fewest = time.perf_counter() + seconds, 0.0, 1.0, 0  # seconds a step, measured at n = known
+    end, fewest = time.perf_counter() + seconds, 0
+    step, known = 0.0, 1.0  # seconds a step, measured with so many unknowns
     for k, s in enumerate(own):
         say(f"{method.name}, {s.faces} faces" if s.faces else method.name)
         allowed = _SHARE * (end - time.perf_counter())

@@ -39,9 +39,9 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
 
 
 def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
-    """The same for parts of the fingers' flexibility E. Compliances asked for by name are effects of their own.
+    """The grasp without parts of the fingers' flexibility E. Compliances asked for by name are effects of their own.
 
-    E stays positive semidefinite where blocks of it are set to zero in pairs of rows and columns.
+    E stays positive semidefinite when blocks of it are set to zero in pairs of rows and columns.
     """
     scene = grasp.scene
     E, n = grasp.flexibility, scene.n
@@ -59,7 +59,7 @@ def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     if isinstance(grasp, HandGrasp):
         joints = grasp.state.hand.stiffness.compliance(grasp.jacobian)  # J K⁻¹ Jᵀ
         fingers = 3 * (n - scene.environment)
-        around = np.where(np.arange(3 * n)[:, None] < fingers, 0, E)  # the environment's stays
+        around = np.where(np.arange(3 * n)[:, None] < fingers, 0, E)  # of the environment's contacts
         pads = np.where(same_finger, E - joints - around, 0)
         pads = np.where(abs(pads) > 1e-12 * abs(E).max(initial=0.0), pads, 0)  # without rounding errors
         if pads.any():
@@ -90,7 +90,7 @@ def _with(grasp: Grasp, flexibility: Array) -> Grasp:
 
 
 def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
-    """Effects that count weight or given forces are told which are left."""
+    """The grasp with these effects, checked anew: some of them depend on the others."""
     joints = grasp.joints if isinstance(grasp, HandGrasp) else None
     return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints, grasp.scene.fingers))
 

@@ -24,9 +24,9 @@ from handlcp.study.nsngrk import in_units
 
 __all__ = ["Bench", "Errors", "timed"]
 
-_SHORT, _MANY = 1e-2, 50  # short runs are repeated for so long [s], but no more often
-_AMPLIFIED = 1e3  # forces may be off by so many times a residual before another equilibrium is suspected
-_SAME = 1e-6  # relative: forces of one equilibrium differ by no more
+_SHORT, _MANY = 1e-2, 50  # short runs are repeated for _SHORT seconds, at most _MANY times
+_AMPLIFIED = 1e3  # a force error beyond so many times the residual suggests another equilibrium
+_SAME = 1e-6  # relative difference of forces up to which two answers are the same equilibrium
 
 
 class Errors:
@@ -56,14 +56,14 @@ class Bench:
         self._problems: dict[Any, Any] = {}
 
     def unknowns(self, s: Setting) -> int:
-        """Of the problem that the method gets."""
+        """Number of unknowns of the problem that the method gets."""
         return int(self._problem(s).n)
 
     def run(self, s: Setting, seconds: float, most: int) -> Row:
-        """Its row: one run of at most `most` steps, and then as many of the repeats as fit into `seconds`."""
+        """The row of a setting: one run of at most `most` steps, then as many repeats as fit into `seconds`."""
         if s.method.form == "grasp":
             return self._whole(s, seconds)
-        problem, solver = self._problem(s), s.method.set(s.tolerance or 1.0, most, self.seed)
+        problem, solver = self._problem(s), s.method.configured(s.tolerance or 1.0, most, self.seed)
         if s.method.form == "cone":
             subject, units, run = problem, np.ones(1), solver.propose_contact
         else:
@@ -79,7 +79,7 @@ class Bench:
         return self._row(s, said, worst, candidate, slip, found)
 
     def _whole(self, s: Setting, seconds: float) -> Row:
-        """The same for `grasp.solve`, each time of a new grasp, in which nothing of an earlier solve is left."""
+        """The row of `grasp.solve`. Each run gets a new grasp, which keeps nothing from an earlier solve."""
         chain = Auto(seed=self.seed)
         solution, times = timed(
             lambda: changed(self.grasp), lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds
@@ -125,10 +125,10 @@ class Bench:
 def timed(
     prepare: Callable[[], Any], run: Callable[[Any], Any], repeats: int, seconds: float
 ) -> tuple[Any, list[float]]:
-    """(result of the first run, times [s]) of `repeats` runs of what `prepare` makes, untimed.
+    """(result of the first run, times [s]) of `repeats` runs; `prepare` makes the argument of each, untimed.
 
-    Fewer where they do not fit into `seconds`, more where they are short. The first run warms the caches and counts
-    only where there is no time for another. The garbage collector is off meanwhile.
+    There are fewer runs where they do not fit into `seconds`, and more where they are short. The time of the first run,
+    which fills the caches, counts only where there is no other. The garbage collector is off meanwhile.
     """
 
     def once() -> tuple[Any, float]:
@@ -171,7 +171,7 @@ def _said(outcome: str) -> str:
 
 
 def _share(difference: Array, size: Array) -> float | None:
-    """Largest of one over the largest of the other; None where that is no number."""
+    """Largest difference over the largest size; None where that is not a finite number."""
     largest = float(abs(size).max(initial=0.0))
     error = float(abs(difference).max(initial=0.0))
     return error / largest if largest > 0.0 and np.isfinite(error / largest) else None

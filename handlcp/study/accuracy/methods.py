@@ -17,12 +17,12 @@ __all__ = ["FACES", "METHODS", "TOLERANCES", "Method", "Setting", "settings"]
 FACES = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 TOLERANCES = tuple(10.0**-k for k in range(1, 13))
 _SWEPT = (8, 16)  # faces at which all tolerances are tried
-MOST = 200_000  # Kaczmarz steps of methods that end without Newton's
+MOST = 200_000  # Kaczmarz steps of methods without Newton steps at the end
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One method.
+    """One method. meaning : in words.
 
     form : what it works on. "grasp": all of `grasp.solve`. "cone": friction as a set, so that faces mean nothing.
         "LCP": the pyramid's complementarity problem in natural units. "SI": the same in metres and newtons.
@@ -43,13 +43,13 @@ class Method:
         """Whether it has a tolerance."""
         return hasattr(self.solver, "tol")
 
-    def set(self, tol: float, most: int, seed: int) -> Any:
+    def configured(self, tol: float, most: int, seed: int) -> Any:
         """The solver with those of the settings that it has."""
         settings = {"tol": tol, "max_iterations": most, "seed": seed}
         return replace(self.solver, **{name: x for name, x in settings.items() if hasattr(self.solver, name)})
 
 
-# Cheap ones first: what they leave of the budget is for the others
+# Cheap ones first: the others get the time that they leave
 METHODS: dict[str, Method] = {
     m.name: m
     for m in (
@@ -77,7 +77,7 @@ class Setting:
 
     @property
     def asked(self) -> int | str | Pyramid:
-        """What the grasp is assembled or solved with, as `faces`. A plain LCP of an exact scene ignores its number."""
+        """The argument `faces` of `grasp.problem` and `grasp.solve`. LCPs of scenes without pyramids ignore the 8."""
         if self.faces is not None:
             return Pyramid(self.faces, inscribed=self.section == "inscribed")
         return 8 if self.method.form in ("LCP", "SI") else "cone"

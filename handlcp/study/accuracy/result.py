@@ -57,7 +57,7 @@ class Row:
 
     @property
     def comparable(self) -> bool:
-        """Whether there are a time and a force error, of the equilibrium that the reference is."""
+        """Whether there are a time and a force error, and the equilibrium is that of the reference."""
         return self.seconds is not None and self.force_error is not None and self.status != OTHER
 
     @property
@@ -130,7 +130,7 @@ class FaceLaw:
 class AccuracyCost:
     """What accuracy costs in one scene; made by `accuracy_cost`.
 
-    rows : one a setting. left_out : one an effect. notes : what to know before trusting the errors.
+    rows : one for each setting. left_out : one for each effect. notes : caveats about the errors.
     """
 
     reference: Reference
@@ -141,7 +141,7 @@ class AccuracyCost:
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """Those that have rows, in their order."""
+        """The methods that have rows, in their order."""
         return tuple(dict.fromkeys(r.method for r in self.rows))
 
     def of(self, method: str) -> tuple[Row, ...]:
@@ -204,12 +204,12 @@ class AccuracyCost:
         return "; ".join(parts) or "nothing was certified within the budget"
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values; SI units."""
+        """Plain values in SI units, with the sentence and the fitted laws."""
         laws = [law for law in map(self.law, ("inscribed", "circumscribed")) if law is not None]
         return {"summary": str(self)} | asdict(self) | {"face_laws": [asdict(law) for law in laws]}
 
     def to_json(self) -> str:
-        """One object; no NaN."""
+        """One JSON object without NaN."""
         return json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False)
 
     @classmethod
@@ -225,7 +225,7 @@ class AccuracyCost:
             raise InputError("text", "JSON that AccuracyCost.to_json wrote", f"{where}: {first['msg']}") from None
 
     def to_csv(self, path: Any) -> Path:
-        """Write `rows`, one a line under their names; an empty cell is None. Raises InputError for a file that cannot
+        """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot
         be written.
         """
         file = Path(path)
@@ -240,7 +240,7 @@ class AccuracyCost:
 
 
 def _price(rows: list[Row], none: str) -> str:
-    """Error, time and method of the fastest row. none : the words for an error that is rounding."""
+    """Error, time and method of the fastest row. none : words for an error below rounding."""
     best = min(rows, key=lambda r: r.cost)
     time, error = best.cost
     return f"{none if error < ROUNDING else f'{share(error)} force error'} in {microseconds(time)} ({best.method})"

@@ -25,7 +25,7 @@ Clock = Callable[[dict[int, Callable[[], bool]]], dict[int, float]]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """unknowns : how many more the scene has; below 0: fewer. ratio : of times; None: every scene has the effect."""
+    """unknowns : how many more the scene has (< 0: fewer). ratio : of the times; None: every scene has the effect."""
 
     unknowns: int
     ratio: float | None
@@ -41,7 +41,7 @@ class Cost:
 
 
 def costs(clock: Clock = best_times) -> dict[str, Cost]:
-    """By title; takes some seconds. clock : times runs [s]. Raises NoSolutionFound where the scene is not held."""
+    """The cost of every effect by title, in some seconds. clock : measures runs [s]. Raises NoSolutionFound."""
     return {entry.title: cost(entry, clock) for entry in entries()}
 
 

@@ -1,4 +1,4 @@
-"""All effects there are, in the order of the page: what every scene's data decide, the hand's, those asked for."""
+"""All effects, in the order of the page: those that follow from a scene's data, a hand's, those asked for by name."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def anchor(title: str) -> str:
 
 
 def _row(entry: Entry, cost: Cost) -> str:
-    """Of the table to choose from."""
+    """A line of the table of effects."""
     ask = "<br>".join(f"`{code}`" for code in (entry.in_short, *entry.file_keys) if code) or "every grasp has it"
     name = f"**[{entry.title}](#{anchor(entry.title)})**<br>{entry.when}"
     return f"| {name} | {ask} | {entry.brings} | {cost.more} | {cost} |\n"

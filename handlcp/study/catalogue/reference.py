@@ -20,7 +20,7 @@ _PLAIN: dict[str, Any] = {
     "joint_stiffness": 6.0, "mass": 0.0, "friction": mechanics.Coulomb(0.6), "faces": 8, "preload": 0.003,
     "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0), "gravity": (0.0, 0.0, 9.81),
 }  # fmt: skip
-_SECTION = ("faces", "plane")  # arguments that a scene keeps when the effect is left out
+_SECTION = ("faces", "plane")  # arguments that stay when the effect is left out
 
 
 @dataclass(frozen=True, slots=True)

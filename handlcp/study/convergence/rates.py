@@ -1,4 +1,4 @@
-"""Linear rates of Kaczmarz methods: what conditioning promises, and what a residual history shows.
+"""Linear convergence rates of Kaczmarz methods: bounds from conditioning, and rates measured on a residual history.
 
 Near a solution the rows of Φ are linear, Φ(z) ≈ J (z - z*), and a step projects the error e on a row of J. With σ the
 smallest singular value of J that is not zero (of J with rows of length one for uniform sampling), n rows g_i:
@@ -40,7 +40,7 @@ def generalized_jacobian(problem: Scaled, z: Array) -> Array:
 
 
 def greedy_bound(J: Array) -> float:
-    """Rate per step that greedy sampling keeps at least, in mean square, on the rows of J (n, n)."""
+    """Least rate per step of greedy sampling, in mean square, on the rows of J (n, n)."""
     g2 = (J * J).sum(1)
     frobenius = float(g2.sum())
     others = frobenius - float(g2.min())
@@ -49,7 +49,7 @@ def greedy_bound(J: Array) -> float:
 
 
 def uniform_bound(J: Array) -> float:
-    """Rate per step that uniform sampling keeps at least, in mean square, on the rows of J (n, n); at most double."""
+    """Least rate per step of uniform sampling, in mean square, on the rows of J (n, n); the rate is at most double."""
     length = np.sqrt((J * J).sum(1))
     return _rate(_smallest(J / np.where(length > 0.0, length, 1.0)[:, None]) ** 2 / len(J))
 
@@ -74,5 +74,5 @@ def _smallest(A: Array) -> float:
 
 
 def _rate(gain: float) -> float:
-    """From E‖e'‖² ≤ (1 - gain) ‖e‖²."""
+    """The rate that follows from E‖e'‖² ≤ (1 - gain) ‖e‖²."""
     return float(-0.5 * np.log1p(-gain)) if gain < 1.0 else float("inf")

@@ -20,7 +20,7 @@ Sampling = Literal["greedy", "uniform"]
 
 Read = Callable[[Array], Array]  # from an iterate in natural units
 
-_HISTORY, _LOOKS = 400, 60  # points of a history; steps at which values are read off, evenly over their logarithm
+_HISTORY, _LOOKS = 400, 60  # points of a history; steps at which values are recorded, evenly over their logarithm
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +29,11 @@ class Run:
 
     units : as in `in_units`. sampling, seed : of the rows.
     history : (k, 2) step and ‖Φ‖₂, in those units.
-    looks : (m,) steps at which `values` (m, p) were read off: normal forces [N] of a grasp, z of any other problem in
+    looks : (m,) steps at which `values` (m, p) were recorded: normal forces [N] of a grasp, z of any other problem in
         the user's units.
     stop : the first step with ‖Φ‖ ≤ the stop rule, one of `looks`; None where it was never met.
     converged : whether it reached its tolerance.
-    rate : measured, the decrease of ln ‖Φ‖ per step. bound : the least that conditioning at the run's end promises.
+    rate : measured decrease of ln ‖Φ‖ per step. bound : the least rate, from the conditioning at the run's end.
     """
 
     units: UnitsOf
@@ -55,7 +55,7 @@ class Run:
 
 
 def watch(problem: Grasp | LCP, lcp: LCP) -> tuple[str, tuple[str, ...], Read]:
-    """What to read off an iterate of `lcp`: the quantity, its names, and how."""
+    """What to record of an iterate of `lcp`: the quantity, the names of its values, and how to compute them."""
     if isinstance(lcp, GraspProblem):
         fingers = range(1, lcp.scene.n + 1)
         names = problem.names if isinstance(problem, Grasp) else tuple(f"finger {i}" for i in fingers)
@@ -66,7 +66,7 @@ def watch(problem: Grasp | LCP, lcp: LCP) -> tuple[str, tuple[str, ...], Read]:
 def follow(
     problem: LCP, read: Read, units: UnitsOf, sampling: Sampling, seed: int, tol: float, most: int, stop: float
 ) -> Run:
-    """Run to ‖Φ‖ ≤ tol or `most` steps. Equal seeds give equal runs, so a look is the same run, ended earlier."""
+    """Run to ‖Φ‖ ≤ tol or `most` steps. Values at an earlier step come from the same run, repeated and ended there."""
     scaled, size = in_units(problem, units)
 
     def run(most: int, until: float = tol, stride: int = 0) -> Proposal:

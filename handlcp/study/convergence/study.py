@@ -28,7 +28,7 @@ _KINDS: tuple[tuple[UnitsOf, Sampling], ...] = (
 class Convergence:
     """NSNGRK's runs on one problem, none of them ended by Newton's method.
 
-    names : (p,) of the values that were read off: fingers, or "z[0]", "z[1]", … quantity : "normal force [N]", or "z".
+    names : (p,) of the recorded values: fingers, or "z[0]", "z[1]", … quantity : "normal force [N]", or "z".
     answer : (p,) the certified values.
     stop : the stop rule on ‖Φ‖ that runs in given units are judged by, the paper's 1e-5.
     runs : all of them; `select` finds those of a kind.
@@ -53,7 +53,7 @@ class Convergence:
         return float(np.median([r.rate for r in self.select(units, sampling)]))
 
     def bound(self, units: UnitsOf = "natural", sampling: Sampling = "greedy") -> float:
-        """Median of the least rate that conditioning promises, per step; see `rates`."""
+        """Median of the rates that conditioning guarantees, per step; see `rates`."""
         return float(np.median([r.bound for r in self.select(units, sampling)]))
 
     @property

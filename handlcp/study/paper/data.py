@@ -74,7 +74,7 @@ class PaperTable:
 
     @property
     def title(self) -> str:
-        """For headings."""
+        """The heading of the table."""
         faces = "planar" if self.faces is None else f"{self.faces} faces"
         return f"Table {self.number}: Example {self.example}, {faces}, {self.method} method"
 
@@ -105,7 +105,7 @@ class PaperTable:
 
 @cache
 def raw() -> dict[str, Any]:
-    """The data file as it is."""
+    """The content of the data file."""
     text = resources.files(__package__).joinpath("data.json").read_text(encoding="utf-8")
     data: dict[str, Any] = json.loads(text)
     return data

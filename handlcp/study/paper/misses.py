@@ -19,7 +19,7 @@ from handlcp.study.paper.printed import (
 
 __all__ = ["Evidence", "Miss", "evidence"]
 
-# Shares of the largest elastic displacement by which an equation may be missed: one that holds, one with printed slips
+# Misses that are allowed, as shares of the largest elastic displacement; the second for printed slips
 _FITS, _FITS_SLIPS = 1e-4, 0.02
 
 
@@ -42,7 +42,7 @@ class Miss:
 
     @property
     def share(self) -> float | None:
-        """Of the largest elastic displacement; None for forces."""
+        """The amount as a share of the largest elastic displacement; None for forces."""
         return None if self.elastic is None else self.amount / self.elastic
 
     @property

@@ -1,12 +1,12 @@
 """Example 4: held by friction, yet no elastic equilibrium; a little preload gives one.
 
-Three statements, each with its own witness:
+Three statements, and what shows each:
 
-- A force in the friction pyramids balances the weight. Witness: the certified answer with preload. Preload changes
-  elastic displacements, not which forces can hold.
+- A force in the friction pyramids balances the weight. The certified answer with preload is such a force: preload
+  changes elastic displacements, not which forces can hold.
 - There is no elastic equilibrium without preload, with normal forces and friction reserves up to 1000 N, slips and gaps
-  up to 1 mm. Witness: a search over all active sets (`search`), which finds none.
-- The search can find equilibria. Witness: on the preloaded scene it finds the certified forces.
+  up to 1 mm. A search over all active sets (`search`) finds none.
+- The search does find equilibria that exist: on the preloaded scene it finds the certified forces.
 """
 
 from __future__ import annotations

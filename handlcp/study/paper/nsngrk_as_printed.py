@@ -51,7 +51,7 @@ class Case:
 
     @property
     def finger(self) -> int:
-        """The contact (from 0) on which the printed runs disagree most, among those that carry something."""
+        """The contact (from 0) on which the printed runs disagree most, among those that carry a load."""
         return int(np.argmax(np.where(self.ours > 0.01 * self.ours.max(), self._spreads(self.printed), -1.0)))
 
     @property

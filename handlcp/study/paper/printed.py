@@ -79,15 +79,15 @@ def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedF
 
 
 def excess(grasp: Grasp, faces: int, forces: Array) -> Array:
-    """(n,) N by which each governed tangential force leaves its inscribed polygon; < 0 inside, NaN without friction."""
-    return np.where(_rubs(grasp), -_slack(grasp, faces, forces).min(axis=1), np.nan)
+    """(n,) N by which each tangential force leaves its inscribed polygon; < 0 inside, NaN where no law governs it."""
+    return np.where(_frictional(grasp), -_slack(grasp, faces, forces).min(axis=1), np.nan)
 
 
 def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float]:
     """(miss, largest elastic displacement) [m]: least worst residual of Gᵀu + E r + Nλ = 0 over all twists u and λ ≥ 0.
 
-    Rows are the normals and tangents of the governed fingers; λ may act on the faces at the limit (`LIMIT`), also where
-    the force is beyond it. A linear program.
+    Rows are the normals and tangents of fingers whose force is not prescribed. λ may act on the faces at the limit
+    (`LIMIT`), also where the force is beyond it. A linear program.
     """
     scene, normals = grasp.scene, Pyramid(faces).normals
     limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
@@ -138,14 +138,14 @@ def against_faces(grasp: Grasp, faces: int, forces: Array, slip: Array) -> float
     """Worst distance [m] of the slips (n, 2) from -Nλ, λ ≥ 0, over the faces that each force is on (`LIMIT`)."""
     normals, worst = Pyramid(faces).normals, 0.0
     limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
-    for i in np.flatnonzero(_rubs(grasp)):
+    for i in np.flatnonzero(_frictional(grasp)):
         N = normals[:, limit[i]]
         worst = max(worst, float(nnls(N, -slip[i])[1]) if N.size else float(np.linalg.norm(slip[i])))
     return worst
 
 
-def _rubs(grasp: Grasp) -> Bools:
-    """(n,) bool: contacts with friction whose force is not prescribed."""
+def _frictional(grasp: Grasp) -> Bools:
+    """(n,) bool: whether friction governs the contact: it has some, and its force is not prescribed."""
     return np.asarray(grasp.scene.governed_mask & (grasp.scene.mu > 0))
 
 

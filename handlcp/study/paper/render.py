@@ -73,7 +73,7 @@ def _comparison(c: Comparison, console: Console) -> None:
         cells: list[str | Text] = [place]
         for name in columns:
             row = by.get((name, place))
-            if name == "object":  # beside the fingers, but one component of the motion a row
+            if name == "object":  # these columns list components of the motion, not fingers
                 row = objects[k] if k < len(objects) else None
                 cells.append("" if row is None else row.place)
             cells += ["", ""] if row is None else [row.printed.text, _ours(row)]

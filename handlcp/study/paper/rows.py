@@ -91,7 +91,7 @@ def rows_of(table: PaperTable, example: Example, solution: GraspSolution, other:
     names = _PLANAR if len(table.object) == 3 else _SPATIAL
     for (name, k), number in zip(names.items(), table.object, strict=True):
         entries.append(("object", name, number, float(solution.object_displacement[k]), bool(loose_twist[k])))
-    # Misprints are compared as what they are read as
+    # Of a misprint, the number that it is read as is compared
     read = {("force", f"{r.finger} {r.axis}"): Number.parse(r.read) for r in table.readings}
     meant = [read.get((column, place), number) for column, place, number, _, _ in entries]
     scales = {"force": 0.0, "motion": 0.0}
