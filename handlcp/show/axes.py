@@ -33,12 +33,11 @@ def say(ax: Any, text: str) -> None:
 
 def time_ticks(ax: Any) -> None:
     """Along x, seconds as µs, ms and s."""
+    from matplotlib.ticker import EngFormatter
+
     low, high = np.log10(ax.get_xlim())
-
-    def name(t: float) -> str:
-        return f"{t * 1e6:g} µs" if t < 0.9e-3 else f"{t * 1e3:g} ms" if t < 0.9 else f"{t:g} s"
-
-    _ticks(ax.xaxis, (10.0**e for e in range(int(np.ceil(low)), int(np.floor(high)) + 1)), name)
+    decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
+    _ticks(ax.xaxis, (10.0**e for e in decades), EngFormatter("s"))
 
 
 def error_ticks(ax: Any) -> None:
