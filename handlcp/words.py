@@ -1,28 +1,30 @@
-"""Numbers and lists for people: the unit that fits, three digits, no noise."""
+"""Numbers and lists for people: a unit that fits, two or three digits, "–" for what is not a finite number."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["NO_LENGTH", "LengthUnit", "angle", "force", "length", "length_unit", "listed", "percent", "torque"]
+__all__ = ["NOTHING", "LengthUnit", "angle", "force", "length", "length_unit", "listed", "percent", "torque"]
 
-NO_LENGTH = 1e-10  # [m] motions below this are rounding
+NOTHING = 1e-10  # [m] motions below this are rounding
 _MOST = 4  # names in a list
 
 
+@dataclass(frozen=True, slots=True)
 class LengthUnit:
-    """Millimetres or micrometres, chosen for a whole column."""
+    """One unit for a whole column. size : in metres."""
 
-    def __init__(self, name: str, size: float) -> None:
-        self.name, self.size = name, size
+    name: str
+    size: float
 
     def __call__(self, metres: float) -> str:
-        """The number alone; "–" for none, a bare 0 for rounding noise."""
+        """The number without its unit; a bare 0 for rounding noise."""
         if not np.isfinite(metres):
             return "–"
-        if abs(metres) < NO_LENGTH:
+        if abs(metres) < NOTHING:
             return "0"
         value = metres / self.size
         return f"{value:.1f}" if abs(value) >= 100 else f"{value:.2f}" if abs(value) >= 0.095 else f"{value:.3f}"
@@ -31,39 +33,35 @@ class LengthUnit:
 def length_unit(metres: Iterable[float]) -> LengthUnit:
     """Millimetres, or micrometres when nothing reaches a tenth of a millimetre."""
     largest = max((abs(m) for m in metres if np.isfinite(m)), default=0.0)
-    return LengthUnit("µm", 1e-6) if NO_LENGTH <= largest < 1e-4 else LengthUnit("mm", 1e-3)
+    return LengthUnit("µm", 1e-6) if NOTHING <= largest < 1e-4 else LengthUnit("mm", 1e-3)
 
 
 def length(metres: float) -> str:
     """Such as "0.42 mm", "12 µm"."""
-    if not np.isfinite(metres):
-        return "–"
-    return f"{_digits(metres * 1e6, 2)} µm" if NO_LENGTH <= abs(metres) < 1e-4 else f"{_digits(metres * 1e3, 2)} mm"
+    return _text(metres * 1e6, " µm", 2) if NOTHING <= abs(metres) < 1e-4 else _text(metres * 1e3, " mm", 2)
 
 
 def force(newtons: float) -> str:
     """Such as "1.53 N"."""
-    return f"{_digits(newtons)} N" if np.isfinite(newtons) else "–"
+    return _text(newtons, " N")
 
 
 def torque(newton_metres: float) -> str:
     """Such as "0.142 N·m", "3.1 mN·m"."""
-    if not np.isfinite(newton_metres):
-        return "–"
-    small = abs(newton_metres) < 0.01
-    return f"{_digits(newton_metres * 1e3)} mN·m" if small and newton_metres else f"{_digits(newton_metres)} N·m"
+    small = 0 < abs(newton_metres) < 0.01
+    return _text(newton_metres * 1e3, " mN·m") if small else _text(newton_metres, " N·m")
 
 
 def angle(radians: float) -> str:
-    """Degrees."""
-    return f"{_digits(float(np.degrees(radians)), 2)}°" if np.isfinite(radians) else "–"
+    """Such as "0.58°"."""
+    return _text(float(np.degrees(radians)), "°", 2)
 
 
 def percent(share: float) -> str:
     """Whole percents; one digit more below ten."""
-    if not np.isfinite(share):
-        return "–"
     value = 100 * share
+    if not np.isfinite(value):
+        return "–"
     return f"{value:.0f} %" if value >= 9.95 or value == 0 else f"{value:.1f} %"
 
 
@@ -73,8 +71,10 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST]) + (f" and {len(names) - _MOST} more" if len(names) > _MOST else "")
 
 
-def _digits(value: float, digits: int = 3) -> str:
-    """Significant digits, but no rounding of whole numbers."""
+def _text(value: float, unit: str, digits: int = 3) -> str:
+    """A number with so many significant digits, whole numbers unrounded, and its unit."""
+    if not np.isfinite(value):
+        return "–"
     if abs(value) < 1e-9:
-        return "0"
-    return f"{value:.0f}" if abs(value) >= 10**digits else f"{value:.{digits}g}"
+        return f"0{unit}"
+    return f"{value:.0f}{unit}" if abs(value) >= 10**digits else f"{value:.{digits}g}{unit}"

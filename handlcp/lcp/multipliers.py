@@ -67,7 +67,7 @@ class WithMultipliers(LCP):
         if self._back is not None:
             X, x0 = self._back
             z = np.concatenate([z, x0 - X @ z])
-        return z[self._place]
+        return np.asarray(z[self._place])
 
     def lift(self, x: Array) -> Array:
         """(n,) z of this problem from x of the contact problem, natural units: multipliers follow from the slip y_T."""

@@ -104,10 +104,11 @@ def proposals(
         raise InputError(
             "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
         )
-    if isinstance(solver, Auto) and isinstance(problem, LCP):
-        yield from solver.stages(problem, start)
-    elif isinstance(solver, Auto):
-        yield from solver.contact_stages(problem, start, first)
+    if isinstance(solver, Auto):
+        if isinstance(problem, LCP):
+            yield from solver.stages(problem, start)
+        else:
+            yield from solver.contact_stages(problem, start, first)
     elif isinstance(problem, ContactProblem):
         if not isinstance(solver, ContactSolver):
             raise Unsupported(

@@ -23,7 +23,7 @@ class Key:
 
     expected : what it holds, in words. meaning : what it says. required : whether the table needs it.
     default : what it is when left out, as TOML; "" where the meaning tells.
-    shape : the object shape that has it, or "".
+    shape : the object shape that has it, or "". many : whether there may be several of its table.
     """
 
     table: str
@@ -33,6 +33,7 @@ class Key:
     required: bool
     default: str
     shape: str = ""
+    many: bool = False
 
     @property
     def path(self) -> str:
@@ -49,7 +50,7 @@ def keys() -> tuple[Key, ...]:
     return tuple(dict.fromkeys(common))
 
 
-def _walk(table: str, model: type[BaseModel], shape: str = "") -> Iterator[Key]:
+def _walk(table: str, model: type[BaseModel], shape: str = "", many: bool = False) -> Iterator[Key]:
     for field_name, field in model.model_fields.items():
         name = field.alias or field_name
         later = [m.model() for m in field.metadata if isinstance(m, MadeWhenRead)]
@@ -58,9 +59,11 @@ def _walk(table: str, model: type[BaseModel], shape: str = "") -> Iterator[Key]:
             default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
             words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)
             words = words or _words(field.annotation)
-            yield Key(table, name, words, (field.description or "").strip(), field.is_required(), default, shape)
+            meaning = (field.description or "").strip()
+            yield Key(table, name, words, meaning, field.is_required(), default, shape, many)
         for m in inner:
-            yield from _walk(f"{table}.{name}" if table else name, m, _shape(m))
+            several = typing.get_origin(field.annotation) is list
+            yield from _walk(f"{table}.{name}" if table else name, m, _shape(m), several)
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

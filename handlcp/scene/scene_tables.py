@@ -81,9 +81,9 @@ class SceneTables(Table):
                 if key in given:
                     raise InputError(f"grasp.{key}", "a [hand] that it is about", "a scene without one")
             said = asked(self.effects)
-            for kind, key in kinds_with_keys():
-                if kind.needs_joints and key.name in said:
-                    raise InputError(f"effects.{key.name}", "a [hand], whose joints it is about", "a scene without one")
+            for kind, its in kinds_with_keys():
+                if kind.needs_joints and its.name in said:
+                    raise InputError(f"effects.{its.name}", "a [hand], whose joints it is about", "a scene without one")
             if "posture" in self.model_fields_set:
                 raise InputError("posture", "a [hand] that it is about", "a scene without one")
         return self

@@ -11,8 +11,8 @@ import numpy as np
 from handlcp.show.axes import SMALL, TEXT, panel
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.style import BLUE, INK, RED, spread
-from handlcp.show.units import percent
 from handlcp.study.convergence import Convergence, Run
+from handlcp.words import percent
 
 __all__ = ["GIVEN", "NATURAL", "UNIFORM", "draw", "save"]
 

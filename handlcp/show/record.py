@@ -47,6 +47,8 @@ def record(
         "residuals": asdict(s.residuals) | {"worst": s.residuals.worst},
         "uniqueness": None if s.uniqueness is None else asdict(s.uniqueness),
         "certificate": None if s.certificate is None else _twist(s.certificate),
+        "cause": s.cause,
+        "yielding": s.yielding,
         "required_preload_m": s.required_preload,
         "proven_within": None if s.bounds is None else {"force_N": s.bounds[0], "motion_m": s.bounds[1]},
         "extra": s.extra,

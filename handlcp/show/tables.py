@@ -10,13 +10,11 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from handlcp import words
 from handlcp.grasp import Explanation, Grasp, GraspSolution
-from handlcp.grasp.entry import Entry
-from handlcp.grasp.explain import EffectLine
-from handlcp.grasp.limit_surface import limit_surface
-from handlcp.grasp.pyramid import Pyramid
+from handlcp.grasp.analysis.explanation import Description, EffectLine
+from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
-from handlcp.show import units
 
 __all__ = [
     "catalogue_table",
@@ -59,7 +57,7 @@ def effect_table(explanation: Explanation) -> Table:
 def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Table:
     """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap."""
     slips, moments = np.hypot(*solution.slip.T), solution.torsion
-    slip, gap = units.length_unit(slips.tolist()), units.length_unit(solution.gap.tolist())
+    slip, gap = words.length_unit(slips.tolist()), words.length_unit(solution.gap.tolist())
     table = empty("Contacts", _limit_note(grasp, faces))
     table.add_column("contact" if grasp.scene.environment else "finger", overflow="fold")
     table.add_column("state", no_wrap=True)
@@ -71,19 +69,21 @@ def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Tabl
         cells = [_number(f[2]), _number(float(np.hypot(f[0], f[1])))]
         if moments is not None:
             cells.append(_number(1e3 * float(moments[i])))
-        cells += [units.percent(used[i]), slip(float(slips[i])), gap(float(solution.gap[i]))]
+        cells += [words.percent(used[i]), slip(float(slips[i])), gap(float(solution.gap[i]))]
         table.add_row(Text(name), Text(state, style=STATE.get(state, "dim")), *cells)
     return table
 
 
 def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
     """(n) |r_T| / (μ r_N), in units of the half-axes of an elliptic limit; NaN without friction or without a force."""
-    out, scene = [], grasp.scene
+    scene, soft = grasp.scene, list(grasp.scene.soft)
     moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
-    for i, (contact, f) in enumerate(zip(grasp.contacts, scene.lawful(solution.forces), strict=True)):
-        limit, lever = scene.mu[i] * f[2], contact.friction.lever
-        moment = moments[i] / lever if lever > 0.0 else 0.0
-        out.append(float(np.hypot(np.hypot(f[0], f[1]), moment) / limit) if limit > 0 else float("nan"))
+    forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])
+    moment = np.zeros(scene.n)
+    moment[soft] = turning
+    out = []
+    for (x, y, z), m, mu in zip(forces.reshape(-1, 3), moment, scene.mu, strict=True):
+        out.append(float(np.hypot(np.hypot(x, y), m) / (mu * z)) if mu * z > 0 else float("nan"))
     return out
 
 
@@ -98,7 +98,7 @@ def torque_table(check: Any) -> Table:
         over, binding = finite and r.utilisation > 1.0, r.joint == check.binding
         style = "bold red" if over else "bold" if binding else None
         limit = f"{r.limit:.3g}" if finite else "none" if r.known else "unknown"
-        share = units.percent(r.utilisation) if finite else "–"
+        share = words.percent(r.utilisation) if finite else "–"
         mark = " over limit" if over else " binding" if binding and finite else ""
         filled = round(min(r.utilisation, 1.0) * BAR) if finite else 0
         cells = "█" * filled + "·" * (BAR - filled) if finite else ""
@@ -142,8 +142,7 @@ def key_table(keys: Sequence[Any]) -> Table:
     for k in keys:
         if k.table != last:
             table.add_section()
-            many = k.table in ("contact", "environment", "effects.prescribed_force", "effects.known_force")
-            table.add_row(Text(f"[[{k.table}]]" if many else f"[{k.table}]", style="bold cyan"))
+            table.add_row(Text(f"[[{k.table}]]" if k.many else f"[{k.table}]", style="bold cyan"))
         last = k.table
         only = f" (shape {k.shape})" if k.shape else ""
         left_out = "; needed" if k.required else f"; left out: {k.default}" if k.default not in ("", '""') else ""
@@ -152,7 +151,7 @@ def key_table(keys: Sequence[Any]) -> Table:
     return table
 
 
-def catalogue_table(entries: Sequence[Entry], costs: Mapping[str, Any] | None = None) -> Table:
+def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | None = None) -> Table:
     """All effects. costs : `handlcp.study.catalogue.Cost`s by title; None: not measured."""
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
     table = empty("All effects", None if costs is None else note)
@@ -202,7 +201,7 @@ def _limit_note(grasp: Grasp, faces: Any) -> str | None:
         return None
     sticks = float(np.cos(np.pi / faces))
     if grasp.scene.soft:
-        least = units.percent(min(sticks, limit_surface(Pyramid(faces)).share))
+        least = words.percent(min(sticks, limit_set(Pyramid(faces), 3).share))
         return f"of limit: friction and moment within the limit surface; a contact slides from {least} on"
-    least, who = units.percent(sticks), "contact" if grasp.scene.environment else "finger"
+    least, who = words.percent(sticks), "contact" if grasp.scene.environment else "finger"
     return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a {who} slide from {least} on"

@@ -6,15 +6,14 @@ LIMIT. Joints without a known limit are not judged, and a note says so. UNDECIDE
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import FingerForceBound, Grasp, GraspSolution, KnownForce, PrescribedForce, TotalForceBound
+from handlcp import words
+from handlcp.grasp import Grasp, GraspSolution
 from handlcp.lcp import Status
-from handlcp.show import units
 
 __all__ = ["SMALL_MOVE", "SMALL_TURN", "Verdict", "verdict"]
 
@@ -57,7 +56,7 @@ def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
     if not solution.held:
         return Verdict("NOT HELD", solution.diagnosis)
     word, parts, notes = _joints(getattr(solution, "torque_check", None))
-    parts += [*_at_bounds(grasp, solution), *_sliding(grasp, solution), _motion(grasp, solution)]
+    parts += [*_effects(grasp, solution), *_sliding(grasp, solution), _motion(grasp, solution)]
     notes += [*_not_unique(solution), *_too_far(grasp, solution)]
     return Verdict(word, "; ".join(parts), tuple(notes))
 
@@ -69,17 +68,17 @@ def _joints(check: Any) -> tuple[str, list[str], list[str]]:
     word, parts, notes = "HELD", [], []
     if check.over:
         word = "OVER LIMIT"
-        needs = (f"{r.joint} needs {units.torque(abs(r.torque))} of {units.torque(r.limit)}" for r in check.over)
+        needs = (f"{r.joint} needs {words.torque(abs(r.torque))} of {words.torque(r.limit)}" for r in check.over)
         parts.append(f"the contacts could hold the object, the motors cannot: {', '.join(needs)}")
     elif check.binding is not None:
         r = check[check.binding]
-        share = f"{units.percent(r.utilisation)} of {units.torque(r.limit)}"
+        share = f"{words.percent(r.utilisation)} of {words.torque(r.limit)}"
         finite = np.isfinite(r.limit)
         parts.append(f"the binding joint is {r.joint} at {share}" if finite else "no joint has a limit")
     if check.yielding:
-        parts.append(f"{_listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
+        parts.append(f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit")
     if check.unknown:
-        notes.append(f"torque limits not known, torques not judged: {_listed(check.unknown)}")
+        notes.append(f"torque limits not known, torques not judged: {words.listed(check.unknown)}")
     return word, parts, notes
 
 
@@ -106,35 +105,20 @@ def _too_far(grasp: Grasp, s: GraspSolution) -> list[str]:
     yielded = float(abs(getattr(s, "joint_yield", np.zeros(1))).max())
     far = []
     if turn > SMALL_TURN or move > SMALL_MOVE * size:
-        far.append(f"the object moves {units.length(move)} and turns {units.angle(turn)}")
+        far.append(f"the object moves {words.length(move)} and turns {words.angle(turn)}")
     large = [
-        (f"a slip of {units.length(slip)}", slip > SMALL_MOVE * size),
-        (f"a squeeze of {units.length(squeeze)}", squeeze > SMALL_MOVE * size),
-        (f"a joint that yields by {units.angle(yielded)}", yielded > SMALL_TURN),
+        (f"a slip of {words.length(slip)}", slip > SMALL_MOVE * size),
+        (f"a squeeze of {words.length(squeeze)}", squeeze > SMALL_MOVE * size),
+        (f"a joint that yields by {words.angle(yielded)}", yielded > SMALL_TURN),
     ]
     if named := [words for words, too_far in large if too_far]:
         far.append(" and ".join(named))
     return [f"{what}: more than a model of small motions covers" for what in far]
 
 
-def _at_bounds(grasp: Grasp, s: GraspSolution) -> list[str]:
-    """Which bounds on forces are reached, and how far they give way."""
-    out = []
-    for e in grasp.effects:
-        if isinstance(e, (TotalForceBound, FingerForceBound)):
-            for limit in e.present(grasp.scene):
-                way, rows = s.extra[limit.name], limit.rows
-                at = [s.names[int(np.flatnonzero(rows[k])[0]) // 3] for k in np.flatnonzero(way > units.NOTHING)]
-                whose = f" at {_listed(at)}" if isinstance(e, FingerForceBound) else ""
-                if at:
-                    out.append(f"the {e.title} is reached{whose} and gives way by {units.length(float(way.max()))}")
-        elif isinstance(e, KnownForce):
-            moved = [s.extra[limit.name] for limit in e.present(grasp.scene)]
-            if moved and (far := float(abs(moved[0] - moved[1]).max())) > units.NOTHING:
-                out.append(f"{s.names[e.contact]} moves by {units.length(far)} to push as it is known to")
-        elif isinstance(e, PrescribedForce) and e.force[2] < 0.0:
-            out.append(f"{s.names[e.contact]} pulls, as prescribed")
-    return out
+def _effects(grasp: Grasp, s: GraspSolution) -> list[str]:
+    """What the effects say: which bounds are reached, and how far they give way."""
+    return [part for e in grasp.effects for part in e.words(grasp.scene, s.names, s.extra)]
 
 
 def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:
@@ -146,12 +130,12 @@ def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:
     apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
     parts = []
     if sliding and len(sliding) == len(s.names) > 1:
-        parts.append(f"all {who} slide, up to {units.length(max(d for _, d in sliding))}")
+        parts.append(f"all {who} slide, up to {words.length(max(d for _, d in sliding))}")
     elif sliding:
-        parts.append(", ".join(f"{n} slides {units.length(d)}" for n, d in sliding if d > units.NOTHING or not turns))
-        parts.append(", ".join(f"{n} twists by {units.angle(a)} on the object" for n, a in turns))
+        parts.append(", ".join(f"{n} slides {words.length(d)}" for n, d in sliding if d > words.NOTHING or not turns))
+        parts.append(", ".join(f"{n} twists by {words.angle(a)} on the object" for n, a in turns))
     if apart:
-        parts.append(f"{_listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
+        parts.append(f"{words.listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
     return [p for p in parts if p] or [f"all {who} stick"]
 
 
@@ -160,17 +144,12 @@ def _motion(grasp: Grasp, s: GraspSolution) -> str:
     u, load = s.object_displacement, grasp.scene.force
     move, turn = float(np.linalg.norm(u[:3])), float(np.linalg.norm(u[3:]))
     size = float(np.linalg.norm(load))
-    if max(move, turn * grasp.scene.units.length) < units.NOTHING:
+    if max(move, turn * grasp.scene.units.length) < words.NOTHING:
         return "the object stays where it is"
-    text = f"the object moves {units.length(move)}"
+    text = f"the object moves {words.length(move)}"
     if size > 0:
         along = float(u[:3] @ load) / size
         way = "along" if along >= 0 else "against"
-        same = units.length(abs(along)) == units.length(move)
-        text += f" {way} the load" if same else f", {units.length(abs(along))} of it {way} the load,"
-    return f"{text} and turns {units.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
-
-
-def _listed(names: Sequence[str]) -> str:
-    """At most four names."""
-    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+        same = words.length(abs(along)) == words.length(move)
+        text += f" {way} the load" if same else f", {words.length(abs(along))} of it {way} the load,"
+    return f"{text} and turns {words.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")

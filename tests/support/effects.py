@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp import effects as _effects
-from handlcp.grasp.catalogue import BY_NAME, FROM_DATA
-from handlcp.grasp.entry import Entry, entry_of
-from handlcp.grasp.environment import ENVIRONMENT as _ENVIRONMENT
+from handlcp.grasp import effect_kinds
+from handlcp.grasp.analysis.explanation import ENVIRONMENT as _ENVIRONMENT
+from handlcp.grasp.analysis.explanation import Description, describe_effect
+from handlcp.grasp.assembly.contact_form import stamped
+from handlcp.grasp.model.build import softened_by
 from tests.support.grasp import arrays
 
 __all__ = [
@@ -30,18 +31,15 @@ __all__ = [
 ]
 
 ENVIRONMENT: str = _ENVIRONMENT.title
-_BASES = {_effects.Effect, _effects.Compliance}
-# Every effect there is, by its title
+# Every effect that any grasp may have, by its title
 KINDS: dict[str, type] = {
-    kind.title: kind
-    for kind in vars(_effects).values()
-    if isinstance(kind, type) and issubclass(kind, _effects.Effect) and kind not in _BASES
+    kind.title: kind for kind in effect_kinds() if not (kind.needs_joints and kind.file_key is None)
 }
 
 
 def kinds_in_the_catalogue() -> tuple[type, ...]:
     """Those that follow from the data, then those asked for by name."""
-    return FROM_DATA + BY_NAME
+    return effect_kinds()
 
 
 def page_of(kind: type) -> str:
@@ -49,43 +47,42 @@ def page_of(kind: type) -> str:
     return sys.modules[kind.__module__].__doc__ or ""
 
 
-def entry_for(kind: type) -> Entry:
+def entry_for(kind: type) -> Description:
     """What the catalogue prints of an effect."""
-    return entry_of(kind)
+    return describe_effect(kind)
 
 
-def made_up_entry(in_python: str) -> Entry:
+def made_up_entry(in_python: str) -> Description:
     """An entry of nothing but what to type."""
-    return Entry("x", "", "", in_python, "", "", "", "handlcp.x")
+    return Description("x", "", "", in_python, "", "", "", "handlcp.x")
 
 
 # ---------------------------------------------------------------- compliances
 def compliances() -> list[type]:
     """The effects that become part of the flexibility."""
-    return _effects.Compliance.__subclasses__()
+    return [hl.ContactCompliance, hl.SoftWrist]
 
 
 def has_an_equation_of_its_own(kind: type) -> bool:
     """Whether a compliance says more than all compliances do."""
-    return kind.equation != _effects.Compliance.equation
+    return bool(vars(kind).get("equation"))
 
 
 def stamps(*asked: Any) -> tuple[Any, ...]:
     """Those of these effects that have rows of their own."""
-    return _effects.stamped(asked)
+    return stamped(asked)
 
 
 def softened(grasp: hl.Grasp, flexibility: np.ndarray, positions: Any = None) -> np.ndarray:
     """A flexibility with that of the grasp's effects added, at other positions where given."""
-    a = arrays(grasp)
-    where = a.positions if positions is None else positions
-    return _effects.softened(flexibility, grasp.effects, where, a.frames, a.plane is not None)
+    at = grasp.spec if positions is None else grasp.spec.replace(positions=positions)
+    return softened_by(grasp.effects, at, (), flexibility)
 
 
 # ---------------------------------------------------------------- limits
 def limits_of(effect: Any, grasp: hl.Grasp) -> tuple[Any, ...]:
     """The limits that an effect makes of a grasp; made once."""
-    return effect.present(arrays(grasp))
+    return effect.present(grasp.scene)
 
 
 def limits_kept(grasp: hl.Grasp) -> list[tuple[Any, Any]]:

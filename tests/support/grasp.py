@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp import arguments as _arguments
-from handlcp.grasp.achieved import Bracket
-from handlcp.grasp.assemble import assemble_contact
-from handlcp.grasp.candidate import Candidate
-from handlcp.grasp.certify import judge
-from handlcp.grasp.changed import changed
-from handlcp.grasp.diagnosis import Within, describe_motion, diagnose
-from handlcp.grasp.force_error import force_error
-from handlcp.grasp.kernels import nearest_in_polygon
-from handlcp.grasp.limit_surface import limit_surface
-from handlcp.grasp.pyramid import as_section
-from handlcp.grasp.required import holds, required_friction, required_preload, smallest, with_friction, with_preload
-from handlcp.grasp.soft_form import assembled
-from handlcp.grasp.soft_modes import soft_modes
+from handlcp.grasp.analysis import required as _required
+from handlcp.grasp.analysis.force_error import force_error
+from handlcp.grasp.answer.diagnosis import describe_motion, diagnose
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.problem import assemble
+from handlcp.grasp.friction import as_section, limit_set
+from handlcp.grasp.model import validate as _validate
+from handlcp.grasp.verify.judge import judge
+from handlcp.lcp.cells import cell_modes
+from handlcp.lcp.kernels.projection import nearest as _nearest
 
 __all__ = [
-    "Bracket",
-    "Within",
     "anew",
     "arrays",
     "at_centre",
@@ -55,13 +53,42 @@ __all__ = [
 
 
 # ---------------------------------------------------------------- what a grasp is made of
+class _Arrays:
+    """A scene with its offset contact by contact, and that of the turns about the normals apart."""
+
+    def __init__(self, scene: Any) -> None:
+        self._scene = scene
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._scene, name)
+
+    @property
+    def offset(self) -> np.ndarray:
+        return self._scene.offset[: 3 * self._scene.n].reshape(-1, 3)
+
+    @property
+    def spin(self) -> np.ndarray:
+        return self._scene.offset[3 * self._scene.n :]
+
+    @property
+    def wrench(self) -> np.ndarray:
+        return self._scene.geometry.wrench
+
+    @property
+    def grasp_matrix(self) -> np.ndarray:
+        return self._scene.geometry.grasp_matrix
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Arrays) and self._scene is other._scene
+
+
 def arrays(of: hl.Grasp | hl.GraspSolution) -> Any:
     """A grasp, or the grasp that a solution answers, as plain SI arrays in the coordinates of its friction laws.
 
     Read here: positions, frames, mu, flexibility, offset, spin, force, moment, wrench, plane, freedom, governed, rough,
     grasp_matrix, n, environment, natural.w, units.force, units.length, units.motion, units.centre.
     """
-    return of.scene
+    return _Arrays(of.scene)
 
 
 def at_centre(grasp: hl.Grasp, motion: Any) -> np.ndarray:
@@ -70,14 +97,19 @@ def at_centre(grasp: hl.Grasp, motion: Any) -> np.ndarray:
     return np.append(u[:3] + np.cross(u[3:], arrays(grasp).units.centre - grasp.reference), u[3:])
 
 
+def changed(grasp: hl.Grasp, **fields: Any) -> Any:
+    """The grasp with other numbers in its specification, not checked."""
+    return type(grasp)(grasp.spec.replace(**fields))
+
+
 def anew(grasp: hl.Grasp) -> Any:
     """The same grasp made anew from its numbers, so that nothing is kept from an earlier solve."""
-    return grasp._placed()
+    return changed(grasp)
 
 
 def load_about(wrench: Any, normal: Any, lift: float) -> np.ndarray:
     """(6,) a load given in a plane with this normal that lies `lift` above the reference, about the reference."""
-    return _arguments.wrench(wrench, normal, lift)
+    return _validate.wrench(wrench, normal, lift)
 
 
 # ---------------------------------------------------------------- sections and assembled problems
@@ -93,12 +125,33 @@ def section_of(grasp: hl.Grasp, faces: Any) -> Any:
 
 def contact_problem(grasp: hl.Grasp, faces: Any = "cone", asked: Any = None) -> Any:
     """The problem with friction as a set, with the effects asked for in place of the grasp's own where given."""
-    return assemble_contact(arrays(grasp), section_of(grasp, faces), grasp.effects if asked is None else tuple(asked))
+    return GraspContact(
+        grasp.scene, section_of(grasp, faces), stamped(tuple(grasp.effects if asked is None else asked))
+    )
 
 
 def plain_problem(grasp: hl.Grasp, faces: Any) -> Any:
     """The problem as `grasp.problem` gives it, before anything is computed that can wait."""
-    return assembled(arrays(grasp), section_of(grasp, faces), grasp.effects)
+    return assemble(grasp.scene, section_of(grasp, faces), stamped(grasp.effects))
+
+
+def limit_surface(pyramid: hl.Pyramid) -> Any:
+    """The polyhedron of soft fingers: normals (3, f), outward (f, 3) the same in rows, vertices (3, p), share."""
+    own = limit_set(pyramid, 3)
+    return SimpleNamespace(normals=own.normals, outward=own.normals.T.copy(), vertices=own.vertices, share=own.share)
+
+
+def soft_modes(limit: float) -> tuple[np.ndarray, ...]:
+    """Generators of force and motion, and which of them each mode of a soft contact allows: x, y, moment, normal."""
+    return cell_modes(limit, 3, 0)
+
+
+def nearest_in_polygon(x: float, y: float, distance: float, faces: int) -> tuple[float, float]:
+    """The point of a polygon with faces at this distance that is nearest to (x, y)."""
+    P = np.zeros(3)
+    tangents = 1 if faces == 2 else 2
+    _nearest(np.array([x, y, 0.0]), tangents, distance, 0.0, faces, np.zeros((0, 3)), P, np.empty((3, 4)))
+    return P[0], P[1]
 
 
 # ---------------------------------------------------------------- the certifier
@@ -107,13 +160,14 @@ def candidate(forces: Any, twist: Any, extra: Any = None, torsion: Any = None) -
 
     extra : unknowns of further effects by name. torsion : moments of soft contacts over their levers [N].
     """
-    more = {} if torsion is None else {"torsion": np.asarray(torsion, float)}
-    return Candidate(np.asarray(forces, float), np.asarray(twist, float), dict(extra or {}), **more)
+    moments = np.zeros(0) if torsion is None else np.asarray(torsion, float)
+    components = np.append(np.asarray(forces, float).ravel(), moments)
+    return Candidate(components, np.asarray(twist, float), dict(extra or {}), len(moments))
 
 
 def judge_of(grasp: hl.Grasp, effects: Any, section: Any, answer: Any) -> Any:
-    """The certifier's verdict: `residuals`, and how the contacts move in `motion` (n, 3)."""
-    return judge(arrays(grasp), effects, section, answer)
+    """The certifier's verdict: `residuals`, and how the contacts move in `motion`."""
+    return judge(grasp.scene, effects, section, answer)
 
 
 def residuals(grasp: hl.Grasp, faces: Any, answer: Any, *more: Any) -> hl.Residuals:
@@ -137,22 +191,46 @@ def claimed_force_error(grasp: hl.Grasp, solution: hl.GraspSolution) -> float:
 # ---------------------------------------------------------------- words, and the search for what is required
 def diagnosed(grasp: hl.Grasp, solution: hl.GraspSolution, **more: Any) -> str:
     """The sentence about a solution, from what the solution says itself."""
-    free = solution.uniqueness
-    return diagnose(
-        solution.status,
-        solution.names,
-        arrays(grasp).positions,
-        reference=grasp.reference,
-        forces=solution.forces,
-        states=solution.contact_state,
-        offset=arrays(grasp).offset,
-        escape=solution.certificate,
-        loose=None if free is None else free.directions,
-        forces_determined=free is None or free.forces_determined,
-        **more,
-    )
+    return replace(solution, **more).diagnosis
 
 
 def holds_with(grasp: hl.Grasp, faces: Any, squeeze: float) -> bool:
     """Whether the grasp holds with every finger squeezed by so much more [m]."""
-    return holds(with_preload(grasp, squeeze), section_of(grasp, faces))
+    return _required.holds(grasp.spec.squeezed(squeeze), section_of(grasp, faces))
+
+
+def with_preload(grasp: hl.Grasp, extra: float) -> Any:
+    """The grasp with every finger squeezed by so much more [m]."""
+    return type(grasp)(grasp.spec.squeezed(extra))
+
+
+def with_friction(grasp: hl.Grasp, mu: float) -> Any:
+    """The grasp with this coefficient at all contacts that have friction."""
+    return type(grasp)(_required.with_friction(grasp.spec, mu))
+
+
+smallest = _required.smallest
+Check = Callable[[Any], bool]
+
+
+def required_preload(
+    grasp: hl.Grasp, faces: Any = 8, tolerance: float = 1e-3, limit: float | None = None, check: Check | None = None
+) -> hl.Required:
+    """As `grasp.required_preload`. limit : largest squeeze tried. check : in place of a solve, of a grasp."""
+    return _required_value(_required.required_preload, grasp, faces, tolerance, limit, check)
+
+
+def required_friction(
+    grasp: hl.Grasp, faces: Any = 8, tolerance: float = 1e-3, limit: float | None = None, check: Check | None = None
+) -> hl.Required:
+    """As `grasp.required_friction`; likewise."""
+    return _required_value(_required.required_friction, grasp, faces, tolerance, limit, check)
+
+
+def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
+    own = section_of(grasp, faces)
+
+    def holds(spec: Any) -> bool:
+        return _required.holds(spec, own) if check is None else check(type(grasp)(spec))
+
+    return find(grasp.spec, own, holds, tolerance, limit)

@@ -9,12 +9,12 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
-from handlcp.hand.curvature import contact_hessian
-from handlcp.hand.detect import nearest
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
-from handlcp.hand.patch import RIM
-from handlcp.hand.patch import _needed as _points_needed
-from handlcp.hand.tips import sphere_tip
+from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.plane_contacts import RIM
+from handlcp.hand.objects.plane_contacts import _needed as _points_needed
+from handlcp.hand.robot.contact_hessian import contact_hessian
+from handlcp.hand.robot.tip_geometry import sphere_tip
 from handlcp.hand.torques import torque_check
 
 __all__ = [

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from handlcp.grasp import first as _first
-from handlcp.grasp.catalogue import BY_NAME
+from handlcp.grasp.model import effect as _effect
+from handlcp.grasp.solve import compiled_answer as _first
 from tests.support.clocks import Ticking, a_quarter_less
 
 Patch = pytest.MonkeyPatch
@@ -40,28 +40,28 @@ __all__ = [
 # ---------------------------------------------------------------- many grasps
 def chunks_of(patch: Patch, count: int) -> None:
     """`solve_many` hands out so many grasps at a time."""
-    patch.setattr("handlcp.grasp.many._CHUNK", count)
+    patch.setattr("handlcp.grasp.parallel._CHUNK", count)
 
 
 def everything_to_processes(patch: Patch) -> None:
     """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
-    patch.setattr("handlcp.grasp.processes._ALONE", 0.0)
+    patch.setattr("handlcp.grasp.parallel._ALONE", 0.0)
 
 
 # ---------------------------------------------------------------- stages of a solve
 def nothing_is_eliminated(patch: Patch) -> None:
     """No free block counts as well enough conditioned to be eliminated."""
-    patch.setattr("handlcp.grasp.assemble.ELIMINATE_RCOND", 2.0)
+    patch.setattr("handlcp.lcp.multipliers.ELIMINATE_RCOND", 2.0)
 
 
 def no_newton_on_cones(patch: Patch, solver: Any) -> None:
     """`solve(accuracy=...)` looks for the equilibrium on the cone with this solver."""
-    patch.setattr("handlcp.grasp.accuracy._NEWTON", solver)
+    patch.setattr("handlcp.grasp.analysis.solve_to_accuracy._NEWTON", solver)
 
 
 def no_solve_takes_more_than(patch: Patch, solves: int) -> None:
     """A grasp whose flexibility depends on its forces is solved so many times at most."""
-    patch.setattr("handlcp.hand.geometric._MOST", solves)
+    patch.setattr("handlcp.grasp.solve.force_iteration._MOST", solves)
 
 
 def watched_first_stage(patch: Patch) -> list[Any]:
@@ -69,34 +69,35 @@ def watched_first_stage(patch: Patch) -> list[Any]:
     seen: list[Any] = []
 
     def watched(*arguments: Any) -> Any:
-        seen.append(_first.find(*arguments))
+        seen.append(_first.solve_scene(*arguments))
         return seen[-1]
 
-    patch.setattr("handlcp.grasp.share.find", watched)
+    patch.setattr("handlcp.grasp.analysis.compare_without.solve_scene", watched)
     return seen
 
 
 def watched_members_of_modes(patch: Patch) -> list[Any]:
     """The choices of modes for which a member is asked for; none has one."""
     asked: list[Any] = []
-    patch.setattr("handlcp.grasp.mode_table.Table._member", lambda self, mode: asked.append(mode))
+    patch.setattr("handlcp.grasp.search.mode_table.Table._member", lambda self, mode: asked.append(mode))
     return asked
 
 
 def certifier_believes_nobody(patch: Patch) -> None:
     """No candidate of the search over modes is an equilibrium."""
-    patch.setattr("handlcp.grasp.equilibria.Believer.__call__", lambda self, candidates: None)
+    for user in ("search.nonexistence", "analysis.equilibria"):
+        patch.setattr(f"handlcp.grasp.{user}.first_certified", lambda problem, candidates: list(candidates) and None)
 
 
 # ---------------------------------------------------------------- clocks
 def shares_of_a_quarter(patch: Patch) -> None:
     """`explain(measure=True)` finds that every effect takes a quarter of a solve of two seconds."""
-    patch.setattr("handlcp.grasp.share.best_times", a_quarter_less)
+    patch.setattr("handlcp.grasp.analysis.compare_without.best_times", a_quarter_less)
 
 
 def ticks_between_shares(patch: Patch, tick: float) -> None:
     """A clock for the times of single runs, each look at which takes so long [s]."""
-    patch.setattr("handlcp.grasp.share.time", Ticking(tick))
+    patch.setattr("handlcp.grasp.analysis.compare_without.time", Ticking(tick))
 
 
 def ticks_of_studies(patch: Patch, tick: float) -> None:
@@ -110,13 +111,15 @@ def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
     """`grasp.equilibria` looks at its clock after every candidate, and that takes so long [s]: its two seconds are
     enough for a thousand, however busy the machine is.
     """
-    patch.setattr("handlcp.grasp.others.time", Ticking(tick))
+    patch.setattr("handlcp.grasp.analysis.equilibria.time", Ticking(tick))
 
 
 # ---------------------------------------------------------------- studies
 def another_effect(patch: Patch, kind: type) -> None:
     """The catalogue has one effect more."""
-    patch.setattr("handlcp.study.catalogue.effects.BY_NAME", (*BY_NAME, kind))
+    key = kind.__module__, kind.__qualname__
+    _effect._KINDS.pop(key)  # it joined when it was made; put there by the patch, it leaves with the test
+    patch.setitem(_effect._KINDS, key, kind)
 
 
 def costs_of_effects(patch: Patch, costs: Callable[[], dict[str, Any]]) -> None:
@@ -131,7 +134,7 @@ def paper_command(patch: Patch, command: Callable[..., int]) -> None:
 
 def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
     """The paper's command prints this report."""
-    patch.setattr("handlcp.study.paper.report.run", made)
+    patch.setattr("handlcp.study.paper.command.run", made)
 
 
 def without_module(patch: Patch, name: str) -> None:

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.equilibria import Believer, applicable, find_equilibrium
-from handlcp.grasp.holdable import is_escape as _is_escape
-from handlcp.grasp.holdable import jammed as _jammed
-from handlcp.grasp.holdable import least_total as _least_total
-from handlcp.grasp.joints import Joints
-from handlcp.grasp.last_resort import last_resort as _last_resort
-from handlcp.grasp.mode_table import PER_SECOND, mode_table
-from handlcp.grasp.others import seeded
-from handlcp.grasp.overload import is_overload as _is_overload
-from handlcp.grasp.overload import overload as _overload
+from handlcp.grasp.analysis.equilibria import seeded
+from handlcp.grasp.model.mechanism import Mechanism
+from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
+from handlcp.grasp.search.nearby import first_certified, only_limits_move
+from handlcp.grasp.search.nonexistence import over_modes, search_equilibrium
+from handlcp.grasp.verify.holdable import is_escape as _is_escape
+from handlcp.grasp.verify.holdable import jammed as _jammed
+from handlcp.grasp.verify.holdable import least_total as _least_total
+from handlcp.grasp.verify.limit_load import is_overload as _is_overload
+from handlcp.grasp.verify.limit_load import overload as _overload
 from handlcp.lcp.search import search
-from tests.support.grasp import arrays, contact_problem, plain_problem, residuals, section_of
+from tests.support.grasp import contact_problem, plain_problem, residuals, section_of
 
 __all__ = [
     "active_sets",
@@ -40,16 +43,23 @@ __all__ = [
 
 
 # ---------------------------------------------------------------- is there an equilibrium?
-def searched(grasp: hl.Grasp, faces: Any, *more: Any, **limits: Any) -> Any:
+def searched(grasp: hl.Grasp, faces: Any, *more: Any, seconds: float = 10.0, bound: float | None = None) -> Any:
     """What the search over contact modes finds; an equilibrium only if the certifier passes it.
 
-    more : effects beside the grasp's own. limits : seconds, bound [natural units].
+    more : effects beside the grasp's own. bound : in natural units.
     """
-    effects = (*contact_problem(grasp, faces).effects, *more)
-    found = find_equilibrium(arrays(grasp), effects, section_of(grasp, faces), **limits)
+    problem = contact_problem(grasp, faces, (*grasp.effects, *more))
+    found = over_modes(problem, time.monotonic() + seconds, bound)
     if found.candidate is not None:
         assert residuals(grasp, faces, found.candidate, *more).passes
-    return found
+    outcome = found.words.rpartition(" ")[2]
+    within = (np.nan, np.nan) if found.bounds is None else found.bounds
+    return SimpleNamespace(outcome=outcome, candidate=found.candidate, force_bound=within[0], motion_bound=within[1])
+
+
+def applicable(effects: Any) -> bool:
+    """Whether contact modes describe a scene with these effects."""
+    return only_limits_move(SimpleNamespace(effects=tuple(effects)))
 
 
 def active_sets(grasp: hl.Grasp, faces: Any, seconds: float) -> str:
@@ -73,15 +83,15 @@ def members_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> list[Any]:
 def from_seeds(grasp: hl.Grasp, faces: Any, count: int, seed: int = 1) -> Iterator[Any]:
     """The candidates that so many seeds lead to and that the certifier passes, as they are or after Newton's method."""
     problem = contact_problem(grasp, faces)
-    believed = Believer(arrays(grasp), problem.effects, section_of(grasp, faces))
     for candidate in seeded(problem, count, seed):
-        if (found := believed([candidate])) is not None:
+        if (found := first_certified(problem, [candidate])) is not None:
             yield found
 
 
 def last_resort(grasp: hl.Grasp, faces: Any, seconds: float) -> tuple[Any, Any, str]:
     """(candidate, bounds, words) of the exact search that a solve ends with."""
-    return _last_resort(contact_problem(grasp, faces), section_of(grasp, faces), seconds)
+    found = search_equilibrium(contact_problem(grasp, faces), seconds)
+    return found.candidate, found.bounds, found.words
 
 
 def seconds_for(choices: float) -> float:
@@ -92,32 +102,50 @@ def seconds_for(choices: float) -> float:
 # ---------------------------------------------------------------- what no forces can balance
 def overload(grasp: hl.Grasp, faces: Any) -> np.ndarray | None:
     """The proof that the limits of the grasp's effects leave no forces that balance the load, if there is one."""
-    return _overload(arrays(grasp), section_of(grasp, faces), grasp.effects)
+    return _overload(grasp.scene, section_of(grasp, faces), grasp.effects)
 
 
 def is_overload(grasp: hl.Grasp, faces: Any, proof: np.ndarray) -> bool:
     """Whether that is one, by its signs."""
-    return _is_overload(arrays(grasp), section_of(grasp, faces), grasp.effects, proof)
+    return _is_overload(grasp.scene, section_of(grasp, faces), grasp.effects, proof)
 
 
 def is_escape(grasp: hl.Grasp, faces: Any, twist: np.ndarray) -> bool:
     """Whether a motion in natural units proves by its signs that nothing balances the grasp's load."""
-    return _is_escape(arrays(grasp), section_of(grasp, faces), arrays(grasp).natural.w, twist)
+    return _is_escape(grasp.scene, section_of(grasp, faces), twist)
 
 
 def least_total(grasp: hl.Grasp, faces: Any) -> float | None:
     """Least sum of the fingers' normal forces [N] with which friction balances the load; None: none does."""
-    return _least_total(arrays(grasp), section_of(grasp, faces), arrays(grasp).natural.w)
+    return _least_total(grasp.scene, section_of(grasp, faces))
 
 
 def jammed(grasp: hl.Grasp) -> bool:
     """Whether rigid fingers overlap the object and cannot give way."""
-    return _jammed(arrays(grasp))
+    return _jammed(grasp.scene)
 
 
 # ---------------------------------------------------------------- limits without a hand
+class _Joints(Mechanism):
+    """Joints that carry contacts without turning them."""
+
+    def turning(self, contacts: Any) -> np.ndarray:
+        return np.zeros((len(contacts), len(self.names)))
+
+
+class _Saturation(hl.TorqueSaturation):
+    """The effect with joints of its own, for grasps without a hand."""
+
+    title = ""  # no effect of the catalogue
+
+    def __init__(self, joints: Mechanism) -> None:
+        self.joints = joints
+
+    def limits(self, scene: Any) -> Any:
+        return super().limits(replace(scene, mechanism=self.joints))
+
+
 def saturation(contacts: int, jacobian: np.ndarray, limits: np.ndarray) -> hl.TorqueSaturation:
     """The effect for contacts of fingers whose joints have this Jacobian (3n, nv) and these torque limits (nv,)."""
     nv = len(limits)
-    joints = Joints(("",) * nv, jacobian, np.zeros(nv), limits, np.eye(nv), lambda: np.zeros((len(jacobian), nv, nv)))
-    return hl.TorqueSaturation().for_grasp("", contacts, joints, ())
+    return _Saturation(_Joints(("",) * nv, jacobian, np.eye(nv), limits))

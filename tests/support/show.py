@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
+from handlcp import words as units
 from handlcp.show import convergence as convergence_figure
 from handlcp.show import picture as _picture
-from handlcp.show import shapes, tables, units
+from handlcp.show import tables
 from handlcp.show import work_precision as work_precision_figure
 from handlcp.show.accuracy_table import all_tables
-from handlcp.show.bodies import environment_bodies, stub_bodies
-from handlcp.show.camera import facing
-from handlcp.show.overlay import nice, rim
-from handlcp.show.raster import fill
+from handlcp.show.picture import shapes
+from handlcp.show.picture.bodies import environment_bodies, stub_bodies
+from handlcp.show.picture.camera import camera_for, facing
+from handlcp.show.picture.overlay import nice, rim
+from handlcp.show.picture.raster import fill
 from handlcp.show.record import record
 from handlcp.show.verdict import SMALL_TURN
 
@@ -44,4 +46,4 @@ draw, save = _picture.draw, _picture.save
 
 def camera_of(grasp: hl.Grasp) -> Any:
     """From where the picture of a grasp without bodies is taken."""
-    return _picture._camera(grasp, [], None, np.array([c.position for c in grasp.contacts]))
+    return camera_for(grasp, [], None, np.array([c.position for c in grasp.contacts]))

@@ -8,15 +8,20 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.check import read_only
-from handlcp.grasp import (
-    first as _first,  # its kernels are looked up there, where a clock may have been put around them
+from handlcp.grasp.analysis.compare_without import best_times, measured
+from handlcp.grasp.answer.make_solution import Judged, make_solution
+from handlcp.grasp.assembly.contact_form import GraspContact, design, friction_sets
+from handlcp.grasp.assembly.problem import GraspProblem, assemble
+from handlcp.grasp.effects.coulomb_friction import CoulombFriction
+from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
+from handlcp.grasp.effects.object_balance import ObjectBalance
+from handlcp.grasp.effects.unilateral_contact import UnilateralContact
+from handlcp.grasp.model.unknowns import System
+from handlcp.grasp.solve import (
+    compiled_answer as _first,  # its kernels are looked up there, where a clock may have been put around them
 )
-from handlcp.grasp.assemble import assemble
-from handlcp.grasp.conclude import conclude
-from handlcp.grasp.effects import CoulombPlanar, CoulombPyramid, FingerFlexibility, ObjectBalance, UnilateralContact
-from handlcp.grasp.share import best_times, measured
-from handlcp.grasp.soft_form import assembled
-from handlcp.lcp import NSNGRK, certify, proposals
+from handlcp.grasp.solve.stages import answered
+from handlcp.lcp import NSNGRK, ContactProblem, Units, certify, proposals
 from handlcp.lcp.certify import certify_contact
 from tests.support.grasp import arrays, contact_problem, judge_of, section_of
 
@@ -38,7 +43,7 @@ class OneCall:
     def __init__(self, grasp: hl.Grasp, faces: Any) -> None:
         """Effects and layout, known from an earlier scene of the kind."""
         self.grasp, self.section = grasp, section_of(grasp, faces)
-        self.kind = _first.kind_of(arrays(grasp), self.section)
+        self.kind = _first.compiled_kind(grasp.scene, self.section)
         self.numbers, self.row = np.empty((1, self.kind.scene_width)), np.empty((1, self.kind.answer_width))
         self.given = read_only(self.numbers.view())
 
@@ -49,21 +54,21 @@ class OneCall:
 
     def pack(self) -> None:
         """The scene as a row of numbers."""
-        _first.pack(arrays(self.grasp), self.section, self.numbers[0])
+        _first.pack(self.grasp.scene, self.section, self.numbers[0])
 
     def answer(self) -> None:
         """Units, stamps, solver, certificate, states: one compiled call."""
-        _first.answers(self.given, self.kind.pattern, _first.NOWHERE, 0, self.row)
+        _first.solve_scenes(self.given, self.kind.pattern, _first.NOWHERE, 0, self.row)
 
     def read(self) -> Any:
         """What came out, as a row that nobody writes to any more."""
-        found = _first.Found(self.kind, self.row[0].copy())
+        found = _first.CompiledAnswer(self.kind, self.row[0].copy())
         assert found.passes
         return found
 
     def conclude(self, found: Any) -> hl.GraspSolution:
         """The answer in SI, torques, limits."""
-        return self.grasp._answered(self.section, found)
+        return answered(self.grasp.spec, self.grasp.scene, self.section, found)
 
 
 class ByHand:
@@ -105,31 +110,45 @@ class ByHand:
     def conclude(self) -> hl.GraspSolution:
         """States, uniqueness, the answer in SI, without what a hand adds to it."""
         g = self.grasp
-        return conclude(
-            arrays(g), g.reference, g.names, self.problem.effects, self.section, self.candidate, self.verdict, 0, ()
-        )
+        return self._made(g.spec.replace(mechanism=None))
 
     def finish(self) -> hl.GraspSolution:
         """The same with what a hand adds."""
-        return self.grasp._solution(self.problem.effects, self.section, self.candidate, self.verdict, 1, ())
+        return self._made(self.grasp.spec)
+
+    def _made(self, spec: Any) -> hl.GraspSolution:
+        judged = Judged(self.candidate, self.verdict, 1)
+        return make_solution(spec, self.grasp.scene, self.section, self.problem.effects, judged, ())
 
 
 def first_found(grasp: hl.Grasp, faces: Any, seed: int = 0) -> Any:
     """What the first stage finds: proposal, forces, twist, motion, residuals, states, passes, unique, outcome."""
-    return _first.find(arrays(grasp), section_of(grasp, faces), seed)
+    return _first.solve_scene(grasp.scene, section_of(grasp, faces), seed)
 
 
 # ---------------------------------------------------------------- assembly
 def assembly(grasp: hl.Grasp, faces: Any) -> Any:
     """The problem of a grasp with the effects that its data call for."""
-    return assembled(arrays(grasp), section_of(grasp, faces), ())
+    return assemble(grasp.scene, section_of(grasp, faces), ())
+
+
+class _FourEffects(GraspContact):
+    """The problem of a scene of hard fingers, its four effects listed here."""
+
+    def __init__(self, scene: Any, section: Any) -> None:
+        known = design(scene, section, ())
+        system = System(known.layout)
+        effects = (ObjectBalance(), UnilateralContact(), CoulombFriction(section), FingerFlexibility())
+        for effect in effects:
+            effect.stamp(scene, system)
+        sets, units = friction_sets(scene, section), Units(*system.sizes(scene))
+        ContactProblem.__init__(self, system.M, system.q, known.pattern, sets, units)
+        self.scene, self.section, self.asked, self.effects, self.system = scene, section, (), effects, system
 
 
 def assembly_by_hand(grasp: hl.Grasp, faces: Any) -> Any:
-    """The same with the four effects that a scene of hard fingers needs listed here: no catalogue, none asked for."""
-    planar, section = arrays(grasp).plane is not None, section_of(grasp, faces)
-    friction = CoulombPlanar() if planar else CoulombPyramid(section)
-    return assemble(arrays(grasp), (ObjectBalance(), UnilateralContact(), friction, FingerFlexibility()))
+    """The same with the four effects that a scene of hard fingers needs listed: no catalogue, none asked for."""
+    return GraspProblem(_FourEffects(grasp.scene, section_of(grasp, faces)))
 
 
 def certificate(problem: Any, z: np.ndarray, proposed: np.ndarray | None = None) -> Any:
@@ -140,4 +159,4 @@ def certificate(problem: Any, z: np.ndarray, proposed: np.ndarray | None = None)
 # ---------------------------------------------------------------- shares of the time
 def shares(grasp: hl.Grasp, faces: Any, solution: hl.GraspSolution, clock: Any) -> Any:
     """`grasp.explain(faces, measure=True)` with times from a clock."""
-    return measured(grasp, grasp.explain(faces), section_of(grasp, faces), solution, clock)
+    return measured(grasp.spec, section_of(grasp, faces), grasp.explain(faces), solution, clock)

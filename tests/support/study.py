@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from handlcp.study.accuracy.left_out import UNDETERMINED, variants
-from handlcp.study.accuracy.plan import settings
+from handlcp.study.accuracy.methods import settings
 from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
 from handlcp.study.paper.data import NUMBERS, Number, raw
 from handlcp.study.paper.examples import PRELOAD

@@ -155,7 +155,7 @@ def inequalities(
             rows.append(limits[i] * force[z] - outward @ force[t])
             now.append(limits[i] * forces[z] - outward @ forces[t])
         if kind[i] == SLIDING:  # the slip is -Σ λ n with λ ≥ 0
-            against = -np.linalg.pinv(states.faces[i, : states.count[i], : len(t)].T)
+            against = -np.linalg.pinv(states.faces[i, : states.against[i], : len(t)].T)
             rows.append(against @ move[t])
             now.append(against @ motion[t])
     return np.concatenate(rows), np.concatenate(now)
@@ -191,7 +191,7 @@ def active_system(
             A[dof + z, z] = 1.0
         else:
             A[dof + z] = V[z]
-        count = states.count[i] if kind == SLIDING else 0
+        count = states.against[i] if kind == SLIDING else 0
         if kind == SLIDING:
             _complement(states.faces[i], count, d, across)
         for a in range(d):
@@ -233,9 +233,11 @@ def _complement(normals: Array, count: int, d: int, across: Array) -> None:
                 v[a] = 1.0
             for p in range(q):
                 v -= (basis[p] @ v) * basis[p]
-            size = np.sqrt(v @ v)
+            size = float(np.sqrt(v @ v))
             if size > length:
                 best, length = v, size
-        basis[q] = best / length if length > 0.0 else best
+        basis[q] = best
+        if length > 0.0:
+            basis[q] /= length
         if q >= count:
             across[q - count] = basis[q]

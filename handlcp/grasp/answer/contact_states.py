@@ -26,13 +26,13 @@ _ALONG = 1e-6  # a normal this near to the span of others is one of theirs
 
 
 class States(NamedTuple):
-    """kind (n,): one of the constants above. count (n,), faces (n, 3, 3): how many independent outward normals a
+    """kind (n,): one of the constants above. against (n,), faces (n, 3, 3): how many independent outward normals a
     contact slides against, and those, in rows. turn (n,): slip over friction [m/N] of a contact that slides on a round
     set, where both turn together; else 0.
     """
 
     kind: Ints
-    count: Ints
+    against: Ints
     faces: Array
     turn: Array
 
@@ -61,11 +61,10 @@ def names_of(kind: Ints) -> tuple[str, ...]:
 def classify(scene: Scene, section: Section, candidate: Candidate, verdict: Verdict) -> States:
     """States of all contacts, of a candidate that was judged."""
     size = verdict.residuals
-    states = find_states(
-        scene.kind.contact_components, scene.limits(section), face_normals(section, bool(scene.soft)), candidate.components,
-        verdict.motion, ACTIVE * size.force_scale, ACTIVE * max(size.motion_scale, scene.units.motion),
-    )  # fmt: skip
-    return states
+    weak, slow = ACTIVE * size.force_scale, ACTIVE * max(size.motion_scale, scene.units.motion)
+    normals = face_normals(section, bool(scene.soft))
+    contacts, limits = scene.kind.contact_components, scene.limits(section)
+    return find_states(contacts, limits, normals, candidate.components, verdict.motion, weak, slow)
 
 
 @kernel

@@ -97,7 +97,9 @@ def without_numbers(
 ) -> GraspSolution:
     """UNDECIDED, without numbers that anybody could use."""
     nothing = np.full(scene.components, np.nan)
-    judged = Judged(Candidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Verdict(nothing, residuals), iterations)
+    judged = Judged(
+        Candidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Verdict(nothing, residuals), iterations
+    )
     made = solution_of(spec, scene, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
     return replace(made, status=Status.UNDECIDED)
 

@@ -20,7 +20,7 @@ from handlcp.grasp.model.file_key import Above0, FileKey, by_finger
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
-from handlcp.words import NO_LENGTH, length, listed
+from handlcp.words import NOTHING, length, listed
 
 __all__ = ["FingerForceBound"]
 
@@ -97,6 +97,6 @@ class FingerForceBound(Effect):
         """Where it is reached."""
         for limit in self.present(scene):
             way = extra[limit.name]
-            reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NO_LENGTH)]
+            reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NOTHING)]
             if reached:
                 yield f"the {self.title} is reached at {listed(reached)} and gives way by {length(float(way.max()))}"

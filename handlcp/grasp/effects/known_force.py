@@ -22,7 +22,7 @@ from handlcp.grasp.model.file_key import CONTACT_KEY, FileKey, Finite, From0, co
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
-from handlcp.words import NO_LENGTH, length
+from handlcp.words import NOTHING, length
 
 __all__ = ["KnownForce"]
 
@@ -124,5 +124,5 @@ class KnownForce(Effect):
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
         """How far the finger moves."""
         moved = [extra[limit.name] for limit in self.present(scene)]
-        if moved and (far := float(abs(moved[0] - moved[1]).max())) > NO_LENGTH:
+        if moved and (far := float(abs(moved[0] - moved[1]).max())) > NOTHING:
             yield f"{names[self.contact]} moves by {length(far)} to push as it is known to"

@@ -17,7 +17,7 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.file_key import Above0, FileKey
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
-from handlcp.words import NO_LENGTH, length
+from handlcp.words import NOTHING, length
 
 __all__ = ["TotalForceBound"]
 
@@ -60,7 +60,7 @@ class TotalForceBound(Effect):
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
         """Where it is reached."""
-        if (opened := float(extra.get("z̄", np.zeros(1))[0])) > NO_LENGTH:
+        if (opened := float(extra.get("z̄", np.zeros(1))[0])) > NOTHING:
             yield f"the {self.title} is reached and gives way by {length(opened)}"
 
     def shortfall(self, least_total: float | None) -> str | None:

@@ -66,7 +66,7 @@ class FrictionLaw:
     def toward(self, x: float, y: float) -> float:
         """The coefficient along a direction of the tangents, a unit vector (x, y): in a plane there is only one."""
         sx, sy = self.scale
-        return self.mu / ((x / sx) ** 2 + (y / sy) ** 2) ** 0.5
+        return float(self.mu / ((x / sx) ** 2 + (y / sy) ** 2) ** 0.5)
 
     def with_mu(self, mu: float) -> FrictionLaw:
         """The same law, grown or shrunk until its coefficient is `mu`."""

@@ -68,7 +68,7 @@ class Effect:
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
-        if cls.title:  # what has no title is a base of others
+        if vars(cls).get("title"):  # what has no title of its own is a base, or a variant, of others
             # By name: dataclass(slots=True) makes a class a second time
             _KINDS[cls.__module__, cls.__qualname__] = cls
 

@@ -67,7 +67,7 @@ class Kind:
     @lazy
     def normal_index(self) -> Ints:
         """(m,) unknown normal components."""
-        return self.contact_components[np.array(self.governed), 0]
+        return np.asarray(self.contact_components[np.array(self.governed), 0])
 
     @lazy
     def tangent_index(self) -> Ints:

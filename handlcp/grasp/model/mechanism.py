@@ -71,6 +71,10 @@ class Mechanism:
         """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
         return None
 
+    def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
+        """(title, equation, whether it is on, why) of what else it is made of, for `explain()`."""
+        return ()
+
     def rows(self, soft: tuple[int, ...]) -> Array:
         """(3n + k, nv) [J; T]: the Jacobian of the points, then of the turns of the k contacts in `soft`."""
         return np.concatenate([self.jacobian, self.turning(soft)]) if soft else self.jacobian

@@ -107,7 +107,7 @@ class Scene:
         if not self.soft:
             return self.mu * section.share
         shares = [limit_set(section, t).share if t == 3 else section.share for t in self.kind.tangents]
-        return self.mu * np.array(shares)
+        return np.asarray(self.mu * np.array(shares))
 
     @property
     def held_torque(self) -> Array:

@@ -20,7 +20,7 @@ _GROWTH = 1e5  # of the table, beyond which it is not used: rounding of 1e-16 st
 class Modes(NamedTuple):
     """What every contact may do. choices (n,) modes of each contact. Of mode k of contact i (0 open, 1 stuck, then
     slides, s ≥ 0): p = rank[i, k]; A[i, k] (3, 3), with rows beyond p zero; B[i, k] (3, 3), with columns beyond p zero;
-    and its signs, count[i, k] rows X x_i + Y y_i ≥ 0.
+    and its signs, signs[i, k] rows X x_i + Y y_i ≥ 0.
     """
 
     choices: Ints
@@ -29,7 +29,7 @@ class Modes(NamedTuple):
     B: Array
     X: Array
     Y: Array
-    count: Ints
+    signs: Ints
 
 
 class Walk(NamedTuple):
@@ -192,7 +192,7 @@ def fits(P: Array, c: Array, mode: Ints, m: Modes, x: Array, y: Array) -> bool:
 @kernel
 def _signs(i: int, k: int, m: Modes, x: Array, y: Array, force: float, motion: float) -> bool:
     """X x_i + Y y_i ≥ 0, to the given sizes of rounding."""
-    for q in range(m.count[i, k]):
+    for q in range(m.signs[i, k]):
         value = 0.0
         for a in range(3):
             u, v, r = m.X[i, k, q, a], m.Y[i, k, q, a], 3 * i + a

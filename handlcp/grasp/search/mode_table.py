@@ -72,7 +72,7 @@ class Table:
         N, m = len(self.c), self.modes
         A, B, X, Y = (np.zeros((0, N)),) * 4
         for i, k in enumerate(mode.tolist()):
-            p, q = m.rank[i, k], m.count[i, k]
+            p, q = m.rank[i, k], m.signs[i, k]
             A, B = _append(A, i, m.A[i, k, :p]), _append(B, i, m.B[i, k, :, :p].T)
             X, Y = _append(X, i, m.X[i, k, :q]), _append(Y, i, m.Y[i, k, :q])
         S, b = A @ self.P @ B.T, -A @ self.c

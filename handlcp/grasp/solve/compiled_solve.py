@@ -29,7 +29,7 @@ __all__ = ["HEAD", "ScenePattern", "answer_width", "scene_width", "solve_scenes"
 class ScenePattern(NamedTuple):
     """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.
 
-    contacts (n, 4), normal, tangent : of the force components, as in `Kind`; index : the last two. role, order (N,),
+    contacts (n, 4), normal, tangent : of the force components, as in `Kind`; unknown : the last two. role, order (N,),
     blocks (k, 4) : as in `lcp.Pattern`. rough (k,) : the contact of each block. faces, normals : of the sets.
     outward : normals for contact states. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
     at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many soft contacts there are.
@@ -38,7 +38,7 @@ class ScenePattern(NamedTuple):
     contacts: Ints
     normal: Ints
     tangent: Ints
-    index: Ints
+    unknown: Ints
     role: Ints
     order: Ints
     blocks: Ints
@@ -80,7 +80,7 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
     for k in range(len(scenes)):
         row = rows[k]
         g, limits = _read(scenes[k], n, p.torsional, p.dof)
-        posed, blocks = pose(g, p.index)
+        posed, blocks = pose(g, p.unknown)
         x = np.zeros(p.at[4])
         row[0], row[1], row[2] = _solved(p, blocks, limits, start, posed, g.freedom, seed, x)
         at = p.at[0], p.at[2], p.at[3]

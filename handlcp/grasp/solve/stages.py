@@ -10,7 +10,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
-from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
+from handlcp.grasp.assembly.problem import AnyProblem, assemble
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -75,12 +75,12 @@ def _in_stages(
     escapes = "nothing holds it" if solution.certificate is not None else "no proof that nothing holds it"
     solution = replace(solution, trace=(*trace, f"holdability: {escapes}"))
     if solution.status is Status.UNDECIDED and chain is not None and chain.search_seconds > 0:
-        assert not isinstance(problem, GraspProblem)  # chains work on friction as a set
+        assert isinstance(problem, GraspContact)  # chains work on friction as a set
         solution = _searched(spec, problem, chain, solution)
     return solution
 
 
-def _searched(spec: GraspSpec, problem: AnyProblem, chain: Auto, solution: GraspSolution) -> GraspSolution:
+def _searched(spec: GraspSpec, problem: GraspContact, chain: Auto, solution: GraspSolution) -> GraspSolution:
     """The chain's last stage: an exact search, for an answer or for the proof that there is none."""
     scene, section = problem.scene, problem.section
     found = search_equilibrium(problem, chain.search_seconds)

@@ -14,7 +14,7 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
 from handlcp.hand import HandState
-from handlcp.hand.urdf import captured_stderr, resolve_meshes
+from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
 from handlcp.show.picture import shapes
 
 __all__ = ["Body", "environment_bodies", "hand_bodies", "object_body", "stub_bodies"]

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.show import units
 from handlcp.show.picture.bodies import environment_bodies, hand_bodies, object_body, stub_bodies
 from handlcp.show.picture.overlay import nice
 from handlcp.show.picture.panel import Entry
@@ -55,14 +55,14 @@ class Content:
     def _slips(self) -> tuple[dict[int, Array], str]:
         """Slips of the object on the fingers, magnified."""
         s, amount = self.solution, np.hypot(*self.solution.slip.T)
-        moving = [i for i, state in enumerate(s.contact_state) if state == "sliding" and amount[i] > units.NOTHING]
+        moving = [i for i, state in enumerate(s.contact_state) if state == "sliding" and amount[i] > words.NOTHING]
         if not moving or not s.held:
             return {}, ""
         largest = float(amount[moving].max())
         factor = nice(0.45 * self.grasp.scene.units.length / largest)
         times = f"× {factor:g}" if factor >= 1 else f"÷ {1 / factor:g}"
         arrows = {i: self.grasp.frames[i][:, :2] @ s.slip[i] * factor for i in moving}
-        return arrows, f"slip of the object, {times}\n(up to {units.length(largest)})"
+        return arrows, f"slip of the object, {times}\n(up to {words.length(largest)})"
 
     def marks(self) -> Array:
         """(k, 3) points that should lie apart in the picture."""
@@ -87,11 +87,11 @@ class Content:
         if not s.held:
             return f"μ = {self.grasp.contacts[i].mu:g}" if self.grasp.contacts[i].mu else "frictionless"
         if s.contact_state[i] == "separated":
-            return f"lets go, gap {units.length(float(s.gap[i]))}"
-        push = units.force(float(np.linalg.norm(s.forces[i])))
+            return f"lets go, gap {words.length(float(s.gap[i]))}"
+        push = words.force(float(np.linalg.norm(s.forces[i])))
         # A moment is written in place of the state, which the colour shows: a longer line would shrink the picture
         if s.torsion is not None and abs(s.torsion[i]) > _NO_MOMENT:
-            return f"{push}, {units.torque(abs(float(s.torsion[i])))}"
+            return f"{push}, {words.torque(abs(float(s.torsion[i])))}"
         return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
     def entries(self) -> list[Entry]:
@@ -109,10 +109,10 @@ class Content:
             text = f"friction cone, to the forces' scale:\n{sense}" if s.held else "friction cone"
             out.append(("cone", STATE["sticking"] if s.held else UNKNOWN, text))
         moment = float(np.linalg.norm(grasp.scene.moment - np.cross(grasp.reference, grasp.scene.force)))
-        twist = f"torque of {units.torque(moment)}"
+        twist = f"torque of {words.torque(moment)}"
         if self.load > 0:
             also = f"\nand a {twist}" if moment > 1e-9 else ""
-            out.append(("line", LOAD, f"load on the object, {units.force(self.load)}{also}"))
+            out.append(("line", LOAD, f"load on the object, {words.force(self.load)}{also}"))
         elif moment > 1e-9:
             out.append(("line", "white", f"load on the object: a {twist}"))
         if self.slip_note:

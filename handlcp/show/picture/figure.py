@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.show import units
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Frame, camera_for, frame
@@ -90,8 +90,8 @@ def _scales(over: Overlay, shown: Content, view: Frame) -> None:
     corner = np.array([view.box[0], view.box[2]])
     over.triad(corner + np.array([0.56, 0.42]) * view.inch)
     bar = nice(1.1 * view.inch)
-    over.scale_bar(corner + np.array([1.25, 0.22]) * view.inch, bar, units.length(bar))
+    over.scale_bar(corner + np.array([1.25, 0.22]) * view.inch, bar, words.length(bar))
     if shown.solution.held or shown.load > 0:
         amount = nice(0.65 * view.inch / shown.per_newton)
         start = corner + np.array([1.65 * view.inch + bar, 0.22 * view.inch])
-        over.force_scale(start, amount * shown.per_newton, units.force(amount))
+        over.force_scale(start, amount * shown.per_newton, words.force(amount))

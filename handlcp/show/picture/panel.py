@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.show import units
 from handlcp.show.style import BLUE, INK, RED, width
 from handlcp.show.verdict import verdict
 
@@ -81,7 +81,7 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         ax.text(0, 1, "no joint has a known limit", fontsize=9.5, color=INK, va="top")
         return
     widest = max(1.0, max(r.utilisation for r in rows))
-    said = [f"{units.percent(r.utilisation)} of {units.torque(r.limit)}" for r in rows]
+    said = [f"{words.percent(r.utilisation)} of {words.torque(r.limit)}" for r in rows]
     longest = max(len(r.joint) + len(words) for r, words in zip(rows, said, strict=True))
     size = 9.0 * min(1.0, LETTERS / longest)
     for k, r in enumerate(rows):
@@ -93,7 +93,7 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         ax.text(0, k + 0.54, r.joint, ha="left", **style)
         ax.text(widest, k + 0.54, said[k], ha="right", **style)
     if (left_out := len(known) - len(rows)) > 0:
-        least = units.percent(rows[-1].utilisation)
+        least = words.percent(rows[-1].utilisation)
         more = f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less"
         ax.text(0, len(rows) + 0.28, more, fontsize=9, color="#555555", va="center")
     ax.set_xlim(0, widest)

@@ -12,7 +12,7 @@ from typing import Any
 from handlcp.check import integer, number
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import GeometricStiffness, Grasp, GraspSolution
-from handlcp.grasp.pyramid import MOST_FACES
+from handlcp.grasp.friction.sections import MOST_FACES
 from handlcp.study.accuracy.left_out import compare, variants
 from handlcp.study.accuracy.measure import Bench
 from handlcp.study.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings

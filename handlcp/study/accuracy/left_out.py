@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp import Effect, Grasp, GraspSolution, arguments
-from handlcp.grasp.changed import changed
-from handlcp.grasp.required import with_friction
+from handlcp.grasp import Effect, Grasp, GraspSolution
+from handlcp.grasp.analysis.required import with_friction
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.model import validate
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
 from handlcp.study.accuracy.measure import Errors
@@ -29,13 +30,10 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     if (bare := grasp.replace(preload=0.0)).offset.tolist() != grasp.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
-        yield "friction", "smooth fingertips", with_friction(grasp, 0.0)
+        yield "friction", "smooth fingertips", type(grasp)(with_friction(grasp.spec, 0.0))
     for e in grasp.effects:
-        yield e.title, "none", _with_effects(grasp, tuple(x for x in grasp.effects if x is not e))
-    if isinstance(grasp, HandGrasp) and grasp.gravity_torque.any():
-        light = copy.copy(_unsagged(grasp))
-        light.gravity_torque = read_only(np.zeros_like(grasp.gravity_torque))
-        yield "finger weight", "fingers without weight", _with_effects(light, light.effects)
+        instead = "fingers without weight" if isinstance(e, FingerWeight) else "none"
+        yield e.title, instead, _with_effects(grasp, tuple(x for x in grasp.effects if x is not e))
 
 
 def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
@@ -86,19 +84,16 @@ def compare(reference: GraspSolution, errors: Errors, effect: str, instead: str,
 
 
 def _with(grasp: Grasp, flexibility: Array) -> Grasp:
-    return changed(grasp, flexibility=read_only(np.ascontiguousarray(flexibility, dtype=float)))
+    E = read_only(np.ascontiguousarray(flexibility, dtype=float))
+    return type(grasp)(grasp.spec.replace(flexibility=E))
 
 
 def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
     """The grasp with these effects, checked anew: some of them depend on the others."""
-    joints = grasp.joints if isinstance(grasp, HandGrasp) else None
-    return changed(grasp, effects=arguments.effects(effects, grasp.scene.n, joints, grasp.scene.fingers))
+    return type(grasp)(grasp.spec.replace(effects=validate.effects(effects, grasp.spec)))
 
 
-def _unsagged(grasp: HandGrasp) -> HandGrasp:
+def _unsagged(grasp: HandGrasp) -> Grasp:
     """The grasp with joints that do not give way to the fingers' weight."""
-    if not grasp.sag.any():
-        return grasp
-    made = changed(grasp, offset=read_only(grasp.offset - grasp.tip_sag))
-    made.sag = read_only(np.zeros_like(grasp.sag))
-    return made
+    held = tuple(replace(e, sags=False) if isinstance(e, FingerWeight) else e for e in grasp.effects)
+    return _with_effects(grasp, held)

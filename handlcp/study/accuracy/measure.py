@@ -11,11 +11,11 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.assemble import GraspContact
-from handlcp.grasp.candidate import Candidate, of_solution
-from handlcp.grasp.certify import judge
-from handlcp.grasp.changed import changed
-from handlcp.grasp.pyramid import as_section
+from handlcp.grasp.answer.make_solution import candidate_of
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.friction import as_section
+from handlcp.grasp.verify.judge import judge
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto, SemismoothNewton
 from handlcp.study.accuracy.methods import Setting
@@ -73,7 +73,7 @@ class Bench:
         scene, candidate = self.grasp.scene, problem.candidate(proposal.z / units)
         verdict = judge(scene, problem.effects, as_section(s.asked, scene.plane is not None), candidate)
         worst = verdict.residuals.worst
-        slip = np.where(scene.governed_mask[:, None], verdict.motion[:, :2], 0.0)
+        slip = np.where(scene.governed_mask[:, None], verdict.motion.reshape(-1, 3)[:, :2], 0.0)
         said = _said(proposal.outcome) if worst > 0 and not verdict.residuals.passes else CERTIFIED
         found = _times(times) | {"iterations": proposal.iterations, "outcome": proposal.outcome}
         return self._row(s, said, worst, candidate, slip, found)
@@ -81,11 +81,12 @@ class Bench:
     def _whole(self, s: Setting, seconds: float) -> Row:
         """The row of `grasp.solve`. Each run gets a new grasp, which keeps nothing from an earlier solve."""
         chain = Auto(seed=self.seed)
+        make, spec = type(self.grasp), self.grasp.spec
         solution, times = timed(
-            lambda: changed(self.grasp), lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds
+            lambda: make(spec), lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds
         )
         assert solution.scene is not None
-        candidate = of_solution(solution.scene, solution)
+        candidate = candidate_of(solution.scene, solution)
         said = CERTIFIED if solution.held else solution.status.name.lower().replace("_", " ")
         found = _times(times) | {"iterations": solution.iterations, "outcome": solution.trace[-1]}
         return self._row(s, said, solution.residuals.worst, candidate, solution.slip, found)

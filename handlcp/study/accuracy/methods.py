@@ -8,8 +8,7 @@ from typing import Any
 
 from handlcp.grasp import Pyramid
 from handlcp.lcp import NSNGRK, Auto, Lemke, SemismoothNewton
-from handlcp.lcp.solvers.printed import AsPrinted
-from handlcp.study.nsngrk import RES, STEPS
+from handlcp.study.nsngrk import RES, STEPS, AsPrinted
 from handlcp.tolerances import SOLVE
 
 __all__ = ["FACES", "METHODS", "TOLERANCES", "Method", "Setting", "settings"]

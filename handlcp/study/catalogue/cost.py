@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from handlcp.errors import NoSolutionFound
-from handlcp.grasp.entry import Entry
-from handlcp.grasp.share import best_times
+from handlcp.grasp.analysis.compare_without import best_times
+from handlcp.grasp.analysis.explanation import Description
 from handlcp.study.catalogue.effects import entries
 from handlcp.study.catalogue.reference import Trial, trials
 
@@ -45,7 +45,7 @@ def costs(clock: Clock = best_times) -> dict[str, Cost]:
     return {entry.title: cost(entry, clock) for entry in entries()}
 
 
-def cost(entry: Entry, clock: Clock = best_times) -> Cost:
+def cost(entry: Description, clock: Clock = best_times) -> Cost:
     """The cost of one effect."""
     on, off = trials(entry)
     grasp = on.grasp(on.state(), on.ball())

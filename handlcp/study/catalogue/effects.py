@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from handlcp.grasp.catalogue import BY_NAME, FROM_DATA
-from handlcp.grasp.entry import Entry, entry_of
-from handlcp.grasp.environment import ENVIRONMENT
-from handlcp.hand.command import COMMAND
-from handlcp.hand.objects import WEIGHS
-from handlcp.hand.synergies import SYNERGIES
-from handlcp.hand.tendons import TENDONS
-from handlcp.hand.weight import WEIGHT
+from handlcp.grasp import effect_kinds
+from handlcp.grasp.analysis.explanation import ENVIRONMENT, Description, describe_effect
+from handlcp.hand.elasticity.synergies import SYNERGIES
+from handlcp.hand.elasticity.tendons import TENDONS
+from handlcp.hand.objects.object import WEIGHS
 
 __all__ = ["entries"]
 
 
-def entries() -> tuple[Entry, ...]:
-    data = (entry_of(kind) for kind in FROM_DATA)
-    asked = (entry_of(kind) for kind in BY_NAME)
-    return (*data, TENDONS, SYNERGIES, WEIGHT, COMMAND, WEIGHS, *asked, ENVIRONMENT)
+def entries() -> tuple[Description, ...]:
+    """A description of each."""
+    kinds = effect_kinds()
+    # What brings no file key follows from the data, or is asked for by arguments of a hand's grasp
+    asked = [kind for kind in kinds if kind.file_key is not None]
+    of_hands = [kind for kind in kinds if kind.file_key is None and kind.needs_joints]
+    from_data = [kind for kind in kinds if kind.file_key is None and not kind.needs_joints]
+    parts = (from_data, (TENDONS, SYNERGIES), of_hands, (WEIGHS,), asked, (ENVIRONMENT,))
+    return tuple([e if isinstance(e, Description) else describe_effect(e) for part in parts for e in part])

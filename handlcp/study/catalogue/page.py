@@ -11,8 +11,10 @@ from collections.abc import Mapping
 from importlib import resources
 from pathlib import PurePosixPath
 
-from handlcp.grasp.effects import CoulombPyramid, ObjectBalance, UnilateralContact
-from handlcp.grasp.entry import Entry
+from handlcp.grasp.analysis.explanation import Description
+from handlcp.grasp.effects.coulomb_friction import CoulombFriction
+from handlcp.grasp.effects.object_balance import ObjectBalance
+from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.study.catalogue.cost import Cost
 from handlcp.study.catalogue.effects import entries
 
@@ -21,7 +23,7 @@ __all__ = ["anchor", "here_and_now", "page"]
 _WHERE = PurePosixPath("handlcp/grasp/effects")  # the page's folder in the repository
 
 # The effects that bring the reference scene's unknowns
-_THE_SCENE = (ObjectBalance.title, UnilateralContact.title, CoulombPyramid.title)
+_THE_SCENE = (ObjectBalance.title, UnilateralContact.title, CoulombFriction.title)
 
 
 def page(costs: Mapping[str, Cost], measured: str) -> str:
@@ -42,14 +44,14 @@ def anchor(title: str) -> str:
     return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
 
 
-def _row(entry: Entry, cost: Cost) -> str:
+def _row(entry: Description, cost: Cost) -> str:
     """A line of the table of effects."""
     ask = "<br>".join(f"`{code}`" for code in (entry.in_short, *entry.file_keys) if code) or "every grasp has it"
     name = f"**[{entry.title}](#{anchor(entry.title)})**<br>{entry.when}"
     return f"| {name} | {ask} | {entry.brings} | {cost.more} | {cost} |\n"
 
 
-def _section(entry: Entry) -> str:
+def _section(entry: Description) -> str:
     file = PurePosixPath(*entry.module.split(".")).with_suffix(".py")
     law = entry.equation.replace(",  ", "\n")
     ask = ""

@@ -11,7 +11,7 @@ from typing import Any
 
 import handlcp.grasp as mechanics
 import handlcp.hand as robots
-from handlcp.grasp.entry import Entry
+from handlcp.grasp.analysis.explanation import Description
 from handlcp.hand import HandGrasp, HandState, Sphere, example_hand
 
 __all__ = ["Trial", "arguments", "trials"]
@@ -49,12 +49,12 @@ class Trial:
         return state.grasp(ball, **rest)
 
 
-def arguments(entry: Entry) -> dict[str, Any]:
+def arguments(entry: Description) -> dict[str, Any]:
     """The keyword arguments that `in_python` shows; the package wrote that text itself."""
     return dict(eval(f"dict({entry.in_python})", vars(mechanics) | vars(robots)))
 
 
-def trials(entry: Entry) -> tuple[Trial, Trial]:
+def trials(entry: Description) -> tuple[Trial, Trial]:
     """The scene with the effect and without it: equal where the reference scene itself has it."""
     asked = arguments(entry)
     posed = _PLAIN | {name: x for name, x in asked.items() if name in _SECTION}

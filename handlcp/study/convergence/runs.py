@@ -12,7 +12,7 @@ from handlcp.check import Array, Ints, read_only
 from handlcp.grasp import Grasp, GraspProblem
 from handlcp.lcp import LCP, NSNGRK, Proposal
 from handlcp.study.convergence.rates import generalized_jacobian, greedy_bound, measured_rate, uniform_bound
-from handlcp.study.nsngrk import UnitsOf, in_units
+from handlcp.study.nsngrk import UniformRows, UnitsOf, in_units
 
 __all__ = ["Read", "Run", "Sampling", "follow", "watch"]
 
@@ -70,7 +70,9 @@ def follow(
     scaled, size = in_units(problem, units)
 
     def run(most: int, until: float = tol, stride: int = 0) -> Proposal:
-        return NSNGRK(until, most, seed, polish=False, stride=stride, sampling=sampling).propose(scaled)
+        if sampling == "uniform":
+            return UniformRows(until, most, seed, stride).propose(scaled)
+        return NSNGRK(until, most, seed, polish=False, stride=stride).propose(scaled)
 
     end = run(most)
     steps = max(end.iterations, 1)

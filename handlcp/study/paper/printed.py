@@ -67,12 +67,12 @@ def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedF
     signed = [i for i in range(len(printed)) if i % 3 != 2 and printed[i] != 0.0]
     choices = np.tile(printed, (2 ** len(signed), 1))
     choices[:, signed] *= np.array(list(product((1.0, -1.0), repeat=len(signed)))).reshape(-1, len(signed))
-    G, scale = scene.grasp_matrix, np.array([1.0] * 3 + [1.0 / scene.units.length] * 3)
+    G, scale = scene.geometry.grasp_matrix, np.array([1.0] * 3 + [1.0 / scene.units.length] * 3)
     if missing:
         A = scale[:, None] * G[:, missing]
-        left = (choices @ G.T + scene.wrench) * scale
+        left = (choices @ G.T + scene.geometry.wrench) * scale
         choices[:, missing] = -left @ np.linalg.pinv(A).T
-    left = choices @ G.T + scene.wrench
+    left = choices @ G.T + scene.geometry.wrench
     best = int(np.argmin(np.linalg.norm(left * scale, axis=1)))
     f, force, moment = choices[best], *(float(np.linalg.norm(part)) for part in (left[best, :3], left[best, 3:]))
     return SignedForces(f.reshape(-1, 3), force, moment, tuple((i // 3, i % 3, float(f[i])) for i in missing))
@@ -103,7 +103,7 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
                 column[3 * i : 3 * i + 2] = normals[:, face]
                 slides.append(column)
     size = float(abs(elastic[rows]).max())
-    A = np.column_stack([scene.grasp_matrix.T, *slides])[rows]
+    A = np.column_stack([scene.geometry.grasp_matrix.T, *slides])[rows]
     b, k, one = -elastic[rows] / size, A.shape[1], -np.ones((len(rows), 1))
     lp = linprog(
         np.append(np.zeros(k), 1.0),

@@ -1,0 +1,77 @@
+"""NSNGRK's steps on rows that are all equally likely, to be compared with the paper's greedy choice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.lcp import Proposal
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, linearise, project, slopes, uniform
+from handlcp.lcp.problem import Scaled
+
+__all__ = ["UniformRows"]
+
+
+@dataclass(frozen=True, slots=True)
+class UniformRows:
+    """tol, max_iterations, seed, stride : as in `NSNGRK`, without its exact ending."""
+
+    tol: float
+    max_iterations: int
+    seed: int = 0
+    stride: int = 0
+
+    def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
+        """Run from `start` (n,), zero when None."""
+        M = problem.M
+        z = np.zeros(len(problem.q)) if start is None else np.array(start, dtype=float)
+        history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
+        rows = Rows(M, np.ascontiguousarray(M.T), M @ M.T, problem.q, problem.free)
+        state = np.full(1, self.seed, np.uint64)
+        steps, norm, written = _steps(rows, z, state, int(self.max_iterations), self.tol, self.stride, history)
+        words = "converged" if norm <= self.tol else f"{steps} Kaczmarz steps spent"
+        return Proposal(z, steps, words, history[:written] if self.stride else None)
+
+
+@kernel
+def _steps(
+    p: Rows, z: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
+) -> tuple[int, float, int]:
+    """Take up to `steps` steps in place on z (n,). Returns (steps taken, ‖Φ‖₂, rows of history written)."""
+    n, s, norm, written = len(z), slopes(len(z)), np.inf, 0
+    w = np.empty(n)
+    for step in range(steps + 1):
+        if step % (4 * n) == 0:  # w drifts by rounding: renewed at O(n) a step in the mean
+            multiply_add(p.M, z, p.q, w)
+        total, _, _ = linearise(p, z, w, s)
+        norm = np.sqrt(total)
+        if stride > 0 and step % stride == 0 and written < len(history):
+            history[written, 0], history[written, 1] = step, norm
+            written += 1
+        if not norm > tolerance or step == steps:  # NaN stops, too
+            return step, norm, written
+        i = _any_row(s.phi2, s.g2, state)
+        if i < 0:
+            return step, norm, written
+        project(p, s, i, z, w)
+    return steps, norm, written
+
+
+@kernel
+def _any_row(p2: Array, g2: Array, state: Seeds) -> int:
+    """Any row with a residual and a subgradient, each as likely as the others; -1 where there is none."""
+    n, many = len(p2), 0
+    for i in range(n):
+        many += p2[i] > 0.0 and g2[i] > 0.0
+    pick, chosen = uniform(state) * many, -1
+    for i in range(n):
+        if p2[i] > 0.0 and g2[i] > 0.0:
+            pick -= 1.0
+            chosen = i
+            if pick < 0.0:
+                break
+    return chosen
