@@ -18,7 +18,7 @@ PACKAGE = pathlib.Path(importlib.import_module("handlcp").__file__).parent
 DOORS = {
     "handlcp", "handlcp.errors", "handlcp.scene", "handlcp.cli", "handlcp.lcp", "handlcp.grasp", "handlcp.hand",
     "handlcp.show", "handlcp.study", "handlcp.study.accuracy", "handlcp.study.paper", "handlcp.study.convergence",
-    "handlcp.study.catalogue",
+    "handlcp.study.catalogue", "handlcp.study.nsngrk",
 }  # fmt: skip
 SUPPORT = TESTS / "support"
 FILES = [p for p in sorted(TESTS.rglob("*.py")) if p.parent != SUPPORT and p != pathlib.Path(__file__)]
@@ -120,13 +120,13 @@ def test_the_second_opinion_shares_nothing_with_what_it_judges(name):
 @pytest.mark.parametrize(
     ("source", "what"),
     [
-        ("from handlcp.grasp.certify import judge", "imports handlcp.grasp.certify judge"),
-        ("def test():\n    from handlcp.grasp import kernels", "imports handlcp.grasp kernels"),
-        ("import handlcp.hand.patch", "imports handlcp.hand.patch"),
+        ("from handlcp.grasp.verify.judge import judge", "imports handlcp.grasp.verify.judge judge"),
+        ("def test():\n    from handlcp.grasp import verify", "imports handlcp.grasp verify"),
+        ("import handlcp.hand.robot", "imports handlcp.hand.robot"),
         ("from handlcp.hand import _needed", "imports handlcp.hand _needed"),
-        ("import handlcp as hl\nhl.grasp.pyramid.Cone()", "reaches hl.grasp.pyramid"),
+        ("import handlcp as hl\nhl.grasp.friction.Cone()", "reaches hl.grasp.friction"),
         ("grasp._placed()", "uses ._placed"),
-        ("patch('handlcp.grasp.many._CHUNK')", "names handlcp.grasp.many._CHUNK"),
+        ("patch('handlcp.grasp.parallel._CHUNK')", "names handlcp.grasp.parallel._CHUNK"),
     ],
 )
 def test_each_way_inside_is_seen(source, what):

@@ -17,12 +17,12 @@ from handlcp.grasp.analysis.required import Required, holds, required_friction, 
 from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.analysis.suggestions import Suggestions, suggest
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, joined, offset_beside
 from handlcp.grasp.model.scene import Scene
@@ -98,8 +98,8 @@ class Grasp:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """Those asked for by name."""
-        return self.spec.effects
+        """Those asked for by name, in `effects=`."""
+        return tuple([e for e in self.spec.effects if e.by_name])
 
     @property
     def reference(self) -> Array:
@@ -138,7 +138,7 @@ class Grasp:
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
-        problem = assemble(self.scene, self._section(faces), stamped(self.effects))
+        problem = assemble(self.scene, self._section(faces), stamped(self.spec.effects))
         problem.complete()
         return problem
 
@@ -157,7 +157,7 @@ class Grasp:
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
-        return (chain or Auto()).plan(GraspContact(self.scene, self._section(faces), stamped(self.effects)))
+        return (chain or Auto()).plan(GraspContact(self.scene, self._section(faces), stamped(self.spec.effects)))
 
     # ---- solve it
     def solve(
@@ -194,7 +194,7 @@ class Grasp:
             if short:
                 advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"  # type: ignore[union-attr]
                 lines = (f"no setting is shown to keep what was asked for: {reached}", advice, *lines)
-            problem = assemble(self.scene, section, stamped(self.effects))
+            problem = assemble(self.scene, section, stamped(self.spec.effects))
             raise NoSolutionFound("\n  ".join(lines), problem, solution)
         return solution
 

@@ -123,7 +123,7 @@ def _first_stage(
     """Put what the first stage answers in its places; returns how many those are."""
     kinds: dict[int, tuple[CompiledKind, list[int]]] = {}
     for k in part:
-        if not any(e.stamps or e.depends_on_forces for e in grasps[k].effects):
+        if not any(e.stamps or e.depends_on_forces for e in grasps[k].spec.effects):
             kind = compiled_kind(grasps[k].scene, sections[k])
             kinds.setdefault(id(kind), (kind, []))[1].append(k)
     solved = 0

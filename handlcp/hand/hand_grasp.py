@@ -174,13 +174,13 @@ class HandGrasp(Grasp):
             raise InputError(
                 "solution", "an answer of this grasp", "one without forces" if solution else repr(solution)
             )
-        GeometricStiffness().check("grasp", self.spec, self.effects)
+        GeometricStiffness().check("grasp", self.spec, self.spec.effects)
         section = as_section(faces, planar=self.scene.kind.planar)
         return read_only(force_change(self.spec, section, solution, GeometricStiffness()))
 
     def _of_kind(self, kind: Any) -> Any:
         """The effect of this kind among those asked for; None: there is none."""
-        return next((e for e in self.effects if isinstance(e, kind)), None)
+        return next((e for e in self.spec.effects if isinstance(e, kind)), None)
 
 
 def _of_the_joints(spec: GraspSpec, beside: str) -> None:

@@ -57,7 +57,7 @@ class HandMechanism(Mechanism):
         J = self.posture.turning(self.tips)
         still = np.zeros(self.posture.hand.nv)
         rows = [self.frames[i, :, 2] @ J[i] if i < len(self.tips) else still for i in contacts]
-        return read_only(np.array(rows).reshape(len(contacts), -1))
+        return read_only(np.array(rows).reshape(len(contacts), len(still)))
 
     def hessian(self) -> Array:
         """(3n, nv, nv), zero for contacts of the environment."""

@@ -10,11 +10,11 @@ import numpy as np
 from handlcp.check import Array, array, integer, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import shifted_by, softened_by
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.build import shifted_by, softened_by
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.spec import wrench_about
 from handlcp.grasp.model.vectors import cross_rows
@@ -49,7 +49,9 @@ class GraspStream:
     ) -> None:
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])
-        if unknown := [type(e).__name__ for e in grasp.effects if e.stamps or e.depends_on_forces or e.prescribed()]:
+        if unknown := [
+            type(e).__name__ for e in grasp.spec.effects if e.stamps or e.depends_on_forces or e.prescribed()
+        ]:
             expected = "one whose effects asked for are compliances; grasp.solve(start=...) follows any"
             raise InputError("grasp", expected, ", ".join(unknown))
         spec, scene = grasp.spec, grasp.scene

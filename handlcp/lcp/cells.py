@@ -1,12 +1,11 @@
-"""Contact modes on friction sets: cells of the disc, the polygon or the ball that enclose force and slip.
+"""Contact modes on friction sets: intervals, polygons, and cells of the disc or the ball that enclose force and slip.
 
-A contact is open, sticks, or slides within a cell. In each mode its force and its motion are nonnegative multiples of a
-few generators. Rays cut the disc into sectors; meridians and parallels, as in `friction.limit_set`, cut the ball into
-cells. A polygon's cells are those of a disc with as many rays, which meet the middles of its faces.
-
-Sliding in a cell, the force lies on the patch of the set's surface and the slip in the opposite cell. The one is
-enclosed by the corners n_a, the points where the tangents (tangent planes) of two neighbours meet,
-(n_a + n_b) / (1 + n_a·n_b), and where all of the cell's do; the other by the cone of the -n_a.
+A contact is open, sticks, or slides. In each mode its force and its motion are nonnegative multiples of a few
+generators. On an interval it slides at one end or the other, on a polygon on a face or at the vertex between two.
+Rays cut the disc into sectors; meridians and parallels, as in `friction.limit_set`, cut the ball into cells. Sliding in
+a cell, the force lies on the patch of the set's surface and the slip in the opposite cell. The one is enclosed by the
+corners n_a, the points where the tangents (tangent planes) of two neighbours meet, (n_a + n_b) / (1 + n_a·n_b), and
+where all of the cell's do; the other by the cone of the -n_a.
 """
 
 from __future__ import annotations
@@ -29,7 +28,8 @@ def cell_modes(limit: float, tangents: int, faces: int) -> Modes:
     """Force generators (1 + d, a), motion generators (1 + d, b), and which of them each mode allows, (modes, a) and
     (modes, b); components: the d tangents, then the normal.
 
-    limit : radius of the disc or the ball, or distance of the polygon's faces. faces : of the polygon; 0: the disc.
+    limit : radius of the disc or the ball, or distance of the faces. faces : of the polygon; 2: the interval; 0: disc
+    and ball. There is no polyhedron.
 
     Modes: open; touching, or stuck where there is friction; sliding within each cell. Motion generators end with the
     normal: the gap.
@@ -37,13 +37,13 @@ def cell_modes(limit: float, tangents: int, faces: int) -> Modes:
     if tangents == 0 or limit <= 0.0:
         up = np.eye(1 + tangents)[:, -1:]
         return up, up, np.array([[False], [True]]), np.array([[True], [False]])
-    normals, points, corners, patch, whole = _sectors(faces or _SECTORS) if tangents == 2 else _cells()
+    normals, points, corners, patch, whole = _shape(tangents, faces)
     (d, n), p = normals.shape, points.shape[1]
     force = np.vstack([limit * points, np.ones(p)])
     motion = np.hstack([np.vstack([-normals, np.zeros(n)]), np.eye(1 + d)[:, -1:]])
-    closed = np.zeros((len(corners) + 1, 1), bool)
     A = np.vstack([np.zeros(p, bool), whole, patch])
-    B = np.vstack([np.append(np.zeros(n, bool), True), np.hstack([np.vstack([np.zeros(n, bool), corners]), closed])])
+    still = np.zeros((1, n + 1), bool)  # what is open slips as it likes
+    B = np.vstack([~still, still, np.hstack([corners, np.zeros((len(corners), 1), bool)])])
     return force, motion, A, B
 
 
@@ -55,12 +55,35 @@ def slide_bits(slides: int) -> Array:
     return np.array([((order ^ (order >> 1)) >> k) & 1 for k in range(int(slides - 1).bit_length())], dtype=float)
 
 
+def _shape(tangents: int, faces: int) -> tuple[Array, Array, Bools, Bools, Bools]:
+    """As `_cells`, of any set."""
+    if tangents == 1:
+        both = np.eye(2, dtype=bool)
+        return np.array([[1.0, -1.0]]), np.array([[1.0, -1.0]]), both, both, np.ones(2, bool)
+    return _cells() if tangents == 3 else _polygon(faces) if faces else _sectors()
+
+
 @lru_cache(maxsize=16)
-def _sectors(m: int) -> tuple[Array, Array, Bools, Bools, Bools]:
-    """As `_cells`, for m sectors: the rays between them, and where the tangents at neighbouring rays meet."""
-    a, one = 2 * np.pi * np.arange(m) / m, np.eye(m, dtype=bool)
-    rays = np.vstack([np.cos(a), np.sin(a)])
-    outer = np.vstack([np.cos(a + np.pi / m), np.sin(a + np.pi / m)]) / np.cos(np.pi / m)  # between j and j + 1
+def _polygon(m: int) -> tuple[Array, Array, Bools, Bools, Bools]:
+    """As `_cells`: faces and vertices in turn, by the angle; vertex j lies between the faces j and j + 1."""
+    one = np.eye(m, dtype=bool)
+    normals, vertices = _ring(m, 0.0), _ring(m, 0.5) / np.cos(np.pi / m)
+    corners = np.stack([one, one | np.roll(one, 1, 1)], axis=1).reshape(2 * m, m)
+    patch = np.stack([one | np.roll(one, -1, 1), one], axis=1).reshape(2 * m, m)
+    return normals, vertices, corners, patch, np.ones(m, bool)
+
+
+def _ring(m: int, shift: float) -> Array:
+    """(2, m) unit vectors."""
+    a = 2 * np.pi * (np.arange(m) + shift) / m
+    return np.vstack([np.cos(a), np.sin(a)])
+
+
+@lru_cache(maxsize=1)
+def _sectors() -> tuple[Array, Array, Bools, Bools, Bools]:
+    """As `_cells`, for the disc: the rays between sectors, and where the tangents at neighbouring rays meet."""
+    m = _SECTORS
+    rays, outer, one = _ring(m, 0.0), _ring(m, 0.5) / np.cos(np.pi / m), np.eye(m, dtype=bool)
     both = one | np.roll(one, 1, 1)  # row j: j and j + 1
     return rays, np.hstack([outer, rays]), both, np.hstack([one, both]), np.arange(2 * m) < m
 

@@ -2,8 +2,8 @@
 
     y_T = -N λ,    0 ≤ λ ⟂ limit · x_N - Nᵀ x_T ≥ 0
 
-with the faces' outward normals in the columns of N; the multipliers stand behind the normal unknowns. Where the block F
-of the free unknowns is well conditioned, they are eliminated, and a standard LCP is left (paper, equation (17)):
+with the faces' outward normals in the columns of N. Where the block F of the free unknowns is well conditioned, they
+are eliminated, and a standard LCP is left (paper, equation (17)):
 
     x_F = x₀ - X x_C,  X = F⁻¹ M_FC,  x₀ = -F⁻¹ q_F,    S = M_CC - M_CF X,  s = q_C + M_CF x₀
 """
@@ -26,17 +26,18 @@ __all__ = ["WithMultipliers"]
 class WithMultipliers(LCP):
     """A contact problem as an `LCP`.
 
-    contact : the contact problem. sets : flat ones to take in place of its own; None: its own. eliminated : whether the
-    free unknowns were. rcond : estimate of the reciprocal condition of their block, which decided that.
+    contact : the contact problem. sets : flat ones to take in place of its own; None: its own. behind : how many pairs,
+    the first ones, the multipliers stand behind; None: all. eliminated : whether the free unknowns were. rcond :
+    estimate of the reciprocal condition of their block, which decided that.
     """
 
-    def __init__(self, contact: ContactProblem, sets: FrictionSets | None = None) -> None:
+    def __init__(self, contact: ContactProblem, sets: FrictionSets | None = None, behind: int | None = None) -> None:
         self.contact = contact
         self._sets = sets = contact.sets if sets is None else sets
         normals = [_normals(sets, int((block[1:] >= 0).sum())) for block in contact.blocks]
         self.faces = tuple([N.shape[1] for N in normals])
         count, many, pairs = contact.n, sum(self.faces), int((contact.role == 1).sum())
-        first = int(contact.blocks[:, 0].max(initial=-1)) + 1  # where the multipliers stand
+        first = pairs if behind is None else behind
         at = np.arange(count)
         self._place = at + many * (at >= first)  # of the unknowns of the contact problem
         M, q = np.zeros((count + many,) * 2), np.zeros(count + many)

@@ -118,7 +118,7 @@ def _too_far(grasp: Grasp, s: GraspSolution) -> list[str]:
 
 def _effects(grasp: Grasp, s: GraspSolution) -> list[str]:
     """What the effects say: which bounds are reached, and how far they give way."""
-    return [part for e in grasp.effects for part in e.words(grasp.scene, s.names, s.extra)]
+    return [part for e in grasp.spec.effects for part in e.words(grasp.scene, s.names, s.extra)]
 
 
 def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:

@@ -105,25 +105,25 @@ ROWS = (
         rings, rings, lambda: rings(offset=np.zeros((N, 3))),
     ),
     Row(
-        "Coulomb friction, pyramid",
+        "Coulomb friction",
         lambda: rings(hl.Frictionless()), rings, lambda: rings(hl.Coulomb(0.0)), {"r_T": 2 * N, "λ": FACES * N},
     ),
     Row(
-        "Coulomb friction, cone",
+        "Coulomb friction",
         lambda: rings(hl.Frictionless()), rings, lambda: rings(hl.Coulomb(0.0)), {"r_T": 2 * N}, faces="cone",
     ),
     Row(
-        "Coulomb friction, planar",
+        "Coulomb friction",
         lambda: planar(hl.Frictionless()), lambda: planar(hl.Coulomb(0.4)), lambda: planar(hl.Coulomb(0.0)),
         {"r_T": N, "λ": 2 * N},
     ),
     Row(
-        "soft finger, polyhedron",
+        "soft finger",
         rings, lambda: rings(hl.SoftFinger(0.6, 0.006)), lambda: rings(hl.SoftFinger(0.6, 0.0)),
         {"r_T": -2 * N, "λ": -FACES * N, "r_S": 3 * N, "λ_S": SURFACE * N},
     ),
     Row(
-        "soft finger, cone",
+        "soft finger",
         rings, lambda: rings(hl.SoftFinger(0.6, 0.006)), lambda: rings(hl.SoftFinger(0.6, 0.0)),
         {"r_T": -2 * N, "r_S": 3 * N}, faces="cone",
     ),

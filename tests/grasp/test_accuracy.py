@@ -104,26 +104,10 @@ def test_claims_of_the_default_hold_and_the_cone_keeps_every_request():
         assert near(grasp, s) <= asked
 
 
-def test_claims_of_pyramids_hold_and_the_requests_they_say_they_meet_are_met():
-    met = 0
-    for grasp in scenes():
-        for asked in (1e-1, 1e-2):
-            s = grasp.solve(accuracy=asked, solver=hl.Lemke(), throw=False)
-            if s.accuracy.error >= 0:
-                true = near(grasp, s)
-                assert true <= 2 * s.accuracy.error
-                assert true <= asked or not s.accuracy.met
-                met += s.accuracy.met
-    assert met > 20
-
-
 def test_claims_hold_with_effects_that_were_asked_for():
     for grasp in with_effects():
         s = grasp.solve(accuracy=1e-9)
         assert near(grasp, s) <= 2 * s.accuracy.error <= 2e-9
-        pyramid = grasp.solve(accuracy=3e-2, solver=hl.Lemke())
-        assert "pyramid" in pyramid.accuracy.setting or not arrays(grasp).rough
-        assert near(grasp, pyramid) <= min(2 * pyramid.accuracy.error, 3e-2)
 
 
 @pytest.mark.parametrize("solver", [hl.NSNGRK(), hl.SemismoothNewton(), hl.Auto(seed=3)])
@@ -179,25 +163,16 @@ def test_estimates_know_that_levers_far_from_the_origin_are_rounded():
 
 
 # ---------------------------------------------------------------- settings
-def test_finer_requests_take_more_faces():
-    grasp = cube_example()
-    settings = [grasp.solve(accuracy=a, solver=hl.Lemke()).accuracy for a in (0.3, 5e-2, 1e-3)]
-    faces = [int(a.setting.split("-")[0]) for a in settings]
-    assert faces[0] == 4
-    assert faces == sorted(set(faces))
-    assert settings[0].solves < settings[2].solves
-
-
-def test_where_nothing_slides_the_fewest_faces_are_exact():
-    s = pinch().solve(accuracy=1e-9, solver=hl.Lemke())
-    same("grasp/test_accuracy: the setting of the fewest faces", s.accuracy.setting, "4-face")
-    assert s.accuracy.error < 1e-12
+def test_a_solver_that_knows_no_cones_is_refused_where_there_is_one():
+    with pytest.raises(hl.Unsupported) as caught:
+        cube_example().solve(accuracy=1e-3, solver=hl.Lemke())
+    same("grasp/test_accuracy: a solver without cones", str(caught.value), "Lemke")
 
 
 def test_flat_and_frictionless_scenes_need_no_pyramids_whatever_the_solver():
     for grasp, name in ((planar(), "in a plane"), (smooth(), "without friction")):
         a = grasp.solve(accuracy=1e-9, solver=hl.Lemke()).accuracy
-        assert (a.solves, a.bracket) == (1, None)
+        assert a.solves == 1
         same(f"grasp/test_accuracy: the setting {name}", a.setting)
 
 
@@ -223,7 +198,7 @@ class _ConesAlone:
 def test_a_solver_of_cones_alone_is_enough():
     a = cube_example().solve(accuracy=1e-9, solver=_ConesAlone()).accuracy
     same("grasp/test_accuracy: the setting of the cone", a.setting)
-    assert a.bracket.faces == 8
+    assert near(cube_example(), cube_example().solve(accuracy=1e-9, solver=_ConesAlone())) <= 2 * a.error
 
 
 class _BlindOnCones:
@@ -244,14 +219,13 @@ def test_the_cone_is_reached_from_a_pyramid_where_the_solver_does_not_find_it():
     assert a.solves == 3
 
 
-@pytest.mark.parametrize("solver", [_BlindOnCones(), hl.Lemke()])
-def test_without_an_equilibrium_on_the_cone_nothing_is_claimed(solver, monkeypatch):
+def test_without_an_equilibrium_on_the_cone_nothing_is_claimed(monkeypatch):
+    solver = _BlindOnCones()
     patches.no_newton_on_cones(monkeypatch, _BlindOnCones())
     s = cube_example().solve(accuracy=0.5, solver=solver, throw=False)
-    assert s.held
+    assert not s.held
     assert np.isnan(s.accuracy.error)
     assert not s.accuracy.met
-    assert s.accuracy.bracket is None
     with pytest.raises(hl.NoSolutionFound) as caught:
         cube_example().solve(accuracy=0.5, solver=solver)
     assert np.isnan(caught.value.solution.accuracy.error)
@@ -259,31 +233,29 @@ def test_without_an_equilibrium_on_the_cone_nothing_is_claimed(solver, monkeypat
 
 
 # ---------------------------------------------------------------- what no setting keeps
-@pytest.mark.parametrize(("asked", "solver"), [(1e-8, hl.Lemke()), (1e-25, None)])
-def test_a_request_that_no_setting_keeps_raises_with_what_there_is(asked, solver):
-    grasp = cube_example()
+def test_a_request_that_no_setting_keeps_raises_with_what_there_is():
+    grasp, asked = cube_example(), 1e-25
     with pytest.raises(hl.NoSolutionFound) as caught:
-        grasp.solve(accuracy=asked, solver=solver)
+        grasp.solve(accuracy=asked)
     s = caught.value.solution
     same(f"grasp/test_accuracy: no setting keeps {asked}", without_numbers(str(caught.value).partition("\n")[0]))
     assert s.held
     assert not s.accuracy.met
-    again = grasp.solve(accuracy=asked, solver=solver, throw=False)
+    again = grasp.solve(accuracy=asked, throw=False)
     np.testing.assert_array_equal(again.forces, s.forces)
     assert near(grasp, again) <= 2 * again.accuracy.error
 
 
-@pytest.mark.parametrize("solver", [None, hl.Lemke()])
-def test_a_proof_that_nothing_holds_passes_unchanged(solver):
+def test_a_proof_that_nothing_holds_passes_unchanged():
     contacts = [hl.Contact((x, 0, 0), (0, 0, 1), hl.Coulomb(0.3)) for x in (0, 0.1)]
     grasp = hl.Grasp(contacts, (0, 0, 5.0, 0, 0, 0), flexibility=1e-4)  # fingers below cannot hold it down
-    s = grasp.solve(accuracy=1e-3, solver=solver, throw=False)
+    s = grasp.solve(accuracy=1e-3, throw=False)
     plain = grasp.solve("cone", throw=False)
     assert s.status is plain.status is hl.Status.NOT_HOLDABLE
     np.testing.assert_array_equal(s.certificate, plain.certificate)
     assert np.isnan(s.accuracy.error)
     with pytest.raises(hl.NoSolutionFound):
-        grasp.solve(accuracy=1e-3, solver=solver)
+        grasp.solve(accuracy=1e-3)
 
 
 def test_a_proof_of_no_equilibrium_passes_unchanged():
@@ -305,29 +277,6 @@ def test_a_solver_is_a_solver(bad):
         pinch().solve(accuracy=1e-3, solver=bad)
 
 
-# ---------------------------------------------------------------- bracket
-def test_brackets_say_of_every_contact_whether_the_cone_lies_between():
-    held = []
-    for grasp in [*rings(), cube_example()]:
-        for solver in (None, hl.Lemke()):
-            a = grasp.solve(accuracy=5e-2, solver=solver, throw=False).accuracy
-            b = a.bracket
-            assert b is a.bracket
-            lower, upper = b.normal.T
-            if solver is None:
-                assert b.faces == 8
-                np.testing.assert_array_equal(b.cone, grasp.solve("cone").forces)
-            else:
-                assert a.setting.startswith(f"{b.faces}-face")
-            assert (lower <= upper).all()
-            outside = np.maximum(lower - b.cone[:, 2], b.cone[:, 2] - upper)
-            np.testing.assert_array_equal(b.within, outside <= 1e-8 * abs(b.cone).max())
-            assert b.holds == b.within.all()
-            held.append(b.holds)
-    assert any(held)
-    assert not all(held)
-
-
 # ---------------------------------------------------------------- the rest
 def test_solutions_say_what_they_cost_and_can_be_pickled():
     s = cube_example().solve(accuracy=1e-3)
@@ -337,7 +286,6 @@ def test_solutions_say_what_they_cost_and_can_be_pickled():
     same("grasp/test_accuracy: what was asked for and reached", without_numbers(str(s.accuracy)), s.accuracy.setting)
     copy = pickle.loads(pickle.dumps(s))
     assert copy.accuracy.error == s.accuracy.error
-    np.testing.assert_array_equal(copy.accuracy.bracket.inscribed, s.accuracy.bracket.inscribed)
 
 
 def test_forces_are_those_of_a_plain_solve_on_the_cone():

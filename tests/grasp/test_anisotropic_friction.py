@@ -7,6 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.support.grasp import arrays
+from tests.support.steps import newton_steps
 
 RIBBED = hl.AnisotropicCoulomb(0.6, 0.2)
 
@@ -126,7 +127,7 @@ def test_a_start_from_another_law_is_read_in_contact_axes():
     s = ring(3, RIBBED, 0.6e-3).solve("cone")
     again = ring(3, RIBBED, 0.6e-3).solve("cone", start=s)
     np.testing.assert_allclose(again.forces, s.forces, atol=1e-9)
-    assert any(f" {few} Newton steps" in again.trace[-1] for few in (0, 1))
+    assert newton_steps(again.trace[-1]) <= 1
 
 
 @pytest.mark.parametrize("bad", [(0.0, 0.5), (0.5, -1.0), (0.5, np.inf)])

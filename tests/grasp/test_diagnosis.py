@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.scenes import pinch
-from tests.support.grasp import Within, describe_motion, diagnose, diagnosed
+from tests.support.grasp import describe_motion, diagnose, diagnosed
 from tests.support.texts import same
 
 PAIR = np.array([[-0.01, 0, 0], [0.01, 0, 0]])
@@ -153,6 +153,6 @@ def test_fingers_of_one_name_are_told_apart():
 
 
 def test_where_no_cause_is_known_the_preload_is_ruled_out():
-    why = Within((1.0, 2.0), "so it is")
-    same(f"{KEY}: a cause beside preload", no_equilibrium((1e-6, 1e-6), bounds=why), "2 m", "so it is")
-    same(f"{KEY}: a cause beside one without preload", no_equilibrium((1e-6, 0), bounds=why), "finger 2", "so it is")
+    why = {"bounds": (1.0, 2.0), "cause": "so it is"}
+    same(f"{KEY}: a cause beside preload", no_equilibrium((1e-6, 1e-6), **why), "2 m", "so it is")
+    same(f"{KEY}: a cause beside one without preload", no_equilibrium((1e-6, 0), **why), "finger 2", "so it is")

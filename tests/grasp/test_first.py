@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support.grasp import arrays
-from tests.support.steps import ByHand, first_found
+from tests.support.steps import ByHand, first_found, newton_steps
 
 SECTIONS = (4, 8, hl.Pyramid(6, inscribed=False), "cone")
 
@@ -79,8 +79,8 @@ def test_from_the_last_answer_a_little_further_on_it_takes_no_more_steps():
         g = base.replace(wrench=turned)
         warm, cold = g.solve("cone", start=last), g.solve("cone")
         np.testing.assert_allclose(warm.forces, cold.forces, rtol=1e-8, atol=1e-9 * abs(cold.forces).max())
-        warm_steps += int(warm.trace[0].split(", ")[1].split()[0])
-        cold_steps += int(cold.trace[0].split(", ")[1].split()[0])
+        warm_steps += newton_steps(warm.trace[0])
+        cold_steps += newton_steps(cold.trace[0])
         last = warm
     assert cold_steps > 0
     assert warm_steps < 0.8 * cold_steps

@@ -6,19 +6,17 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp import ContactProblem, Status, Units
+from handlcp.lcp import ContactProblem
 from tests.grasp.scenes import pinch
 from tests.grasp.scenes import ring as make_ring
 from tests.lcp.problems import random_p, random_psd
 from tests.support.lcp import (
-    Continuation,
     OtherStarts,
     certified,
     in_units_of_limits,
     solves_contact,
-    status_of_contact,
 )
-from tests.support.texts import same, without_numbers
+from tests.support.texts import same
 
 AUTO = hl.Auto(restarts=2)
 
@@ -60,7 +58,7 @@ def test_a_grasp_is_solved_as_planned(name, faces):
     grasp = GRASPS[name]
     chain = hl.Auto(search_seconds=0.2)
     plan = grasp.plan(faces, chain)
-    assert plan[0] == "NSNGRK"
+    same("lcp/test_auto: the first stage", plan[0], "NSNGRK")
     assert plan[-2:] == ("holdability", "search, 0.2 s at most")
     assert follows(grasp.solve(faces, chain, throw=False).trace, plan)
 
@@ -127,32 +125,9 @@ def test_newton_alone_solves_contact_problems(faces):
     assert solves_contact(p, again.z)
 
 
-@pytest.mark.parametrize("along", ["load", "squeeze", "friction"])
-def test_continuation_arrives_at_the_answer(along):
-    p = ring(4).problem("cone")
-    x = Continuation(along).propose_contact(p).z
-    assert solves_contact(p, x)
-    np.testing.assert_allclose(x, hl.NSNGRK().propose_contact(p).z, atol=1e-8)
-
-
-def test_continuation_says_where_the_path_ends():
-    """A block pushed at 1.2 of what its friction holds: the answer goes with the last of the extra squeeze."""
-    p = push(1.2)
-    s = Continuation("squeeze", 10.0).propose_contact(p)
-    same("lcp/test_auto: where the path ends", without_numbers(s.outcome))
-    assert "0.9" in s.outcome
-    assert status_of_contact(p, s.z) is Status.UNDECIDED
-
-
 def test_settings_are_checked():
-    for wrong in (
-        lambda: Continuation("gravity"),  # type: ignore[arg-type]
-        lambda: Continuation(amount=-1.0),
-        lambda: Continuation(max_iterations=0),
-        lambda: OtherStarts(0),
-    ):
-        with pytest.raises(hl.InputError):
-            wrong()
+    with pytest.raises(hl.InputError):
+        OtherStarts(0)
 
 
 def test_units_of_limits_are_a_change_of_variables():
@@ -185,19 +160,15 @@ def test_a_start_is_tried_first():
     same("lcp/test_auto: the first start", OtherStarts().propose(p, z).outcome, "converged", "1")
 
 
-def push(share):
-    """One contact: normal force 1 from a preload, friction 0.5, pushed along x by `share` of what that holds."""
-    # unknowns r_N, r_T (2), u_T (2): y_N = r_N - 1, y_T = r_T + u, balance r_T + load = 0
-    M = np.zeros((5, 5))
-    M[0, 0] = 1.0
-    M[1:3, 1:3] = M[1:3, 3:5] = M[3:5, 1:3] = np.eye(2)
-    q = np.array([-1.0, 0, 0, 0.5 * share, 0])
-    free = np.array([False, False, False, True, True])
-    return ContactProblem(M, q, free, np.array([[0, 1, 2]]), np.array([0.5]), 0, Units.ones(5))
+class _ContactsAlone:
+    """Knows friction as a set, and no plain problem."""
+
+    def propose_contact(self, problem, start=None):
+        return hl.NSNGRK().propose_contact(problem, start)
 
 
 def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
-    """Continuation follows contact problems; elsewhere it is refused by name, not by an attribute that is missing."""
+    """It is refused by name, not by an attribute that is missing."""
     with pytest.raises(hl.Unsupported) as caught:
-        hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), Continuation("squeeze", 3.0))
-    same("lcp/test_auto: contacts only", str(caught.value), "Continuation")
+        hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), _ContactsAlone())
+    same("lcp/test_auto: contacts only", str(caught.value), "_ContactsAlone")

@@ -24,8 +24,8 @@ def jacobian(M, q, free, z):
     )
 
 
-def one_step(M, q, free, z, seed, greedy=True):
-    steps, norm, z, w = Kaczmarz(M, q, free).run(z.copy(), M @ z + q, seed, 1, greedy)
+def one_step(M, q, free, z, seed):
+    steps, norm, z, w = Kaczmarz(M, q, free).run(z.copy(), M @ z + q, seed, 1)
     assert steps == 1
     return z, w, norm
 
@@ -57,48 +57,6 @@ def test_rows_of_the_set_are_drawn_in_proportion_to_their_squared_residual():
     f = phi(M, q, free, np.zeros(3))
     assert hits[2] == 0
     assert hits[0] / hits[:2].sum() == pytest.approx(f[0] ** 2 / (f[:2] @ f[:2]), abs=0.03)
-
-
-def test_uniform_sampling_draws_every_row_with_a_residual_alike_and_no_other():
-    M, q = np.eye(4), np.array([-3.0, -2.9, -0.1, 1.0])  # from zero the last has none
-    free = np.array([False, False, True, False])
-    hits = np.zeros(4)
-    for seed in range(6000):
-        z, w, _ = one_step(M, q, free, np.zeros(4), seed, greedy=False)
-        row = np.flatnonzero(z)[0]
-        hits[row] += 1
-        # equation (20)
-        f = phi(M, q, free, np.zeros(4))[row]
-        g = jacobian(M, q, free, np.zeros(4))[row]
-        np.testing.assert_allclose(z, -f / (g @ g) * g, atol=1e-5)
-        np.testing.assert_array_equal(w, z + q)
-    np.testing.assert_allclose(hits / 6000, [1 / 3, 1 / 3, 1 / 3, 0], atol=0.03)
-
-
-def test_uniform_sampling_finds_the_same_answer_in_more_steps():
-    p = hl.LCP(*random_p(np.random.default_rng(0), 12))
-    runs = [hl.solve_lcp(p, hl.NSNGRK(polish=False, max_iterations=100_000, sampling=s)) for s in ("greedy", "uniform")]
-    np.testing.assert_allclose(runs[0].z, runs[1].z, atol=1e-8)
-    assert runs[0].iterations < runs[1].iterations
-
-
-def test_uniform_sampling_stops_at_an_answer_and_where_no_row_moves():
-    solved = hl.LCP(np.eye(2), [1.0, 1.0]).scaled
-    stuck = hl.LCP([[0.0]], [-1.0], [True]).scaled
-    for p in (solved, stuck):
-        assert hl.NSNGRK(polish=False, sampling="uniform").propose(p).iterations == 0
-
-
-def test_uniform_sampling_is_for_plain_problems_without_polish():
-    with pytest.raises(hl.InputError) as caught:
-        hl.NSNGRK(sampling="uniform")
-    same("lcp/test_nsngrk: uniform sampling with polish", str(caught.value), caught.value.argument, "polish=False")
-    with pytest.raises(hl.InputError, match="sampling"):
-        hl.NSNGRK(sampling="cyclic")
-    contacts = [hl.Contact((-1, 0, 0), (1, 0, 0), hl.Coulomb(0.5)), hl.Contact((1, 0, 0), (-1, 0, 0), hl.Coulomb(0.5))]
-    grasp = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
-    with pytest.raises(hl.Unsupported, match="uniform"):
-        grasp.solve("cone", hl.NSNGRK(polish=False, sampling="uniform"))
 
 
 def test_the_generator_is_uniform_and_repeats_with_its_seed():

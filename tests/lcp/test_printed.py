@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp import AsPrinted, Solver
+from handlcp.lcp import Solver
+from handlcp.study.nsngrk import AsPrinted
 from handlcp.study.paper import example
 from tests.lcp.problems import random_p
 from tests.oracle import every_solution

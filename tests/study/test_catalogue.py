@@ -131,7 +131,7 @@ def test_the_cost_is_the_difference_in_unknowns_and_the_ratio_of_times():
     c = cost(ALL["prescribed contact force"], lambda runs: {0: 2.0, 1: 1.0})
     assert (c.unknowns, c.ratio) == (-(1 + 2 + 8), 0.5)
     assert str(cost(ALL["object balance"])) == "–"
-    assert cost(ALL["Coulomb friction, pyramid"]).unknowns == 5 * (2 + 8)
+    assert cost(ALL["Coulomb friction"]).unknowns == 5 * (2 + 8)
 
 
 def test_what_the_page_says_of_the_reference_scene_is_so():

@@ -11,8 +11,8 @@ import handlcp as hl
 from handlcp.grasp import effect_kinds
 from handlcp.grasp.analysis.explanation import ENVIRONMENT as _ENVIRONMENT
 from handlcp.grasp.analysis.explanation import Description, describe_effect
+from handlcp.grasp.assembly.build import softened_by
 from handlcp.grasp.assembly.contact_form import stamped
-from handlcp.grasp.model.build import softened_by
 from tests.support.grasp import arrays
 
 __all__ = [

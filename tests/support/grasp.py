@@ -18,6 +18,7 @@ from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
+from handlcp.grasp.solve.force_iteration import force_dependent, missed
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp.cells import cell_modes
 from handlcp.lcp.kernels.projection import nearest as _nearest
@@ -79,7 +80,9 @@ class _Arrays:
         return self._scene.geometry.grasp_matrix
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Arrays) and self._scene is other._scene
+        return self._scene is getattr(other, "_scene", other)
+
+    __hash__ = None
 
 
 def arrays(of: hl.Grasp | hl.GraspSolution) -> Any:
@@ -88,7 +91,12 @@ def arrays(of: hl.Grasp | hl.GraspSolution) -> Any:
     Read here: positions, frames, mu, flexibility, offset, spin, force, moment, wrench, plane, freedom, governed, rough,
     grasp_matrix, n, environment, natural.w, units.force, units.length, units.motion, units.centre.
     """
-    return _Arrays(of.scene)
+    if len(_VIEWS) > 1000:
+        _VIEWS.clear()
+    return _VIEWS.setdefault(id(of.scene), _Arrays(of.scene))
+
+
+_VIEWS: dict[int, _Arrays] = {}
 
 
 def at_centre(grasp: hl.Grasp, motion: Any) -> np.ndarray:
@@ -173,7 +181,11 @@ def judge_of(grasp: hl.Grasp, effects: Any, section: Any, answer: Any) -> Any:
 def residuals(grasp: hl.Grasp, faces: Any, answer: Any, *more: Any) -> hl.Residuals:
     """By how much a candidate misses each law of this grasp, and of more effects."""
     effects = (*grasp.problem(faces).effects, *more)
-    return judge_of(grasp, effects, section_of(grasp, faces), answer).residuals
+    found = judge_of(grasp, effects, section_of(grasp, faces), answer).residuals
+    if force_dependent(grasp.spec):
+        miss = missed(grasp.spec, grasp.scene, answer.forces, found.motion_scale)
+        return replace(found, effects=max(found.effects, np.inf if isinstance(miss, str) else miss))
+    return found
 
 
 def judged(

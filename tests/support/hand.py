@@ -107,12 +107,35 @@ def is_one_spring_a_joint(hand: Hand) -> bool:
     return hand.stiffness.uniform
 
 
-def under_load(grasp: HandGrasp) -> hl.GeometricStiffness:
+def under_load(grasp: HandGrasp) -> Any:
     """What forces r (n, 3) do to a grasp's joints: stiffness(r) is added, compliance(r) left, and change(r) is that of
-    the contacts' flexibility.
+    the contacts' flexibility; None where they buckle.
     """
     (effect,) = (e for e in grasp.effects if isinstance(e, hl.GeometricStiffness))
-    return effect
+    return _UnderLoad(grasp.spec, effect)
+
+
+class _UnderLoad:
+    def __init__(self, spec: Any, effect: Any) -> None:
+        self.spec, self.effect, self.joints = spec, effect, spec.mechanism
+
+    def _bent(self, r: np.ndarray) -> Any:
+        bent = self.effect.under(self.spec, r, self.spec.effects)
+        return None if isinstance(bent, str) else bent
+
+    def stiffness(self, r: np.ndarray) -> np.ndarray:
+        """(nv, nv) K_g."""
+        return np.tensordot(r.reshape(-1), self.joints.hessian(), 1)
+
+    def compliance(self, r: np.ndarray) -> np.ndarray | None:
+        """(nv, nv) (K + K_g)⁻¹."""
+        bent = self._bent(r)
+        return None if bent is None else self.joints.root @ self.joints.root.T + bent.softer
+
+    def change(self, r: np.ndarray) -> np.ndarray | None:
+        """(3n, 3n)."""
+        bent = self._bent(r)
+        return None if bent is None else bent.added_flexibility(self.spec, ())
 
 
 # ---------------------------------------------------------------- torques

@@ -13,6 +13,7 @@ import pytest
 from handlcp.grasp.model import effect as _effect
 from handlcp.grasp.solve import compiled_answer as _first
 from tests.support.clocks import Ticking, a_quarter_less
+from tests.support.steps import told
 
 Patch = pytest.MonkeyPatch
 
@@ -69,8 +70,9 @@ def watched_first_stage(patch: Patch) -> list[Any]:
     seen: list[Any] = []
 
     def watched(*arguments: Any) -> Any:
-        seen.append(_first.solve_scene(*arguments))
-        return seen[-1]
+        found = _first.solve_scene(*arguments)
+        seen.append(told(found))
+        return found
 
     patch.setattr("handlcp.grasp.analysis.compare_without.solve_scene", watched)
     return seen

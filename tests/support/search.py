@@ -49,6 +49,8 @@ def searched(grasp: hl.Grasp, faces: Any, *more: Any, seconds: float = 10.0, bou
     more : effects beside the grasp's own. bound : in natural units.
     """
     problem = contact_problem(grasp, faces, (*grasp.effects, *more))
+    if not only_limits_move(problem):
+        raise ValueError(search_equilibrium(problem, seconds).words)
     found = over_modes(problem, time.monotonic() + seconds, bound)
     if found.candidate is not None:
         assert residuals(grasp, faces, found.candidate, *more).passes

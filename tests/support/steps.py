@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -33,7 +35,9 @@ __all__ = [
     "best_times",
     "certificate",
     "first_found",
+    "newton_steps",
     "shares",
+    "told",
 ]
 
 
@@ -123,7 +127,22 @@ class ByHand:
 
 def first_found(grasp: hl.Grasp, faces: Any, seed: int = 0) -> Any:
     """What the first stage finds: proposal, forces, twist, motion, residuals, states, passes, unique, outcome."""
-    return _first.solve_scene(grasp.scene, section_of(grasp, faces), seed)
+    return told(_first.solve_scene(grasp.scene, section_of(grasp, faces), seed))
+
+
+def told(found: Any) -> Any:
+    """What a compiled answer says, by these names."""
+    return SimpleNamespace(
+        proposal=found.proposal, outcome=found.proposal.outcome, iterations=found.iterations,
+        forces=found.candidate.forces, twist=found.twist, motion=found.motion, residuals=found.residuals,
+        states=found.states, passes=found.passes, unique=found.unique,
+    )  # fmt: skip
+
+
+def newton_steps(line: str) -> int:
+    """How many Newton steps a line of a trace tells of."""
+    told = re.search(r"(\d+) Newton steps", line)
+    return 0 if told is None else int(told[1])
 
 
 # ---------------------------------------------------------------- assembly

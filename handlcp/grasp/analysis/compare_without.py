@@ -25,9 +25,9 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.analysis.explanation import ENVIRONMENT, Explanation, effects_on
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
@@ -50,7 +50,7 @@ def without(spec: GraspSpec, section: Section) -> Iterator[tuple[str, GraspSpec]
         if (changes := e.without(spec.contacts)) is not None:
             dropped = {"effects": tuple(x for x in spec.effects if x is not e)}
             yield e.title, spec.replace(**(changes or dropped))
-    if spec.n > spec.of_fingers and not spec.effects:  # what is asked for by name may count the contacts
+    if spec.n > spec.of_fingers and not any(e.by_name for e in spec.effects):  # those may count the contacts
         yield ENVIRONMENT.title, spec.fingers_alone()
 
 

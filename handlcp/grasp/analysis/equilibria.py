@@ -17,10 +17,10 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Pyramid, Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move
@@ -104,9 +104,9 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
     if table is not None and table.choices <= PER_SECOND * seconds:
         candidates, every = table.visit()
         end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
-        passed = [first_certified(run.problem, [c]) if c is not None else None for c in _until(end, candidates)]
-        late, known = time.monotonic() > end, [c for c in passed if c is not None]
-        complete = every and not late and len(known) == len(passed) and run.has_the_first(known)
+        tried = [first_certified(run.problem, [c]) for c in _until(end, candidates) if c is not None]
+        late, known = time.monotonic() > end, [c for c in tried if c is not None]
+        complete = every and not late and len(known) == len(tried) and run.has_the_first(known)
         why = f"all {table.choices:,.0f} choices of contact modes were solved"
         if not complete:
             why = "the time was too short" if late else "some are degenerate"

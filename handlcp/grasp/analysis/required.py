@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 
 from handlcp.check import number
 from handlcp.errors import InputError
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import solve_scene
 from handlcp.grasp.solve.force_iteration import force_dependent

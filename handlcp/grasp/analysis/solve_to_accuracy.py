@@ -17,9 +17,9 @@ from handlcp.grasp.analysis.advice import solve_with_advice
 from handlcp.grasp.analysis.force_error import force_error
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
@@ -58,7 +58,8 @@ def solve_to_accuracy(spec: GraspSpec, accuracy: float, solver: AnySolver, start
 
 def _exact(scene: Scene, solver: AnySolver) -> tuple[Section, str]:
     """The section that stands for the exact one with this solver, and its name."""
-    plain = as_chain(solver) is None and isinstance(solver, Solver) and not isinstance(solver, ContactSolver)
+    # A class, or anything that is no solver, is refused where it is used
+    plain = not isinstance(solver, (Auto, ContactSolver, type)) and isinstance(solver, Solver)
     if not scene.frictional:
         return (Interval() if scene.kind.planar else Pyramid(4)) if plain else Cone(), "exact, no friction"
     if scene.kind.planar:

@@ -16,9 +16,9 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.friction import Cone, Pyramid, Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.grasp.solve.stages import solve_built

@@ -55,8 +55,9 @@ def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
     x[system.tangential : system.tangential + len(tangential)] = tangential
     x[at["u"]] = scene.natural_twist(candidate.twist)
     for g in system.layout.extra:
-        if g.name in candidate.extra:
-            x[at[g.name]] = candidate.extra[g.name] / g.sizes(scene)[0]
+        known = candidate.extra.get(g.name)
+        if known is not None and len(known) == g.count:  # a scene without other effects may have fewer
+            x[at[g.name]] = known / g.sizes(scene)[0]
     return x
 
 

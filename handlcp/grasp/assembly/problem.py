@@ -30,7 +30,8 @@ class GraspProblem(WithMultipliers):
     contact: GraspContact
 
     def __init__(self, contact: GraspContact) -> None:
-        super().__init__(contact)
+        normal = contact.system.at.get("r_N")
+        super().__init__(contact, behind=0 if normal is None else normal.stop)
         self.scene, self.section, self.effects = contact.scene, contact.section, contact.effects
 
     @lazy

@@ -2,7 +2,7 @@
 
     (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,    v_T = -α (r_x/μ_x², r_y/μ_y²), α ≥ 0 on the limit
 
-No unknowns and no rows of its own: the scene is built in coordinates in which the ellipse is a disc (`model.build`),
+No unknowns and no rows of its own: the scene is built in coordinates in which the ellipse is a disc (`assembly.build`),
 and the friction of the section, disc or polygon, does the rest.
 """
 

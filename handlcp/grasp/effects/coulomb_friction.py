@@ -30,8 +30,8 @@ class CoulombFriction(Effect):
     title: ClassVar[str] = "Coulomb friction"
     equation: ClassVar[str] = "|r_T| ≤ μ r_N,  ε_T = -α r_T with α ≥ 0 on the limit"
     when: ClassVar[str] = "Dry friction, alike in all directions: on m faces, on the exact cone, or exact in a plane."
-    in_python: ClassVar[str] = 'friction=Coulomb(0.6), faces="cone"'
-    in_file: ClassVar[str] = 'grasp.friction = 0.6\nsolve.faces = "cone"'
+    in_python: ClassVar[str] = "friction=Coulomb(0.6), faces=8"
+    in_file: ClassVar[str] = "grasp.friction = 0.6\nsolve.faces = 8"
     brings: ClassVar[str] = "2 a contact (1 in a plane); m more as a plain LCP"
     source: ClassVar[str] = "Ai & Li (2025), equations (7) to (12); De Saxcé & Feng, Math. Comput. Modelling 28 (1998)"
     order: ClassVar[int] = 30

@@ -42,6 +42,7 @@ class FingerWeight(Effect):
     source = "Siciliano et al., Robotics (2009), chapter 7"
     order = 110
     needs_joints = True
+    by_name = False
 
     @classmethod
     def absent(cls, scene: Scene, section: Section) -> str | None:

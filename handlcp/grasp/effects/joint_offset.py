@@ -37,6 +37,7 @@ class JointOffset(Effect):
     source = "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989): joints under position control are springs"
     order = 120
     needs_joints = True
+    by_name = False
 
     @classmethod
     def absent(cls, scene: Scene, section: Section) -> str | None:

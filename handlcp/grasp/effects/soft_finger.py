@@ -30,8 +30,8 @@ class SoftFingerFriction(Effect):
     title: ClassVar[str] = "soft finger"
     equation: ClassVar[str] = "|r_T|²/μ² + r_τ²/μ_τ² ≤ r_N²"
     when: ClassVar[str] = "Soft fingertips that hold against spinning; 8 faces lie inside the ellipsoid, by 14 %."
-    in_python: ClassVar[str] = 'friction=SoftFinger(0.6, 0.005), faces="cone"'
-    in_file: ClassVar[str] = 'grasp.friction = { mu = 0.6, mu_torsion_m = 0.005 }\nsolve.faces = "cone"'
+    in_python: ClassVar[str] = "friction=SoftFinger(0.6, 0.005), faces=8"
+    in_file: ClassVar[str] = "grasp.friction = { mu = 0.6, mu_torsion_m = 0.005 }\nsolve.faces = 8"
     brings: ClassVar[str] = "3 a contact; 26 more as a plain LCP at m = 8"
     source: ClassVar[str] = "Howe & Cutkosky, Int. J. Robotics Research 15 (1996)"
     order: ClassVar[int] = 60

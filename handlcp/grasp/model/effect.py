@@ -50,6 +50,7 @@ class Effect:
     ask for it. brings : its unknowns. source : where the law is from.
     order : place in lists, and among the effects that a scene's data call for the place in which they are stamped.
     file_key : the key of a scene file's [effects] that asks for it; None: no key does.
+    by_name : whether it is asked for in `effects=`, not by an argument of its own.
     needs_joints : whether only the grasp of a hand can have it.
     depends_on_forces : whether what it adds to the grasp depends on the forces of the answer.
     """
@@ -63,6 +64,7 @@ class Effect:
     source: ClassVar[str]
     order: ClassVar[int] = 1000
     file_key: ClassVar[FileKey | None] = None
+    by_name: ClassVar[bool] = True
     needs_joints: ClassVar[bool] = False
     depends_on_forces: ClassVar[bool] = False
 

@@ -48,8 +48,11 @@ class Blocks(NamedTuple):
 
 
 class Posed(NamedTuple):
-    """Natural units of force [N], length and motion [m]; centre (3,) of the contacts [m]; arms (n, 3) from there [m];
-    wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
+    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; arms (n, 3) from
+    there [m]; wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
+
+    Every unit is a norm or a mean (`_sizes`), so another unit, a turned world or another order of fingers changes none
+    of them beyond rounding.
     """
 
     force: float

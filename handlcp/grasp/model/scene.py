@@ -12,7 +12,6 @@ from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.grasp.model.units import GraspUnits
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lazy import lazy
 
@@ -177,11 +176,10 @@ class Scene:
         """The blocks of G, E, d and w that the unknowns touch, in natural units (hatted in the model)."""
         return self._posed[1]
 
-    @lazy
-    def units(self) -> GraspUnits:
-        """Natural units."""
-        p = self._posed[0]
-        return GraspUnits(p.force, p.length, p.motion, p.centre)
+    @property
+    def units(self) -> Posed:
+        """Natural units: force, length and motion of `geometry`, and the centre that twists refer to."""
+        return self._posed[0]
 
     @lazy
     def twist_units(self) -> Array:

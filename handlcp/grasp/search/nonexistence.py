@@ -3,8 +3,8 @@
 limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
 pyramids, a plane      every choice of contact modes (`mode_walk`) where they are few enough
 the cone               every choice of modes on a pyramid of four faces, whose equilibria are places to start from
-then                   the mixed-integer program over cells that enclose cone or pyramid (`lcp.mode_program`); in a
-plane and on polyhedra over the active sets of the LCP with a multiplier a face (`lcp.search`)
+then                   the mixed-integer program over contact modes (`lcp.mode_program`), on polyhedra over the active
+sets of the LCP with a multiplier a face (`lcp.search`)
 """
 
 from __future__ import annotations
@@ -146,8 +146,7 @@ def over_modes(problem: GraspContact, end: float, bound: float | None = None) ->
 
     bound : of normal forces, gaps and slips in natural units, as far as "none" is claimed; None: a thousand.
     """
-    # Its cells enclose a disc, a polygon or a ball, but no interval and no polyhedron
-    if problem.faces == 2 or (problem.faces and problem.scene.soft):
+    if problem.faces and problem.scene.soft:  # it knows no polyhedra
         return _on_active_sets(problem, max(end - time.monotonic(), 1e-9))
     bounds, cuts, units = _wide(problem.scene), 0, problem.scene.units
     if bound is not None:

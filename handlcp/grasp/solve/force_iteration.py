@@ -16,8 +16,8 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import without_numbers
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import NOWHERE, start_from
@@ -26,7 +26,7 @@ from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import FIXED_POINT
 
-__all__ = ["force_dependent", "solve_again", "under_forces"]
+__all__ = ["force_dependent", "missed", "solve_again", "under_forces"]
 
 _MOST = 100  # solves
 
@@ -85,19 +85,27 @@ def solve_again(
 
 
 def _certified(spec: GraspSpec, now: Scene, solution: GraspSolution, words: str) -> GraspSolution | str:
-    """The solution with the effects' own law among its residuals: E and offsets are those of its forces; or why not."""
-    own = under_forces(spec, solution.forces)
-    if isinstance(own, str):
-        return own
-    there = build(own)
-    miss = _relative(there.flexibility - now.flexibility, there.flexibility)
-    if (moved := there.offset - now.offset).any():
-        miss = max(miss, float(abs(moved).max()) / solution.residuals.motion_scale)
+    """The solution with the effects' own law among its residuals, or why not."""
+    miss = missed(spec, now, solution.forces, solution.residuals.motion_scale)
+    if isinstance(miss, str):
+        return miss
     residuals = replace(solution.residuals, effects=max(solution.residuals.effects, miss))
     words = f"{words}, E(f) by {miss:.1e}"
     if not residuals.passes:
         return words
     return replace(solution, residuals=residuals, trace=(*solution.trace, f"geometric stiffness: {words}"))
+
+
+def missed(spec: GraspSpec, scene: Scene, forces: Array, motion_size: float) -> float | str:
+    """How far E and the offsets of a scene are from those of the specification under these forces (n, 3) [N], relative;
+    or, in words, why there are none. motion_size [m] : what offsets are measured by.
+    """
+    own = under_forces(spec, forces)
+    if isinstance(own, str):
+        return own
+    there = build(own)
+    off = float(abs(there.offset - scene.offset).max(initial=0.0)) / motion_size
+    return max(_relative(there.flexibility - scene.flexibility, scene.flexibility), off)
 
 
 def _relative(difference: Array, of: Array) -> float:

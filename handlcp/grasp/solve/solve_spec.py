@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from handlcp.check import Array
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.build import build
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import NOWHERE

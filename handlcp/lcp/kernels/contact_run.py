@@ -42,6 +42,9 @@ def contact_run(
         newton += more
     else:
         x[:] = best
+    for i in range(len(x)):
+        if p.role[i] == 1 and x[i] < 0.0:  # what rounding left of a pair that is apart
+            x[i] = 0.0
     return taken, newton, r
 
 

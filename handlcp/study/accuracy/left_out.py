@@ -31,9 +31,11 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
         yield "friction", "smooth fingertips", type(grasp)(with_friction(grasp.spec, 0.0))
-    for e in grasp.effects:
-        instead = "fingers without weight" if isinstance(e, FingerWeight) else "none"
-        yield e.title, instead, _with_effects(grasp, tuple(x for x in grasp.effects if x is not e))
+    effects = grasp.spec.effects
+    for e in effects:
+        if e.by_name or isinstance(e, FingerWeight):  # a command is a squeeze
+            instead = "none" if e.by_name else "fingers without weight"
+            yield e.title, instead, _with_effects(grasp, tuple(x for x in effects if x is not e))
 
 
 def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
@@ -95,5 +97,5 @@ def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
 
 def _unsagged(grasp: HandGrasp) -> Grasp:
     """The grasp with joints that do not give way to the fingers' weight."""
-    held = tuple(replace(e, sags=False) if isinstance(e, FingerWeight) else e for e in grasp.effects)
+    held = tuple(replace(e, sags=False) if isinstance(e, FingerWeight) else e for e in grasp.spec.effects)
     return _with_effects(grasp, held)

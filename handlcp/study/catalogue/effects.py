@@ -14,9 +14,8 @@ __all__ = ["entries"]
 def entries() -> tuple[Description, ...]:
     """A description of each."""
     kinds = effect_kinds()
-    # What brings no file key follows from the data, or is asked for by arguments of a hand's grasp
-    asked = [kind for kind in kinds if kind.file_key is not None]
-    of_hands = [kind for kind in kinds if kind.file_key is None and kind.needs_joints]
-    from_data = [kind for kind in kinds if kind.file_key is None and not kind.needs_joints]
+    of_hands = [kind for kind in kinds if not kind.by_name]
+    asked = [kind for kind in kinds if kind.by_name and kind.file_key is not None]
+    from_data = [kind for kind in kinds if kind.by_name and kind.file_key is None]
     parts = (from_data, (TENDONS, SYNERGIES), of_hands, (WEIGHS,), asked, (ENVIRONMENT,))
     return tuple([e if isinstance(e, Description) else describe_effect(e) for part in parts for e in part])
