@@ -39,8 +39,10 @@ class HandGraspSolution(GraspSolution):
         text, over = super().diagnosis, self.torque_check.over
         if not self.held or not over:
             return text
-        worst = max(over, key=lambda r: r.utilisation)
-        more = f" and {len(over) - 1} more joints" if len(over) > 1 else ""
+        most = max(r.utilisation for r in over)
+        worst = next(r for r in over if r.utilisation >= (1 - 1e-9) * most)  # the first of equals
+        count = len(over) - 1
+        more = f" and {count} more joint{'s' if count > 1 else ''}" if count else ""
         return f"{text}; but {worst.joint}{more} would need more torque than there is, up to {worst.utilisation:.3g} ×"
 
     @property

@@ -112,7 +112,7 @@ class Pushed(Effect):
     """Moves the contacts by something that is no limit."""
 
     def opening(self, scene, extra):
-        return np.zeros((scene.n, 3))
+        return np.zeros(3 * scene.n)
 
 
 def test_an_effect_that_moves_contacts_by_more_than_its_limits_is_not_for_this_search():
