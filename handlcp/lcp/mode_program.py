@@ -62,7 +62,7 @@ class ModeProgram:
         self.mode, self.bounded = self.one.any(0), self.allow.any(1)
         self.integer = self.mode | (self.bits < 0).any(0)
         self.eq, self.rhs = (problem.M @ self.X - Y) / size[:, None], -problem.q / size
-        self.cost = self.bounded.astype(float)
+        self.cost = (self.bounded & ~self.X.any(0)).astype(float)  # Σ c: any would do, this one proves soonest
         self.exhausted = False
 
     def visit(self, end: float, most: int) -> Iterator[Iterator[Array]]:
