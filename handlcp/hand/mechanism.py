@@ -9,14 +9,13 @@ model, "Flexibility from the hand", "Torques".
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import Any, ClassVar
 
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.model.mechanism import JointReading, Mechanism, S
+from handlcp.grasp.model.mechanism import JointReading, Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import add_pads
@@ -38,6 +37,8 @@ class HandMechanism(Mechanism):
     positions (k, 3), frames (k, 3, 3) : of the fingers' contacts, contact axes. target : the object, if it is known.
     gravity : (3,) as given [m/s²].
     """
+
+    solution: ClassVar[Any] = HandGraspSolution
 
     posture: Posture
     tips: tuple[int, ...]
@@ -89,24 +90,25 @@ class HandMechanism(Mechanism):
         still = np.zeros((3 * environment, len(self.names)))
         return replace(self, jacobian=read_only(np.concatenate([self.jacobian, still]))) if environment else self
 
-    def read(self, scene: Scene, effects: tuple[Effect, ...], solution: S) -> S:
-        """As `HandGraspSolution`."""
-        assert isinstance(solution, GraspSolution)
-        hand, extra = self.posture.hand, solution.extra
-        torque = solution.forces.reshape(-1) @ self.jacobian
-        if solution.torsion is not None:
-            torque = torque + solution.torsion[list(scene.soft)] @ self.turning(scene.soft)
-        joints = JointReading(torque + scene.held_torque, self.deflection(torque), np.zeros(hand.nv))
+    def read(
+        self, scene: Scene, effects: tuple[Effect, ...], forces: Array, torsion: Array | None, extra: dict[str, Array]
+    ) -> dict[str, Any]:
+        """As `HandGraspSolution` has it."""
+        hand = self.posture.hand
+        torque = forces.reshape(-1) @ self.jacobian
+        if torsion is not None:
+            torque = torque + torsion[list(scene.soft)] @ self.turning(scene.soft)
+        total = torque if scene.held is None else torque + scene.held
+        joints = JointReading(total, self.deflection(torque), np.zeros(hand.nv))
         for e in effects:
-            joints = e.read(scene, solution.forces, extra, joints)
+            joints = e.read(scene, forces, extra, joints)
         total, yielded = read_only(joints.torque), read_only(joints.yielded)
-        yielding = tuple(j for j, s in zip(self.names, yielded.tolist(), strict=True) if abs(s) > 0.0)
-        check = torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding)
-        made = HandGraspSolution(
-            **vars(solution), torques=total, joint_deflection=read_only(joints.deflection), joint_yield=yielded,
-            torque_check=check, effort=hand.stiffness.effort(total),
-        )  # fmt: skip
-        return cast(S, made)
+        yielding = tuple([self.names[k] for k in np.flatnonzero(yielded)]) if yielded.any() else ()
+        return {
+            "torques": total, "joint_deflection": read_only(joints.deflection), "joint_yield": yielded,
+            "torque_check": torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding),
+            "effort": hand.stiffness.effort(total),
+        }  # fmt: skip
 
 
 def mechanism_of(

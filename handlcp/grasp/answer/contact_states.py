@@ -8,15 +8,15 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.friction import Section, limit_set
+from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.verify.judge import Verdict
+from handlcp.grasp.verify.contact_laws import Friction
+from handlcp.grasp.verify.judge import Verdict, friction_of
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import ACTIVE
 
 __all__ = [
-    "GLIDING", "RESTING", "SEPARATED", "SLIDING", "STICKING", "FaceNormals", "States", "classify", "face_normals",
-    "find_states", "names_of",
+    "GLIDING", "RESTING", "SEPARATED", "SLIDING", "STICKING", "States", "classify", "find_states", "names_of",
 ]  # fmt: skip
 
 # GLIDING pushes without friction, RESTING touches without pushing
@@ -37,22 +37,6 @@ class States(NamedTuple):
     turn: Array
 
 
-class FaceNormals(NamedTuple):
-    """Outward normals of a section's faces, (f, d) for d = 1, 2, 3 tangents; round: whether sets have no faces."""
-
-    line: Array
-    plane: Array
-    space: Array
-    round: bool
-
-
-def face_normals(section: Section, soft: bool) -> FaceNormals:
-    """Of a section; soft : whether any contact has three tangents."""
-    one, two = (np.ascontiguousarray(limit_set(section, d).normals.T) for d in (1, 2))
-    three = np.ascontiguousarray(limit_set(section, 3).normals.T) if soft else np.zeros((0, 3))
-    return FaceNormals(one, two, three, section.faces == 0)
-
-
 def names_of(kind: Ints) -> tuple[str, ...]:
     """For each contact "separated", "sticking" or "sliding"."""
     return tuple([_NAMES[k] for k in kind.tolist()])
@@ -62,15 +46,12 @@ def classify(scene: Scene, section: Section, candidate: Candidate, verdict: Verd
     """States of all contacts, of a candidate that was judged."""
     size = verdict.residuals
     weak, slow = ACTIVE * size.force_scale, ACTIVE * max(size.motion_scale, scene.units.motion)
-    normals = face_normals(section, bool(scene.soft))
-    contacts, limits = scene.kind.contact_components, scene.limits(section)
-    return find_states(contacts, limits, normals, candidate.components, verdict.motion, weak, slow)
+    contacts, friction = scene.kind.contact_components, friction_of(scene, section)
+    return find_states(contacts, friction, candidate.components, verdict.motion, weak, slow)
 
 
 @kernel
-def find_states(
-    contacts: Ints, limits: Array, normals: FaceNormals, forces: Array, v: Array, weak: float, slow: float
-) -> States:
+def find_states(contacts: Ints, friction: Friction, forces: Array, v: Array, weak: float, slow: float) -> States:
     """Of forces (c,) [N] and motions v (c,) [m], of which those up to `weak` and `slow` count as none.
 
     contacts (n, 4) : as in `contact_laws`. A contact under force control follows the object: it sticks.
@@ -79,6 +60,7 @@ def find_states(
     kind, count = np.zeros(n, np.int64), np.zeros(n, np.int64)
     faces, turn, r = np.zeros((n, 3, 3)), np.zeros(n), np.zeros(3)
     for i in range(n):
+        r[:] = 0.0
         if contacts[i, 0] < 0:
             kind[i] = STICKING
             continue
@@ -92,13 +74,12 @@ def find_states(
         slip, size, push = np.sqrt(slip), np.sqrt(size), forces[3 * i + 2]
         if not push > weak:
             kind[i] = RESTING if v[3 * i + 2] <= slow else SEPARATED
-        elif limits[i] <= 0.0 or tangents == 0:
+        elif friction.limits[i] <= 0.0 or tangents == 0:
             kind[i] = GLIDING
         elif not slip > slow:
             kind[i] = STICKING
-        elif not normals.round:
-            own = normals.line if tangents == 1 else normals.plane if tangents == 2 else normals.space
-            kind[i], count[i] = SLIDING, _active(own, tangents, limits[i] * push, r, weak, faces[i])
+        elif friction.faces or tangents == 1:
+            kind[i], count[i] = SLIDING, _active(friction, tangents, friction.limits[i] * push, r, weak, faces[i])
         elif size == 0.0:  # a friction too small for a float64 acts like none
             kind[i] = GLIDING
         else:  # one face, the tangent plane at the force
@@ -109,23 +90,25 @@ def find_states(
 
 
 @kernel
-def _active(normals: Array, tangents: int, reach: float, r: Array, weak: float, faces: Array) -> int:
+def _active(friction: Friction, tangents: int, reach: float, r: Array, weak: float, faces: Array) -> int:
     """Write independent normals of the faces that r lies on into the rows of faces (3, 3); returns how many."""
-    found, basis = 0, np.zeros((3, 3))
-    for j in range(len(normals)):
-        left, rest = reach, np.zeros(3)
-        for k in range(tangents):
-            left -= normals[j, k] * r[k]
-            rest[k] = normals[j, k]
-        if left > weak or found == tangents:
+    found, basis, normal = 0, np.zeros((3, 3)), np.zeros(3)
+    many = 2 if tangents == 1 else friction.faces if tangents == 2 else len(friction.normals)
+    for j in range(many):
+        if tangents == 1:
+            normal[0] = 1.0 - 2.0 * j
+        elif tangents == 2:
+            normal[0], normal[1] = np.cos(2.0 * np.pi * j / many), np.sin(2.0 * np.pi * j / many)
+        else:
+            normal[:] = friction.normals[j]
+        if reach - normal @ r > weak or found == tangents:
             continue
+        rest = normal.copy()
         for q in range(found):
-            along = basis[q] @ rest
-            rest -= along * basis[q]
+            rest -= (basis[q] @ rest) * basis[q]
         length = np.sqrt(rest @ rest)
         if length > _ALONG:
             basis[found] = rest / length
-            for k in range(tangents):
-                faces[found, k] = normals[j, k]
+            faces[found] = normal
             found += 1
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -68,28 +69,23 @@ def solution_of(
     points = motion[: 3 * n].reshape(-1, 3)
     if not all(scene.governed):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.governed_mask[:, None], points, 0.0)
-    made = GraspSolution(
-        Status.SOLVED,
-        spec.names,
-        read_only(forces[: 3 * n].reshape(-1, 3)),
-        read_only(in_world(scene.frames, candidate.components)),
-        read_only(points[:, 2]),
-        read_only(points[:, :2]),
-        read_only(shifted(candidate.twist, arm)),
-        states,
-        judged.verdict.residuals,
-        uniqueness,
-        None,
-        judged.iterations,
-        trace,
-        candidate.extra,
-        torsion=scene.by_contact(forces[3 * n :]),
-        spin=scene.by_contact(motion[3 * n :]),
-        scene=scene,
-        reference=spec.reference,
-    )
-
-    return made if spec.mechanism is None else spec.mechanism.read(scene, spec.effects, made)
+    own = read_only(forces[: 3 * n].reshape(-1, 3))
+    torsion = scene.by_contact(forces[3 * n :])
+    fields: dict[str, Any] = {
+        "status": Status.SOLVED, "names": spec.names, "forces": own,
+        "forces_world": read_only(in_world(scene.frames, candidate.components)),
+        "gap": read_only(points[:, 2]), "slip": read_only(points[:, :2]),
+        "object_displacement": read_only(shifted(candidate.twist, arm)), "contact_state": states,
+        "residuals": judged.verdict.residuals, "uniqueness": uniqueness, "certificate": None,
+        "iterations": judged.iterations, "trace": trace, "extra": candidate.extra, "torsion": torsion,
+        "spin": scene.by_contact(motion[3 * n :]), "scene": scene, "reference": spec.reference,
+    }  # fmt: skip
+    mechanism = spec.mechanism
+    if mechanism is None:
+        return GraspSolution(**fields)
+    read = mechanism.read(scene, spec.effects, own, torsion, candidate.extra)
+    made: GraspSolution = mechanism.solution(**fields, **read)
+    return made
 
 
 def without_numbers(

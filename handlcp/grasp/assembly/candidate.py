@@ -41,7 +41,8 @@ def decode(scene: Scene, system: System, x: Array) -> Candidate:
     """Forces, motion and further unknowns from x (N,), all unknowns of the system in natural units."""
     kind, normal = scene.kind, system.at.get("r_N")
     at = 0 if normal is None else normal.start, system.tangential, system.at["u"].start
-    forces, free = in_si(x, kind.normal_index, kind.tangent_index, at, scene.given.prescribed, scene.geometry, kind.dof)
+    many = len(kind.normal_index)
+    forces, free = in_si(x, kind.index, many, at, scene.given.prescribed, scene.geometry, kind.dof)
     extra = {g.name: x[system.at[g.name]] * g.sizes(scene)[0] for g in system.layout.extra}
     return Candidate(forces, free @ scene.freedom, extra, len(scene.soft))
 
@@ -63,16 +64,14 @@ def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
 
 @kernel
 def in_si(
-    x: Array, normal: Ints, tangent: Ints, at: tuple[int, int, int], prescribed: Array, p: Posed, dof: int
+    x: Array, unknown: Ints, normals: int, at: tuple[int, int, int], prescribed: Array, p: Posed, dof: int
 ) -> tuple[Array, Array]:
-    """Forces (c,) [N] and (dof,) motion [m, rad] from the unknowns x. normal, tangent : which components are unknown;
-    at : where normal forces, tangential forces and the motion begin among the unknowns.
+    """Forces (c,) [N] and (dof,) motion [m, rad] from the unknowns x. unknown : which components, so many normal ones
+    first; at : where normal forces, tangential forces and the motion begin among the unknowns.
     """
     f, u = prescribed.copy(), np.empty(dof)
-    for k in range(len(normal)):
-        f[normal[k]] = x[at[0] + k] * p.force
-    for k in range(len(tangent)):
-        f[tangent[k]] = x[at[1] + k] * p.force
+    for k in range(len(unknown)):
+        f[unknown[k]] = x[at[0] + k if k < normals else at[1] + k - normals] * p.force
     lengths = 3 if dof == 6 else 2
     for k in range(dof):
         u[k] = x[at[2] + k] * p.motion

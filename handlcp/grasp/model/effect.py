@@ -145,8 +145,8 @@ class Effect:
     @property
     def stamps(self) -> bool:
         """Whether it has rows or a law of its own, so that a solve takes the general path."""
-        kind = type(self)
-        return any(getattr(kind, name) is not getattr(Effect, name) for name in ("limits", "stamp", "opening", "residual"))
+        kind, own = type(self), ("limits", "stamp", "opening", "residual")
+        return any(getattr(kind, name) is not getattr(Effect, name) for name in own)
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -11,8 +11,6 @@ from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["JointReading", "Mechanism", "joint_flexibility"]
-
-S = TypeVar("S")
 
 
 @kernel
@@ -52,7 +50,10 @@ class Mechanism:
     names : (nv,). jacobian : (3n, nv) velocity of the contact points in contact axes [m/rad, m/m].
     root : (nv, m) A of the joints' compliance K⁻¹ = A Aᵀ [rad/(N·m)].
     limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
+    solution : the class of solutions, a subclass of `GraspSolution`.
     """
+
+    solution: ClassVar[Any]
 
     names: tuple[str, ...]
     jacobian: Array
@@ -88,6 +89,11 @@ class Mechanism:
         """(nv,) K⁻¹ τ [rad]."""
         return np.asarray(self.root @ (torque @ self.root))
 
-    def read(self, scene: Any, effects: Any, solution: S) -> S:
-        """The solution with what the joints do for it, given the scene that was solved and its effects."""
+    def read(
+        self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
+    ) -> dict[str, Any]:
+        """What the joints do at an answer, by the fields that `solution` has beside those of every solution.
+
+        scene, effects : that were solved. forces (n, 3), torsion (n,) of soft contacts, extra : as in `GraspSolution`.
+        """
         raise NotImplementedError

@@ -13,6 +13,7 @@ from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.vectors import cross_rows
+from handlcp.lazy import lazy
 
 __all__ = ["GraspSpec", "wrench_about"]
 
@@ -62,7 +63,7 @@ class GraspSpec(Placement):
             flexibility=read_only(self.flexibility[: 3 * k, : 3 * k].copy()), fingers=None, mechanism=mechanism,
         )  # fmt: skip
 
-    @property
+    @lazy
     def names(self) -> tuple[str, ...]:
         """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
         return tuple([c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts)])

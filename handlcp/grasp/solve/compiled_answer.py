@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.answer.contact_states import face_normals, names_of
+from handlcp.grasp.answer.contact_states import names_of
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
@@ -38,15 +38,12 @@ class CompiledKind:
         normal = where.at.get("r_N", slice(0, 0))
         self.kind: Kind = kind
         self.scene_width, self.answer_width = (
-            scene_width(kind.n, soft, kind.dof),
-            answer_width(kind.n, soft, where.size),
-        )
+            scene_width(kind.n, soft, kind.dof), answer_width(kind.n, soft, where.size)
+        )  # fmt: skip
         self.pattern = ScenePattern(
-            kind.contact_components, kind.normal_index, kind.tangent_index, kind.index, roles.role, roles.order,
-            roles.blocks, np.array([*kind.rough, *kind.soft], dtype=np.int64), section.faces,
-            outward(section) if soft and section.faces else NO_NORMALS, face_normals(section, soft > 0), kind.flexible,
-            kind.dof, (normal.start, normal.stop - normal.start, where.tangential, where.at["u"].start, where.size),
-            soft,
+            kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
+            outward(section) if soft and section.faces else NO_NORMALS, kind.flexible, kind.dof,
+            (normal.start, normal.stop - normal.start, where.tangential, where.at["u"].start, where.size), soft,
         )  # fmt: skip
 
 
@@ -67,8 +64,13 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 def pack(scene: Scene, section: Section, row: Array) -> None:
     """Write the scene's numbers into a row, in the order in which `solve_scenes` reads them."""
     g = scene.given
-    parts = (g.positions, g.frames, g.flexibility, g.offset, g.prescribed, g.spin, g.force, g.moment)
-    np.concatenate([part.reshape(-1) for part in (*parts, scene.limits(section), g.freedom)], out=row)
+    np.concatenate(
+        [
+            g.positions.reshape(-1), g.frames.reshape(-1), g.flexibility.reshape(-1), g.offset, g.prescribed,
+            g.spin.reshape(-1), g.force, g.moment, scene.limits(section), g.freedom.reshape(-1),
+        ],
+        out=row,
+    )  # fmt: skip
 
 
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:

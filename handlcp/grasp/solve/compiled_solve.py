@@ -13,7 +13,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.answer.active_conditions import active_system
-from handlcp.grasp.answer.contact_states import RESTING, FaceNormals, States, find_states
+from handlcp.grasp.answer.contact_states import RESTING, States, find_states
 from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
@@ -29,23 +29,18 @@ __all__ = ["HEAD", "ScenePattern", "answer_width", "scene_width", "solve_scenes"
 class ScenePattern(NamedTuple):
     """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.
 
-    contacts (n, 4), normal, tangent : of the force components, as in `Kind`; unknown : the last two. role, order (N,),
-    blocks (k, 4) : as in `lcp.Pattern`. rough (k,) : the contact of each block. faces, normals : of the sets.
-    outward : normals for contact states. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
+    contacts (n, 4), unknown (m,) : force components, as in `Kind`. role, order (N,), blocks (k, 4) : as in
+    `lcp.Pattern`. faces, normals : of the sets. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
     at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many soft contacts there are.
     """
 
     contacts: Ints
-    normal: Ints
-    tangent: Ints
     unknown: Ints
     role: Ints
     order: Ints
     blocks: Ints
-    rough: Ints
     faces: int
     normals: Array
-    outward: FaceNormals
     flexible: bool
     dof: int
     at: tuple[int, int, int, int, int]
@@ -84,7 +79,7 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         x = np.zeros(p.at[4])
         row[0], row[1], row[2] = _solved(p, blocks, limits, start, posed, g.freedom, seed, x)
         at = p.at[0], p.at[2], p.at[3]
-        forces, free = in_si(x, p.normal, p.tangent, at, g.prescribed, posed, p.dof)
+        forces, free = in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
         twist = np.dot(free, g.freedom)
         friction = Friction(limits, p.faces, p.normals)
         v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
@@ -96,7 +91,7 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         end = _put(row, end, v)
         if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
             slow = ACTIVE * max(m.motion_size, posed.motion)
-            states = find_states(p.contacts, limits, p.outward, forces, v, ACTIVE * m.force_size, slow)
+            states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
             row[11] = _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
             for i in range(n):
                 row[end + i] = states.kind[i]
@@ -134,7 +129,10 @@ def _solved(
 ) -> tuple[int, int, float]:
     """Write the answer's unknowns into x (N,); returns (Kaczmarz steps, Newton steps, residual)."""
     M, q = _stamped(p, blocks)
-    problem = in_order(M, q, p.role, p.blocks, p.order, limits[p.rough], p.faces, p.normals)
+    own = np.empty(len(p.blocks))
+    for k in range(len(own)):
+        own[k] = limits[p.unknown[p.blocks[k, 0] - p.at[0]] // 3]
+    problem = in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     y, newton, r = np.zeros(len(x)), 0, np.inf
     if len(start) > 0:
         _begin(x, start, p, freedom, posed)
@@ -157,7 +155,7 @@ def _stamped(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
     couple(M, u, (normal, count, tangent), blocks.G, 1.0)
     q[u : u + p.dof] += blocks.w
     q[normal : normal + count] += blocks.d[:count]
-    q[tangent : tangent + len(p.tangent)] += blocks.d[count:]
+    q[tangent : tangent + len(blocks.d) - count] += blocks.d[count:]
     if p.flexible:
         add_at(M, (normal, count, tangent), blocks.E)
     return M, q
@@ -166,12 +164,10 @@ def _stamped(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
 @kernel
 def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed) -> None:
     """Write the start into x, in natural units: its forces, and its twist seen at this scene's centre."""
-    normal, _, tangent, u, _ = p.at
+    normal, count, tangent, u, _ = p.at
     c = len(start) - 9
-    for k in range(len(p.normal)):
-        x[normal + k] = start[p.normal[k]] / posed.force
-    for k in range(len(p.tangent)):
-        x[tangent + k] = start[p.tangent[k]] / posed.force
+    for k in range(len(p.unknown)):
+        x[normal + k if k < count else tangent + k - count] = start[p.unknown[k]] / posed.force
     t, old = start[c : c + 6].copy(), start[c + 6 :]
     ax, ay, az = posed.centre[0] - old[0], posed.centre[1] - old[1], posed.centre[2] - old[2]
     t[0] += t[4] * az - t[5] * ay
