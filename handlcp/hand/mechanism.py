@@ -18,7 +18,7 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.mechanism import JointReading, Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
-from handlcp.hand.elasticity.pads import add_pads
+from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.posture import Posture
@@ -103,7 +103,7 @@ class HandMechanism(Mechanism):
         for e in effects:
             joints = e.read(scene, forces, extra, joints)
         total, yielded = read_only(joints.torque), read_only(joints.yielded)
-        yielding = tuple([self.names[k] for k in np.flatnonzero(yielded)]) if yielded.any() else ()
+        yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])  # none without an answer
         return {
             "torques": total, "joint_deflection": read_only(joints.deflection), "joint_yield": yielded,
             "torque_check": torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding),
@@ -127,9 +127,7 @@ def finger_flexibility(mechanism: HandMechanism) -> Array:
     """(3k, 3k) E = J K⁻¹ Jᵀ + pads of the fingers, contact axes [m/N]."""
     posture, tips = mechanism.posture, mechanism.tips
     pads = posture.hand.pads
-    E = mechanism.compliance(mechanism.jacobian)
     turn = posture.tip_rotations
     if not pads.isotropic:
         turn = mechanism.frames.transpose(0, 2, 1) @ posture.tip_rotations[list(tips)]
-    add_pads(E, pads.in_axes(turn, tips))
-    return read_only(E)
+    return read_only(tip_flexibility(mechanism.jacobian, mechanism.root, pads.in_axes(turn, tips)))

@@ -11,8 +11,7 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.mechanism import joint_flexibility
-from handlcp.hand.elasticity.pads import add_pads
+from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.robot.contact_jacobian import contact_jacobian
 
@@ -22,19 +21,21 @@ __all__ = ["MovingHand"]
 class MovingHand:
     """The hand of a stream; Pinocchio's data and what does not change are made once.
 
-    q : (nv,) its posture. mechanism : of the grasp, with the Jacobian as it is now. still : how many contacts are the
-    environment's, which no joint moves.
+    q : (nv,) its posture. mechanism, effects : of the grasp; the Jacobian, and the torques of the fingers' weight, are
+    buffers that `move` writes into. `fixed` copies the effects.
     """
 
-    def __init__(self, mechanism: HandMechanism, still: int) -> None:
+    def __init__(self, mechanism: HandMechanism, effects: tuple[Effect, ...]) -> None:
         hand = mechanism.posture.hand
         kinematics = hand.kinematics
-        self.hand, self.q, self.mechanism = hand, mechanism.posture.q, mechanism
+        self.hand, self.q = hand, mechanism.posture.q
+        self.mechanism = replace(mechanism, jacobian=mechanism.jacobian.copy())
+        self.effects = self.fixed(effects)
+        self._weights = [e for e in self.effects if isinstance(e, FingerWeight)]  # one, or none
         self._model, self._data = kinematics.model, kinematics.model.createData()
         self._tips = list(mechanism.tips)
         self._support = np.ascontiguousarray(hand.tips.support[self._tips, 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
-        self._still = np.zeros((3 * still, hand.nv))
 
     def checked(self, q: Any) -> Array:
         """(nv,) from what users pass. Raises InputError, UnknownName."""
@@ -45,20 +46,15 @@ class MovingHand:
         self.q = self.q if q is None else q
         pin.computeJointJacobians(self._model, self._data, self.hand.kinematics.configuration(self.q))
         J = contact_jacobian(self._data.J.T, self._support, self._coupling, positions, frames)
-        E = joint_flexibility(J, self.mechanism.root)
-        add_pads(E, self._pads(frames))
-        self.mechanism = replace(self.mechanism, jacobian=np.concatenate([J, self._still]) if len(self._still) else J)
-        return E
+        self.mechanism.jacobian[: len(J)] = J
+        if q is not None:
+            for weight in self._weights:
+                weight.torque[:] = self.hand.kinematics.gravity_torque(q, self.mechanism.gravity)
+        return tip_flexibility(J, self.mechanism.root, self._pads(frames))
 
-    def weighed(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
-        """The effects, with the fingers' weight in this posture."""
-        gravity, kinematics = self.mechanism.gravity, self.hand.kinematics
-        return tuple(
-            [
-                replace(e, torque=kinematics.gravity_torque(self.q, gravity)) if isinstance(e, FingerWeight) else e
-                for e in effects
-            ]
-        )
+    def fixed(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+        """The effects as they are now, with arrays of their own."""
+        return tuple([replace(e, torque=e.torque.copy()) if isinstance(e, FingerWeight) else e for e in effects])
 
     def _pads(self, frames: Array) -> Array:
         """(k, 3, 3) in contact axes."""

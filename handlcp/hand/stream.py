@@ -61,7 +61,7 @@ class GraspStream:
         self._first, self._given_start, self._seed = grasp, start, integer("seed", seed, 0)
         self._section = as_section(faces, planar=spec.planar)
         self._kind, self._start = compiled_kind(scene, self._section), start_from(start, scene)
-        self._anew, self._effects = self._start, spec.effects
+        self._anew = self._start
         self._numbers = np.empty((1, self._kind.scene_width))
         pack(scene, self._section, self._numbers[0])
         self._scene = read_only(self._numbers.view())
@@ -74,7 +74,10 @@ class GraspStream:
         # Without what the effects add
         self._own, self._given = spec.flexibility.copy(), spec.offset.copy()
         mechanism = spec.mechanism
-        self._hand = MovingHand(mechanism, n - k) if isinstance(mechanism, HandMechanism) else None
+        self._hand, self._effects = None, spec.effects
+        if isinstance(mechanism, HandMechanism):
+            self._hand = MovingHand(mechanism, spec.effects)
+            mechanism, self._effects = self._hand.mechanism, self._hand.effects
         self._at = Placement(spec.contacts, self._positions, self._frames, spec.plane, spec.fingers, mechanism)
         self._lift = validate.lift(scene.positions, grasp.reference, spec.plane)
 
@@ -137,9 +140,6 @@ class GraspStream:
         if self._hand is not None:
             E = self._hand.move(q, self._tips, self._axes)
             self._own[: len(E), : len(E)] = E
-            self._at = replace(self._at, mechanism=self._hand.mechanism)
-            if q is not None:
-                self._effects = self._hand.weighed(self._effects)
         self._flexibility[:] = softened_by(self._effects, self._at, (), self._own)
 
     def _solved(self) -> GraspUpdate:
@@ -161,19 +161,20 @@ class GraspStream:
         """The grasp as it is now, for all that a `Grasp` can do."""
         spec, at = self._first.spec, self._at
         positions, frames = read_only(self._positions.copy()), read_only(self._frames.copy())
-        mechanism = spec.mechanism
+        mechanism, effects = spec.mechanism, self._effects
         if self._hand is not None:
             assert isinstance(mechanism, HandMechanism)
+            effects = self._hand.fixed(effects)
             posture = type(mechanism.posture)(self._hand.hand, self._hand.q)
             k = len(self._tips)
             mechanism = replace(
-                mechanism, posture=posture, jacobian=read_only(self._hand.mechanism.jacobian),
+                mechanism, posture=posture, jacobian=read_only(self._hand.mechanism.jacobian.copy()),
                 positions=positions[:k], frames=frames[:k],
             )  # fmt: skip
         now = spec.replace(
             contacts=validate.moved(at.contacts, positions, frames), positions=positions, frames=frames,
             mechanism=mechanism, flexibility=read_only(self._own.copy()), offset=read_only(self._given.copy()),
-            wrench=wrench_about(self._first.reference, self._force, self._moment), effects=self._effects,
+            wrench=wrench_about(self._first.reference, self._force, self._moment), effects=effects,
         )  # fmt: skip
         return type(self._first)(now)
 

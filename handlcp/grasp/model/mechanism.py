@@ -82,8 +82,7 @@ class Mechanism:
 
     def compliance(self, rows: Array) -> Array:
         """Rows K⁻¹ rowsᵀ, symmetric to the last bit."""
-        B = rows @ self.root
-        return np.asarray(B @ B.T)
+        return joint_flexibility(rows, self.root)
 
     def deflection(self, torque: Array) -> Array:
         """(nv,) K⁻¹ τ [rad]."""

@@ -9,9 +9,10 @@ import numpy as np
 
 from handlcp.check import Array, array, dimensions, per_name, psd, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Pads", "add_pads", "read_pads"]
+__all__ = ["Pads", "read_pads", "tip_flexibility"]
 
 
 class Pads:
@@ -37,12 +38,14 @@ class Pads:
 
 
 @kernel
-def add_pads(E: Array, pads: Array) -> None:
-    """Add the pads (m, 3, 3) to the diagonal blocks of E (≥ 3m, ≥ 3m)."""
+def tip_flexibility(jacobian: Array, root: Array, pads: Array) -> Array:
+    """E = J K⁻¹ Jᵀ + pads (3m, 3m) [m/N]; jacobian (3m, nv), root as in `joint_flexibility`, pads (m, 3, 3)."""
+    E = joint_flexibility(jacobian, root)
     for i in range(len(pads)):
         for a in range(3):
             for b in range(3):
                 E[3 * i + a, 3 * i + b] += pads[i, a, b]
+    return E
 
 
 def read_pads(value: Any, tips: Sequence[str]) -> Pads:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.hand.elasticity.pads import add_pads
+from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.robot.model import HandModel
 from handlcp.lazy import lazy
 
@@ -59,9 +59,8 @@ class Posture:
     @lazy
     def flexibility(self) -> Array:
         """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes, the pads included."""
-        E = self.hand.stiffness.compliance(self.jacobian)
-        add_pads(E, self.hand.pads.in_axes(self.tip_rotations, self.hand.tips.every))
-        return read_only(E)
+        pads = self.hand.pads.in_axes(self.tip_rotations, self.hand.tips.every)
+        return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.root, pads))
 
     def jacobian_at(self, points: Array, tips: Sequence[int]) -> Array:
         """(m, 3, nv) Jacobian of points (m, 3) that move rigidly with the tips numbered `tips`: v + ω × p for each
