@@ -103,7 +103,9 @@ class HandMechanism(Mechanism):
         for e in effects:
             joints = e.read(scene, forces, extra, joints)
         total, yielded = read_only(joints.torque), read_only(joints.yielded)
-        yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])  # none without an answer
+        yielding: tuple[str, ...] = ()
+        if yielded.any():
+            yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])  # NaN without an answer
         return {
             "torques": total, "joint_deflection": read_only(joints.deflection), "joint_yield": yielded,
             "torque_check": torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding),

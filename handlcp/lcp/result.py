@@ -52,6 +52,6 @@ class LCPSolution:
     history: Array | None = field(default=None, repr=False)
 
 
-def stage_line(name: str, proposal: Proposal, residual: float) -> str:
+def stage_line(name: str, outcome: str, iterations: int, residual: float) -> str:
     """What a trace says of a stage."""
-    return f"{name}: {proposal.outcome}, {proposal.iterations} iterations, residual {residual:.1e}"
+    return f"{name}: {outcome}, {iterations} iterations, residual {residual:.1e}"

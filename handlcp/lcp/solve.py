@@ -59,7 +59,7 @@ def _solve(problem: LCP | ContactProblem, solver: AnySolver, start: Array | None
             status, w, residual = certify_contact(problem, proposal.z)
         else:
             status, w, residual = certify(problem, z)
-        trace.append(stage_line(name, proposal, residual))
+        trace.append(stage_line(name, proposal.outcome, proposal.iterations, residual))
         if best is None or residual < best[3]:
             best = z, w, status, residual, proposal
         if status is Status.SOLVED:
@@ -99,7 +99,7 @@ def proposals(
 
     first : what the chain's first stage proposes on a contact problem, where the caller knows that already.
     """
-    solver = Auto() if solver is None else solver
+    solver = as_chain(None) if solver is None else solver
     if isinstance(solver, type) or not isinstance(solver, (Auto, Solver, ContactSolver)):
         raise InputError(
             "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)

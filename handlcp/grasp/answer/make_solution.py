@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ from handlcp.lcp import Status
 __all__ = ["Judged", "candidate_of", "make_solution", "solution_of", "without_numbers"]
 
 
-@dataclass(frozen=True, slots=True)
-class Judged:
+class Judged(NamedTuple):
     """A candidate, what the certifier says of it, and how many steps of the method it took."""
 
     candidate: Candidate
@@ -70,22 +69,20 @@ def solution_of(
     if not all(scene.governed):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.governed_mask[:, None], points, 0.0)
     own = read_only(forces[: 3 * n].reshape(-1, 3))
-    torsion = scene.by_contact(forces[3 * n :])
-    fields: dict[str, Any] = {
-        "status": Status.SOLVED, "names": spec.names, "forces": own,
-        "forces_world": read_only(in_world(scene.frames, candidate.components)),
-        "gap": read_only(points[:, 2]), "slip": read_only(points[:, :2]),
-        "object_displacement": read_only(shifted(candidate.twist, arm)), "contact_state": states,
-        "residuals": judged.verdict.residuals, "uniqueness": uniqueness, "certificate": None,
-        "iterations": judged.iterations, "trace": trace, "extra": candidate.extra, "torsion": torsion,
-        "spin": scene.by_contact(motion[3 * n :]), "scene": scene, "reference": spec.reference,
-    }  # fmt: skip
+    torsion, spin, read, kind = None, None, dict[str, Any](), GraspSolution
+    if scene.soft:
+        torsion, spin = scene.by_contact(forces[3 * n :]), scene.by_contact(motion[3 * n :])
     mechanism = spec.mechanism
-    if mechanism is None:
-        return GraspSolution(**fields)
-    read = mechanism.read(scene, spec.effects, own, torsion, candidate.extra)
-    made: GraspSolution = mechanism.solution(**fields, **read)
-    return made
+    if mechanism is not None:
+        kind, read = mechanism.solution, mechanism.read(scene, spec.effects, own, torsion, candidate.extra)
+    return kind(
+        status=Status.SOLVED, names=spec.names, forces=own,
+        forces_world=read_only(in_world(scene.frames, candidate.components)), gap=read_only(points[:, 2]),
+        slip=read_only(points[:, :2]), object_displacement=read_only(shifted(candidate.twist, arm)),
+        contact_state=states, residuals=judged.verdict.residuals, uniqueness=uniqueness, certificate=None,
+        iterations=judged.iterations, trace=trace, extra=candidate.extra, torsion=torsion, spin=spin, scene=scene,
+        reference=spec.reference, **read,
+    )  # fmt: skip
 
 
 def without_numbers(

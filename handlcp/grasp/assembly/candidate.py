@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from handlcp.lcp.kernels.compile import kernel
 __all__ = ["Candidate", "decode", "encode", "in_si"]
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
+class Candidate(NamedTuple):
     """SI, in the coordinates of the scene's friction laws: components (c,) [N], of all forces; twist (6,) about the
     contacts' centre; the unknowns of further effects by group name; soft : how many contacts bear a moment.
     """

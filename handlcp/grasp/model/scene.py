@@ -129,10 +129,8 @@ class Scene:
         """(c,) forces in the laws' coordinates from those in contact axes; motions in contact axes from the laws'."""
         return components if self.scale is None else components / self.scale
 
-    def by_contact(self, torsional: Array) -> Array | None:
-        """(n,) from (k,) of the soft contacts, zero for others; None where there are none."""
-        if not self.soft:
-            return None
+    def by_contact(self, torsional: Array) -> Array:
+        """(n,) from (k,) of the soft contacts, zero for others."""
         out = np.zeros(self.n)
         out[list(self.soft)] = torsional
         return read_only(out)

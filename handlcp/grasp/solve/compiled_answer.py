@@ -119,18 +119,23 @@ class CompiledAnswer:
     @property
     def unique(self) -> bool:
         """Whether it is an answer that leaves nothing free."""
-        return bool(self.row[11] == 1.0)
+        return self.row.item(11) == 1.0
 
     @property
     def residuals(self) -> Residuals:
         """How far it misses each law."""
-        misses = Misses(*self.row[3:11].tolist())
-        return Residuals.of(misses, 0.0 * misses.force_size)  # no further effects; NaN where the answer is no number
+        return Residuals.of(Misses(*self.row[3:11].tolist()), 0.0 * self.row.item(9))  # NaN where it is no number
+
+    @property
+    def outcome(self) -> str:
+        """The solver's own words."""
+        steps, newton, residual = self.row[:3].tolist()
+        return outcome(residual <= SOLVE, int(steps), int(newton))
 
     @property
     def iterations(self) -> int:
         """Kaczmarz steps."""
-        return int(self.row[0])
+        return int(self.row.item(0))
 
     @property
     def components(self) -> Array:
@@ -177,5 +182,4 @@ class CompiledAnswer:
     @property
     def proposal(self) -> Proposal:
         """The same in natural units, as the solver says it."""
-        words = outcome(bool(self.row[2] <= SOLVE), self.iterations, int(self.row[1]))
-        return Proposal(self.row[-self.kind.design.layout.size :], self.iterations, words)
+        return Proposal(self.row[-self.kind.design.layout.size :], self.iterations, self.outcome)

@@ -44,7 +44,7 @@ def solve_built(
 def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """The solution from an answer of the first stage that passes."""
     judged = Judged(found.candidate, found.verdict, found.iterations)
-    trace = (stage_line(FIRST_STAGE, found.proposal, judged.verdict.residuals.worst),)
+    trace = (stage_line(FIRST_STAGE, found.outcome, found.iterations, judged.verdict.residuals.worst),)
     if not found.unique:
         return make_solution(spec, scene, section, found.kind.design.effects, judged, trace)
     arm = spec.reference - found.centre
@@ -63,7 +63,7 @@ def _in_stages(
     for name, proposal in proposals(problem, solver, natural_start(problem, start), first):
         candidate = problem.candidate(proposal.z)
         verdict = judge(scene, problem.effects, section, candidate)
-        trace.append(stage_line(name, proposal, verdict.residuals.worst))
+        trace.append(stage_line(name, proposal.outcome, proposal.iterations, verdict.residuals.worst))
         if best is None or verdict.residuals.worst < best.verdict.residuals.worst:
             best = Judged(candidate, verdict, proposal.iterations)
         if verdict.residuals.passes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -69,8 +70,7 @@ class Residuals:
         return self.worst <= CERTIFY
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What was recomputed, in the laws' coordinates: motion (c,) object minus fingertip [m], and the residuals."""
 
     motion: Array

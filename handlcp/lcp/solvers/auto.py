@@ -109,7 +109,7 @@ class Auto:
 
         def lifted(run: Callable[[], Proposal | None]) -> Proposal | None:
             p = run()
-            return p if p is None else replace(p, z=problem.lift(p.z))
+            return p if p is None else Proposal(problem.lift(p.z), p.iterations, p.outcome, p.history)
 
         on_set = self._on_contacts(problem.contact, None, None)
         name, first = next(on_set)

@@ -37,8 +37,10 @@ def run_contact(
 
 def outcome(solved: bool, kaczmarz: int, newton: int) -> str:
     """Which part of the method worked, in words."""
-    parts = [f"{count} {kind} steps" for kind, count in (("Kaczmarz", kaczmarz), ("Newton", newton)) if count]
-    return f"{'converged' if solved else 'budget spent'} after {' and '.join(parts) or 'no step'}"
+    taken = f"{newton} Newton steps" if newton else ""
+    if kaczmarz:
+        taken = f"{kaczmarz} Kaczmarz steps{' and ' if taken else ''}{taken}"
+    return f"{'converged' if solved else 'budget spent'} after {taken or 'no step'}"
 
 
 def converged(proposal: Proposal) -> bool:
