@@ -33,6 +33,10 @@ from handlcp.grasp.friction import (
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import Environment
+from handlcp.grasp.model.file_key import FileKey
+from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parallel import Solutions, solve_many
 from handlcp.grasp.verify.judge import Residuals
@@ -47,6 +51,7 @@ __all__ = [
     "Environment",
     "Equilibria",
     "Explanation",
+    "FileKey",
     "FingerForceBound",
     "FrictionLaw",
     "Frictionless",
@@ -56,10 +61,13 @@ __all__ = [
     "GraspSolution",
     "GraspSpec",
     "KnownForce",
+    "Limit",
+    "Placement",
     "PrescribedForce",
     "Pyramid",
     "Required",
     "Residuals",
+    "Scene",
     "SoftFinger",
     "SoftWrist",
     "Solutions",

@@ -1,0 +1,23 @@
+"""Effects and friction laws that a test defines, and that nobody else should meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from handlcp.grasp.friction import law as _law
+from handlcp.grasp.model import effect as _effect
+
+__all__ = ["definitions_of_a_test"]
+
+
+@contextmanager
+def definitions_of_a_test() -> Iterator[None]:
+    """What is defined inside is forgotten behind."""
+    effects, laws = dict(_effect._KINDS), list(_law._LAWS)
+    try:
+        yield
+    finally:
+        _effect._KINDS.clear()
+        _effect._KINDS.update(effects)
+        _law._LAWS[:] = laws
