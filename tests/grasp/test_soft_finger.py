@@ -9,6 +9,7 @@ from scipy.optimize import nnls
 import handlcp as hl
 from tests.support.grasp import arrays, at_centre, judged, limit_surface, soft_modes
 from tests.support.lcp import nearest_in_polyhedron
+from tests.support.search import searched
 
 SOFT = hl.SoftFinger(0.5, 0.005, 3.0)
 
@@ -284,3 +285,21 @@ def test_a_plan_lists_what_a_trace_names():
     for faces in (8, "cone"):
         ran = [line.split(":")[0] for line in g.solve(faces, throw=False).trace]
         assert set(ran) <= set(g.plan(faces))
+
+
+def test_the_search_knows_that_an_open_soft_contact_slips_and_turns_freely():
+    """Two fingers hold a load that lies across the third one, which a gap keeps off: an equilibrium in closed form, in
+    which the object slips by f / (2 k) and turns by m / (2 k d²) before a fingertip that carries nothing.
+    """
+    d, softness, squeeze, law = 0.02, 1e-4, 2e-3, hl.SoftFinger(0.5, 0.004, 50.0)
+    contacts = [hl.Contact((x, 0, 0), (-np.sign(x), 0, 0), law) for x in (-d, d)]
+    contacts.append(hl.Contact((0, 0, d), (0, 0, -1), law))
+    offset = [[0, 0, -squeeze], [0, 0, -squeeze], [0, 0, 1e-3]]
+    g = hl.Grasp(contacts, (0, 1, -1, 0, 0, 0.002), flexibility=softness, offset=offset)
+    found = searched(g, "cone")
+    assert found.outcome == "solution"
+    np.testing.assert_allclose(found.candidate.forces[:, 2], [squeeze / softness] * 2 + [0.0], atol=1e-9)
+    s = g.solve("cone")
+    assert s.contact_state == ("sticking", "sticking", "separated")
+    np.testing.assert_allclose(np.linalg.norm(s.slip[2]), 0.5 * softness, rtol=1e-9)
+    np.testing.assert_allclose(abs(s.spin[2]), 0.002 * softness / (2 * d**2), rtol=1e-9)
