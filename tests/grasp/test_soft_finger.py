@@ -295,11 +295,11 @@ def test_the_search_knows_that_an_open_soft_contact_slips_and_turns_freely():
     contacts = [hl.Contact((x, 0, 0), (-np.sign(x), 0, 0), law) for x in (-d, d)]
     contacts.append(hl.Contact((0, 0, d), (0, 0, -1), law))
     offset = [[0, 0, -squeeze], [0, 0, -squeeze], [0, 0, 1e-3]]
-    g = hl.Grasp(contacts, (0, 1, -1, 0, 0, 0.002), flexibility=softness, offset=offset)
+    g = hl.Grasp(contacts, (0, 8, -8, 0, 0, 0.02), flexibility=softness, offset=offset)
     found = searched(g, "cone")
     assert found.outcome == "solution"
     np.testing.assert_allclose(found.candidate.forces[:, 2], [squeeze / softness] * 2 + [0.0], atol=1e-9)
     s = g.solve("cone")
     assert s.contact_state == ("sticking", "sticking", "separated")
-    np.testing.assert_allclose(np.linalg.norm(s.slip[2]), 0.5 * softness, rtol=1e-9)
-    np.testing.assert_allclose(abs(s.spin[2]), 0.002 * softness / (2 * d**2), rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(s.slip[2]), 8.0 * softness / 2, rtol=1e-9)
+    np.testing.assert_allclose(abs(s.spin[2]), 0.02 * softness / (2 * d**2), rtol=1e-9)
