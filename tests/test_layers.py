@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import pathlib
+import re
 from collections import Counter
 from functools import cache
 
@@ -30,6 +31,20 @@ ORDER = [
     "study",
     "show",
     "cli",
+]
+# Of grasp, as the table of handlcp/README.md has them
+GRASP = [
+    "friction",
+    "model",
+    "effects",
+    "assembly",
+    "verify",
+    "answer",
+    "search",
+    "solve",
+    "analysis",
+    "grasp",
+    "parallel",
 ]
 FILES = sorted(p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ORDER)
 MOST = 14  # files of a folder, besides its __init__.py
@@ -102,6 +117,18 @@ def test_a_room_imports_only_rooms_below_it(file):
     for name, _ in imports(file):
         assert name != "handlcp", f"{file} imports the top level"
         assert ORDER.index(name.split(".")[1]) <= ORDER.index(mine), f"{file} imports {name}"
+
+
+@pytest.mark.parametrize("room", GRASP)
+def test_a_room_of_grasp_imports_only_rooms_below_it(room):
+    inside = [(name, m) for name, others in graph().items() for m in others if name.startswith(f"handlcp.grasp.{room}")]
+    used = {(name, m.split(".")[2]) for name, m in inside if m.startswith("handlcp.grasp.")}
+    assert not {(name, other) for name, other in used if GRASP.index(other) > GRASP.index(room)}
+
+
+def test_the_page_lists_the_rooms_of_grasp_in_the_same_order():
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `grasp/(\w+)`", page, re.M) == [room for room in GRASP if (ROOT / "grasp" / room).is_dir()]
 
 
 @pytest.mark.parametrize("file", FILES, ids=short)
