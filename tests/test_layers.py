@@ -33,7 +33,7 @@ ORDER = [
     "cli",
 ]
 # Of grasp, as the table of handlcp/README.md has them
-GRASP = [
+GRASP = "friction model effects assembly verify answer search solve analysis grasp parallel".split()
     "friction",
     "model",
     "effects",
