@@ -22,7 +22,7 @@ from handlcp.lcp.kernels.newton import active_set
 from handlcp.lcp.mode_program import ModeProgram
 from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.status import Status
-from handlcp.tolerances import RANK, SOLVE
+from handlcp.tolerances import SOLVE
 
 __all__ = ["Outcome", "SearchResult", "search"]
 
@@ -119,5 +119,5 @@ def _search(
 def _polish(s: Scaled, on: Bools) -> Array:
     """M_AA z_A = -q_A for the active set A = on, and a few Newton steps from there should its signs be wrong."""
     z, w = np.where(on, 1.0, 0.0), np.where(on, 0.0, 1.0)
-    active_set(s.M, s.q, s.free, z, w, 4, SOLVE * 1e-3, RANK)
+    active_set(s.M, s.q, s.free, z, w, 4, SOLVE * 1e-3)
     return z
