@@ -40,10 +40,8 @@ def reduce(problem: Scaled) -> Reduced:
     """Eliminate the free unknowns. `consistent` is False when an equation that touches no unknown is not 0 = 0."""
     M, q, free = problem.M, problem.q, problem.free
     n = len(q)
-    swapped = _swap(M, free)
+    swapped, (U, sv, Vt) = _swap(M, free)
     S, B = free | swapped, ~(free | swapped)
-    K = M[np.ix_(S, S)]
-    U, sv, Vt = np.linalg.svd(K)
     keep = sv > RANK * sv.max(initial=0.0)
     # Columns of `right`: y of the swapped pairs (unknowns of the new problem), x_B, constant
     own = np.eye(int(S.sum()))[:, swapped[S]]
@@ -60,25 +58,19 @@ def reduce(problem: Scaled) -> Reduced:
     return Reduced(np.ascontiguousarray(rows[:, :-1]), rows[:, -1].copy(), full[:, :-1], full[:, -1], consistent)
 
 
-def _swap(M: Array, free: Bools) -> Bools:
-    """Complementary pairs whose joining makes the free block regular, as far as they can."""
+def _swap(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, Array]]:
+    """Complementary pairs whose joining makes the free block K regular, as far as they can; and K's singular values."""
     swapped = np.zeros(len(free), bool)
     while True:
         S, B = free | swapped, np.flatnonzero(~(free | swapped))
         U, sv, Vt = np.linalg.svd(M[np.ix_(S, S)])
         null = sv <= RANK * sv.max(initial=0.0)
-        if not null.any() or not len(B):
-            return swapped
         # How strongly each candidate resists what is singular, from its row (seen by Vt) and its column (seen by U)
         column = U[:, null].T @ M[np.ix_(S, B)]
-        row = M[np.ix_(B, S)] @ Vt[null].T
-        strength = np.linalg.norm(column, axis=0) * np.linalg.norm(row, axis=1)
-        if strength.max() <= RANK:
-            return swapped
-        _, _, order = qr(
-            column * np.sqrt(strength / np.maximum(np.linalg.norm(column, axis=0) ** 2, 1e-300)),
-            mode="economic",
-            pivoting=True,
-        )
+        size, other = np.linalg.norm(column, axis=0), np.linalg.norm(M[np.ix_(B, S)] @ Vt[null].T, axis=1)
+        strength = size * other
+        if strength.max(initial=0.0) <= RANK:  # as where nothing is singular, or no pair is left
+            return swapped, (U, sv, Vt)
+        _, _, order = qr(column * np.sqrt(strength / np.maximum(size**2, 1e-300)), mode="economic", pivoting=True)
         useful = [j for j in order[: int(null.sum())] if strength[j] > RANK]
         swapped[B[useful or [int(strength.argmax())]]] = True

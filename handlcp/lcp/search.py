@@ -22,7 +22,7 @@ from handlcp.lcp.kernels.newton import active_set
 from handlcp.lcp.mode_program import ModeProgram
 from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.status import Status
-from handlcp.tolerances import RANK, SOLVE
+from handlcp.tolerances import SOLVE
 
 __all__ = ["Outcome", "SearchResult", "search"]
 
@@ -77,19 +77,22 @@ def search(
     size = 1.0 + float(abs(s.q).max(initial=0.0))
     ok = accept or (lambda z: certify(problem, z * s.units.z)[0] is Status.SOLVED)
     boxes = [_WIDE] if bound_z is not None and bound_w is not None else [_NARROW, _WIDE]
-    result: SearchResult | None = None
-    cuts = 0
-    for k, factor in enumerate(boxes):
+    pairs, cuts = ContactProblem(s.M, s.q, Pattern.of(s.free, _NO_BLOCKS), FrictionSets(_NO_LIMITS, 0), s.units), 0
+    for k, factor in enumerate(boxes, 1):
         Z = _bound("bound_z", bound_z, factor * size, s.free, np.inf)
         W = _bound("bound_w", bound_w, factor * size, s.free, 0.0)
-        end = start + limit * (k + 1) / len(boxes)
-        outcome, z, refused = _search(s, Z, W, end, ok)
-        cuts += refused
-        result = SearchResult(outcome, z, Z, W, time.monotonic() - start, int((~s.free).sum()), cuts)
-        if outcome == "solution":
+        program, before, z = ModeProgram(pairs, Z, W), cuts, None
+        for points in program.visit(start + limit * k / len(boxes), _CUTS):
+            near = (c for x in points for c in (_polish(s, s.free | (x > 0.0)), x))
+            if (z := next(filter(ok, near), None)) is not None:
+                break
+            cuts += 1
+        if z is not None:
             break
-    assert result is not None
-    return result
+    none = program.exhausted and cuts == before
+    outcome: Outcome = "solution" if z is not None else "none" if none else "unknown"
+    z = z if z is None else read_only(z)
+    return SearchResult(outcome, z, Z, W, time.monotonic() - start, int((~s.free).sum()), cuts)
 
 
 def _bound(name: str, value: Any, default: float, free: Bools, elsewhere: float) -> Array:
@@ -101,23 +104,8 @@ def _bound(name: str, value: Any, default: float, free: Bools, elsewhere: float)
     return read_only(out)
 
 
-def _search(
-    s: Scaled, Z: Array, W: Array, end: float, accept: Callable[[Array], bool]
-) -> tuple[Outcome, Array | None, int]:
-    """One box: (outcome, z, cuts)."""
-    pairs = ContactProblem(s.M, s.q, Pattern.of(s.free, _NO_BLOCKS), FrictionSets(_NO_LIMITS, 0), s.units)
-    program, cuts = ModeProgram(pairs, Z, W), 0
-    for points in program.visit(end, _CUTS):
-        for z in points:
-            for candidate in (_polish(s, s.free | (z > 0.0)), z):
-                if accept(candidate):
-                    return "solution", read_only(candidate), cuts
-        cuts += 1
-    return "none" if program.exhausted and not cuts else "unknown", None, cuts
-
-
 def _polish(s: Scaled, on: Bools) -> Array:
     """M_AA z_A = -q_A for the active set A = on, and a few Newton steps from there should its signs be wrong."""
     z, w = np.where(on, 1.0, 0.0), np.where(on, 0.0, 1.0)
-    active_set(s.M, s.q, s.free, z, w, 4, SOLVE * 1e-3, RANK)
+    active_set(s.M, s.q, s.free, z, w, 4, SOLVE * 1e-3)
     return z

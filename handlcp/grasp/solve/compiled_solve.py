@@ -21,7 +21,7 @@ from handlcp.grasp.verify.contact_laws import Friction, examine
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact_rows import in_order
 from handlcp.lcp.kernels.contact_run import contact_run
-from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, RANK, SOLVE
+from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
 __all__ = ["HEAD", "ScenePattern", "answer_width", "scene_width", "solve_scenes"]
 
@@ -137,11 +137,11 @@ def _solved(
     if len(start) > 0:
         _begin(x, start, p, freedom, posed)
         y[:] = x[p.order]
-        _, newton, r = contact_run(problem, y, False, seed, 0, True, SOLVE * 1e-2, RANK)
+        _, newton, r = contact_run(problem, y, False, seed, 0, True, SOLVE * 1e-2)
     steps = 0
     if not r <= SOLVE:
         y[:] = 0.0
-        steps, more, r = contact_run(problem, y, True, seed, len(x), True, SOLVE * 1e-2, RANK)
+        steps, more, r = contact_run(problem, y, True, seed, len(x), True, SOLVE * 1e-2)
         newton += more
     x[p.order] = y
     return steps, newton, r

@@ -8,6 +8,8 @@ from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
+from handlcp.lcp.kernels.newton import size
+from handlcp.tolerances import RANK
 
 __all__ = ["contact_newton", "hold"]
 
@@ -16,7 +18,7 @@ _SHORTEST = 1e-2  # step length at which the line search takes what it has
 
 
 @kernel
-def hold(p: Contacts, apart: Bools, slippery: Bools, x: Array, rank_tolerance: float) -> None:
+def hold(p: Contacts, apart: Bools, slippery: Bools, x: Array) -> None:
     """Write into x (n,) the solution of the linear problem in which pairs stay at 0 where `apart` (n,), contacts carry
     nothing along their tangents where `slippery` (k,), and every other contact sticks.
     """
@@ -30,11 +32,11 @@ def hold(p: Contacts, apart: Bools, slippery: Bools, x: Array, rank_tolerance: f
             for i in p.blocks[k, 1:]:
                 if i >= 0:
                     A[i], A[i, i], rhs[i] = 0.0, 1.0, 0.0
-    solve_ranked(A, rhs, x, col, rank_tolerance)
+    solve_ranked(A, rhs, x, col, RANK)
 
 
 @kernel
-def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float, rank_tolerance: float) -> tuple[int, float]:
+def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float) -> tuple[int, float]:
     """Semismooth Newton on F in place, with a line search that lets ‖F‖ rise for a while (Grippo, Lampariello &
     Lucidi 1986). Stops at ‖F‖ ≤ tolerance × max(1, largest |x|). Returns (steps, ‖F‖ over that size).
     """
@@ -44,21 +46,17 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float, rank_tol
     multiply_add(p.M, x, p.q, y)
     total, relative = rows(p, x, y, F, g), np.inf
     for step in range(steps + 1):
-        size = 1.0
-        for i in range(n):
-            size = max(size, abs(x[i]))
-        relative = np.sqrt(total) / size
+        relative = np.sqrt(total) / size(x)
         if not total < np.inf:
             return step, np.inf
         if relative <= tolerance or step == steps:
             return step, relative
         _jacobian(p.M, g, J)
-        solve_ranked(J, F, dx, col, rank_tolerance)
+        solve_ranked(J, F, dx, col, RANK)
         recent[step % _MEMORY] = total
         ceiling, t = np.max(recent), 1.0
         while True:
-            for i in range(n):
-                x1[i] = x[i] - t * dx[i]
+            x1[:] = x - t * dx
             multiply_add(p.M, x1, p.q, y)
             total = rows(p, x1, y, F, g)
             if total <= (1.0 - 1e-4 * t) * ceiling:

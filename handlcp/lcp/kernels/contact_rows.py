@@ -19,16 +19,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints
+from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.projection import nearest
 
-__all__ = ["Contacts", "Subgradient", "contact_order", "in_order", "roles", "row_scales", "rows", "work"]
+__all__ = ["Contacts", "Subgradient", "in_order", "row_scales", "rows", "work"]
 
 
 class Contacts(NamedTuple):
-    """A contact problem for kernels, its unknowns in `contact_order`: M (n, n), q (n,), role (n,) of `roles`, rho (n,)
-    of `row_scales`, blocks (k, 4), limits (k,), faces, normals (f, 3) as in `ContactProblem`.
+    """A contact problem for kernels, its unknowns in the order of its `Pattern`: M (n, n), q (n,), role (n,), blocks
+    (k, 4), limits (k,), faces, normals (f, 3) as in `ContactProblem`, and rho (n,) of `row_scales`.
     """
 
     M: Array
@@ -48,20 +48,6 @@ class Subgradient(NamedTuple):
     c: Array
     row: Ints
     b: Array
-
-
-@kernel
-def roles(free: Bools, blocks: Ints) -> Ints:
-    """(n,) 0 free, 1 pair, 2 tangent of a friction block."""
-    role = np.ones(len(free), np.int64)
-    for i in range(len(free)):
-        if free[i]:
-            role[i] = 0
-    for k in range(len(blocks)):
-        for a in range(1, 4):
-            if blocks[k, a] >= 0:
-                role[blocks[k, a]] = 2
-    return role
 
 
 @kernel
@@ -87,41 +73,16 @@ def row_scales(M: Array, blocks: Ints) -> Array:
 
 
 @kernel
-def contact_order(role: Ints, blocks: Ints) -> Ints:
-    """(n,) the unknowns contact by contact, then single pairs, then the free ones. A finger's rows meet few columns but
-    its own and the object's, so that elimination in this order finds most multipliers zero.
-    """
-    n = len(role)
-    order, taken, at = np.empty(n, np.int64), np.zeros(n, np.bool_), 0
-    for k in range(len(blocks)):
-        for i in blocks[k]:
-            if i >= 0:
-                order[at], taken[i] = i, True
-                at += 1
-    for kind in (1, 2, 0):
-        for i in range(n):
-            if role[i] == kind and not taken[i]:
-                order[at] = i
-                at += 1
-    return order
-
-
-@kernel
 def in_order(
     M: Array, q: Array, role: Ints, blocks: Ints, order: Ints, limits: Array, faces: int, normals: Array
 ) -> Contacts:
     """The problem with its unknowns in this order."""
     n = len(q)
-    moved, place, there = np.empty((n, n)), np.empty(n + 1, np.int64), blocks.copy()
-    place[n] = -1  # no such tangent stays none
-    for s in range(n):
-        place[order[s]] = s
-        for t in range(n):
-            moved[s, t] = M[order[s], order[t]]
-    for k in range(len(blocks)):
-        for a in range(4):
-            there[k, a] = place[blocks[k, a]]
-    return Contacts(moved, q[order], role[order], row_scales(M, blocks)[order], there, limits, faces, normals)
+    place = np.empty(n + 1, np.int64)
+    place[order], place[n] = np.arange(n), -1  # no such tangent stays none
+    there = place[blocks.ravel()].reshape(blocks.shape)
+    scales = row_scales(M, blocks)[order]
+    return Contacts(M[order][:, order], q[order], role[order], scales, there, limits, faces, normals)
 
 
 @kernel
@@ -149,8 +110,7 @@ def rows(p: Contacts, x: Array, y: Array, F: Array, g: Subgradient) -> float:
         n, tangents = p.blocks[k, 0], 1
         while tangents < 3 and p.blocks[k, tangents + 1] >= 0:
             tangents += 1
-        for a in range(3):
-            s[a] = 0.0
+        s[:] = 0.0
         for a in range(tangents):
             i = p.blocks[k, 1 + a]
             s[a] = x[i] - p.rho[i] * y[i]

@@ -25,7 +25,7 @@ _SCALES = (0.03, 0.3, 1.0)
 
 @kernel
 def contact_run(
-    p: Contacts, x: Array, cold: bool, seed: int, most: int, polish: bool, tolerance: float, rank_tolerance: float
+    p: Contacts, x: Array, cold: bool, seed: int, most: int, polish: bool, tolerance: float
 ) -> tuple[int, int, float]:
     """Solve in place from x (n,); cold: from the linear problem in which every contact sticks that starts without a
     gap. Returns (Kaczmarz steps, Newton steps, residual).
@@ -33,12 +33,12 @@ def contact_run(
     most : Kaczmarz steps at most, 0: Newton's method alone. polish : Newton's method before and between them.
     """
     if cold:
-        hold(p, p.q > 0.0, np.zeros(len(p.blocks), np.bool_), x, rank_tolerance)
+        hold(p, p.q > 0.0, np.zeros(len(p.blocks), np.bool_), x)
     taken, newton, r, best = 0, 0, np.inf, x
     if polish:
-        best, newton, r = _from(p, x, cold, tolerance, rank_tolerance)
+        best, newton, r = _from(p, x, cold, tolerance)
     if not polish or (r > tolerance and most > 0):
-        taken, more, r = _in_turns(p, x, best, r, seed, most, polish, tolerance, rank_tolerance)
+        taken, more, r = _in_turns(p, x, best, r, seed, most, polish, tolerance)
         newton += more
     else:
         x[:] = best
@@ -49,37 +49,36 @@ def contact_run(
 
 
 @kernel
-def _newton(p: Contacts, scale: float, x: Array, tolerance: float, rank_tolerance: float) -> tuple[int, float]:
+def _newton(p: Contacts, scale: float, x: Array, tolerance: float) -> tuple[int, float]:
     """Newton's method in place, with ρ times `scale`. A polygon or polyhedron is approached from the answer on the ball
     in its place, which names the faces: from there it takes two or three steps, whatever their number.
     """
     before = 0
     if p.faces > 2:
         ball = Contacts(p.M, p.q, p.role, p.rho * scale, p.blocks, p.limits, 0, p.normals)
-        before, _ = contact_newton(ball, x, _BALL_STEPS, _ON_BALL, rank_tolerance)
+        before, _ = contact_newton(ball, x, _BALL_STEPS, _ON_BALL)
     own = Contacts(p.M, p.q, p.role, p.rho * scale, p.blocks, p.limits, p.faces, p.normals)
-    steps, r = contact_newton(own, x, _STEPS, tolerance, rank_tolerance)
+    steps, r = contact_newton(own, x, _STEPS, tolerance)
     return before + steps, r
 
 
 @kernel
-def _from(p: Contacts, x: Array, cold: bool, tolerance: float, rank_tolerance: float) -> tuple[Array, int, float]:
+def _from(p: Contacts, x: Array, cold: bool, tolerance: float) -> tuple[Array, int, float]:
     """(answer, steps, residual) of Newton's method from x, which is left alone."""
     best, before, r = x.copy(), 0, np.inf
     if not cold and p.faces > 2:  # a good start lies on the right faces already
-        before, r = contact_newton(p, best, _STEPS, tolerance, rank_tolerance)
+        before, r = contact_newton(p, best, _STEPS, tolerance)
         if r <= tolerance:
             return best, before, r
     other = x.copy()
-    steps, r_other = _newton(p, 1.0, other, tolerance, rank_tolerance)
+    steps, r_other = _newton(p, 1.0, other, tolerance)
     return (other, before + steps, r_other) if not r_other > r else (best, before + steps, r)
 
 
 @kernel
 def _in_turns(
-    p: Contacts, x: Array, best: Array, best_r: float, seed: int, most: int, polish: bool, tolerance: float,
-    rank_tolerance: float,
-) -> tuple[int, int, float]:  # fmt: skip
+    p: Contacts, x: Array, best: Array, best_r: float, seed: int, most: int, polish: bool, tolerance: float
+) -> tuple[int, int, float]:
     """Kaczmarz steps and Newton's method in turn, in place, until Newton's converges; else the best of it all."""
     n, newton, taken, k = len(x), 0, 0, 0
     MT = np.ascontiguousarray(p.M.T)
@@ -93,7 +92,7 @@ def _in_turns(
         if not polish:
             return taken, 0, r
         trial = x.copy()
-        steps, r = _newton(p, _SCALES[k % len(_SCALES)], trial, tolerance, rank_tolerance)
+        steps, r = _newton(p, _SCALES[k % len(_SCALES)], trial, tolerance)
         newton += steps
         k += 1
         if r < best_r:

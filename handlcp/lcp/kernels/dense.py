@@ -13,11 +13,11 @@ _NEAR = 0.1  # a pivot this share of its column's largest entry will do: growth 
 @kernel
 def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
     """Write M z + q into w (n,)."""
-    n = len(q)
-    for i in range(n):
-        w[i] = q[i]
-        for j in range(n):
-            w[i] += M[i, j] * z[j]
+    for i in range(len(q)):
+        total = q[i]
+        for j in range(len(q)):
+            total += M[i, j] * z[j]
+        w[i] = total
 
 
 @kernel

@@ -103,24 +103,22 @@ def _in_polyhedron(s: Array, a: float, slope: float, normals: Array, p: Array, D
         D[i, i] = 1.0
     if worst < 0:
         return
-    planes, weights, G = np.empty(3, np.int64), np.zeros(3), np.empty((3, 3))
-    r, count = np.zeros(3), 0
+    planes, weights, r, count = np.empty(3, np.int64), np.zeros(3), np.zeros(3), 0
     for _ in range(_MOST):
-        count = _enter(worst, a, normals, planes, count, weights, G, p)
+        count = _enter(worst, a, normals, planes, count, weights, p)
         worst = _farthest(p, a, normals, tie)
         if worst < 0:
             break
     # Of a change of s only what lies across the active planes is left; a change of a moves them all outward
-    _gram(normals, planes, count, G)
     for c in range(3):
         for i in range(count):
             r[i] = normals[planes[i], c]
-        _solve(G, count, r)
+        _solve(normals, planes, count, r)
         for i in range(count):
             for k in range(3):
                 D[k, c] -= r[i] * normals[planes[i], k]
     r[:] = 1.0
-    _solve(G, count, r)
+    _solve(normals, planes, count, r)
     for i in range(count):
         for k in range(3):
             D[k, 3] += slope * r[i] * normals[planes[i], k]
@@ -138,7 +136,7 @@ def _farthest(p: Array, a: float, normals: Array, tie: float) -> int:
 
 
 @kernel
-def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weights: Array, G: Array, p: Array) -> int:
+def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weights: Array, p: Array) -> int:
     """Move p onto the plane `worst`, as far as the active planes allow: where one of them would pull, it goes first.
 
     Returns how many planes are active then.
@@ -146,11 +144,10 @@ def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weigh
     entering, n = 0.0, normals[worst]
     r, across = np.zeros(3), np.empty(3)
     while True:
-        _gram(normals, planes, count, G)
         for i in range(count):
             m = normals[planes[i]]
             r[i] = m[0] * n[0] + m[1] * n[1] + m[2] * n[2]
-        _solve(G, count, r)
+        _solve(normals, planes, count, r)
         across[:] = n
         drop, length = -1, np.inf
         for i in range(count):
@@ -179,18 +176,13 @@ def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weigh
 
 
 @kernel
-def _gram(normals: Array, planes: Ints, count: int, G: Array) -> None:
-    """G ← the products of the active normals."""
+def _solve(normals: Array, planes: Ints, count: int, x: Array) -> None:
+    """X ← A⁻¹ x, A the products of the active normals, positive definite: elimination without pivoting."""
+    A = np.empty((3, 3))
     for i in range(count):
         for j in range(count):
             m, n = normals[planes[i]], normals[planes[j]]
-            G[i, j] = m[0] * n[0] + m[1] * n[1] + m[2] * n[2]
-
-
-@kernel
-def _solve(G: Array, count: int, x: Array) -> None:
-    """X ← G⁻¹ x for the leading count × count block, positive definite: elimination without pivoting."""
-    A = G.copy()
+            A[i, j] = m[0] * n[0] + m[1] * n[1] + m[2] * n[2]
     for s in range(count):
         for i in range(s + 1, count):
             f = A[i, s] / A[s, s]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache, partial
 
 import numpy as np
 
@@ -103,10 +103,11 @@ class Auto:
         return f"search, {self.search_seconds:g} s at most"
 
     def _on_lcp(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
-        if start is not None or not isinstance(problem, WithMultipliers):
-            yield from self._without_contacts(problem, start)
-            return
+        if start is None and isinstance(problem, WithMultipliers):
+            return self._on_faces(problem)
+        return self._without_contacts(problem, start)
 
+    def _on_faces(self, problem: WithMultipliers) -> Iterator[Stage]:
         def lifted(run: Callable[[], Proposal | None]) -> Proposal | None:
             p = run()
             return p if p is None else Proposal(problem.lift(p.z), p.iterations, p.outcome, p.history)
@@ -117,77 +118,66 @@ class Auto:
         yield "Lemke", lambda: Lemke(seed=self.seed).propose(problem.scaled)
         for name, run in on_set:
             if name != "Lemke":  # the same as on this problem itself
-                yield name + _ON_SET, lambda run=run: lifted(run)  # type: ignore[misc]
-        yield from self._coverings(problem)
+                yield name + _ON_SET, partial(lifted, run)
+        yield self._coverings(problem)
 
     def _without_contacts(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
-        n, seed, pivoted = problem.n, self.seed, list[Array]()
+        n, seed = problem.n, self.seed
 
-        def pivot() -> Proposal:
-            pivoted.append((p := Lemke(seed=seed).propose(problem.scaled)).z)
-            return p
+        @cache
+        def pivoted() -> Proposal:
+            return Lemke(seed=seed).propose(problem.scaled)
 
         def again(k: int) -> Proposal:
             """The first from Lemke's answer, where that is a number."""
-            where = pivoted[-1] if k == 0 and pivoted and np.isfinite(pivoted[-1]).all() else None
-            return _nsngrk(seed + 1 + k, 200 * n).propose(problem.scaled, where)
+            where = pivoted().z if k == 1 and np.isfinite(pivoted().z).all() else None
+            return _nsngrk(seed + k, 200 * n).propose(problem.scaled, where)
 
         yield _PLAIN, lambda: _nsngrk(seed, 3 * n).propose(problem.scaled, start)
-        yield "Lemke", pivot
-        yield from self._coverings(problem)
+        yield "Lemke", pivoted
+        yield self._coverings(problem)
         yield "Newton from other starts", lambda: OtherStarts(seed=seed).propose(problem.scaled)
-        for k in range(self.restarts):
-            yield f"{_PLAIN}, seed {seed + 1 + k}", lambda k=k: again(k)  # type: ignore[misc]
+        for k in range(1, 1 + self.restarts):
+            yield f"{_PLAIN}, seed {seed + k}", partial(again, k)
 
-    def _coverings(self, problem: LCP) -> Iterator[Stage]:
+    def _coverings(self, problem: LCP) -> Stage:
         again = Lemke(coverings=30, seed=self.seed + 1)
-        yield "Lemke, other covering vectors", lambda: again.propose(problem.scaled)
+        return "Lemke, other covering vectors", lambda: again.propose(problem.scaled)
 
     def _on_contacts(self, problem: ContactProblem, start: Array | None, first: Proposal | None) -> Iterator[Stage]:
         seed, m = self.seed, problem.faces
         # Most problems end here, sooner than the list of what else there is could be made
         yield FIRST_STAGE, lambda: first or _nsngrk(seed, problem.n).propose_contact(problem, start)
-        from_pyramids = _FromPyramids(problem, seed)
+
+        @cache
+        def pivoted(faces: int) -> Proposal:
+            """Lemke's answer for a pyramid, as an x of the problem."""
+            assert problem.flat is not None  # nothing else is planned
+            lcp = WithMultipliers(problem, problem.flat(faces))
+            p = Lemke(seed=seed).propose(lcp.scaled)
+            return replace(p, z=lcp.back(p.z))
+
+        def newton(faces: int) -> Proposal | None:
+            """From Lemke's answer, where that is a number; where it fails, once more in units of the limits."""
+            where = pivoted(faces).z
+            if not np.isfinite(where).all():
+                return None
+            p = _NEWTON.propose_contact(problem, where)
+            return p if converged(p) or not len(problem.blocks) else _in_units_of_limits(_NEWTON, problem, where)
+
         # A plane's interval, and contacts without friction, are the same with any faces
         flat = m == 2 or len(problem.blocks) == 0
         own = m if 3 <= m <= _MANY else 8
         if problem.flat is not None:
             if flat or own == m:
-                yield "Lemke", lambda: from_pyramids.pivoted(own)
-            yield f"Newton from Lemke, {own} faces", lambda: from_pyramids.newton(own)
+                yield "Lemke", partial(pivoted, own)
+            yield f"Newton from Lemke, {own} faces", partial(newton, own)
         others = OtherStarts(_TRIES, seed=seed)
         yield "Newton from other starts", lambda: _in_units_of_limits(others, problem, None)
         if problem.flat is not None and not flat:
             for faces in _FACES:
                 if faces != own:
-                    yield f"Newton from Lemke, {faces} faces", lambda f=faces: from_pyramids.newton(f)  # type: ignore[misc]
-
-
-class _FromPyramids:
-    """Answers of Lemke's method on pyramids, and Newton's method from there."""
-
-    def __init__(self, problem: ContactProblem, seed: int) -> None:
-        self.problem, self.seed = problem, seed
-        self.answers: dict[int, Proposal] = {}
-
-    def pivoted(self, faces: int) -> Proposal:
-        """Lemke's answer for a pyramid, as an x of the problem."""
-        if faces not in self.answers:
-            assert self.problem.flat is not None  # nothing else is planned
-            lcp = WithMultipliers(self.problem, self.problem.flat(faces))
-            p = Lemke(seed=self.seed).propose(lcp.scaled)
-            self.answers[faces] = replace(p, z=lcp.back(p.z))
-        return self.answers[faces]
-
-    def newton(self, faces: int) -> Proposal | None:
-        """Newton's method from Lemke's answer, where that is a number; where it fails, once more with forces in units
-        of their limits.
-        """
-        where = self.pivoted(faces).z
-        if not np.isfinite(where).all():
-            return None
-        p = _NEWTON.propose_contact(self.problem, where)
-        return p if converged(p) or not len(self.problem.blocks) else _in_units_of_limits(_NEWTON, self.problem, where)
+                    yield f"Newton from Lemke, {faces} faces", partial(newton, faces)
 
 
 def _in_units_of_limits(solver: ContactSolver, problem: ContactProblem, start: Array | None) -> Proposal:

@@ -9,7 +9,7 @@ from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.contact_newton import hold
 from handlcp.lcp.kernels.contact_run import contact_run
 from handlcp.lcp.result import Proposal
-from handlcp.tolerances import RANK, SOLVE
+from handlcp.tolerances import SOLVE
 
 __all__ = ["FINE", "converged", "held", "in_units_of_limits", "outcome", "run_contact"]
 
@@ -29,7 +29,7 @@ def run_contact(
     order = problem.pattern.order
     x = np.zeros(problem.n) if start is None else np.array(start, dtype=float)[order]
     aim = min(tolerance, SOLVE) * 1e-2 if polish else tolerance
-    steps, newton, r = contact_run(problem.prepared, x, start is None, seed, most, polish, aim, RANK)
+    steps, newton, r = contact_run(problem.prepared, x, start is None, seed, most, polish, aim)
     z = np.empty(problem.n)
     z[order] = x
     return Proposal(z, steps if most else newton, outcome(r <= tolerance, steps, newton))
@@ -53,7 +53,7 @@ def held(problem: ContactProblem, apart: Bools, slippery: Bools) -> Array:
     force where `slippery` (k,), and every other contact sticks.
     """
     order, x, z = problem.pattern.order, np.empty(problem.n), np.empty(problem.n)
-    hold(problem.prepared, apart[order], slippery, x, RANK)
+    hold(problem.prepared, apart[order], slippery, x)
     z[order] = x
     return z
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, integer, number
-from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.lemke import RAY, SOLVED, lemke
-from handlcp.lcp.kernels.newton import active_set
+from handlcp.lcp.kernels.newton import settled
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.result import Proposal
-from handlcp.tolerances import PIVOT, RANK, SOLVE
+from handlcp.tolerances import PIVOT, SOLVE
 
 __all__ = ["Lemke"]
 
@@ -54,7 +53,9 @@ class Lemke:
             z = reduced.restore(v)
         else:
             z, pivots, outcome = self._solve(problem.M, problem.q)
-        return Proposal(_refine(problem, z), pivots, outcome)
+        # The same active set solved afresh from M: pivoting's accumulated rounding goes away
+        z, _ = settled(problem.M, problem.q, problem.free, z, SOLVE * 1e-3)
+        return Proposal(z, pivots, outcome)
 
     def _solve(self, M: Array, q: Array) -> tuple[Array, int, str]:
         n = len(q)
@@ -68,18 +69,3 @@ class Lemke:
                 return z, total, "complementary basis"
             covering = 10.0 ** rng.uniform(-1, 1, n)
         return z, total, "secondary ray" if status == RAY else f"{total} pivots spent"
-
-
-def _refine(problem: Scaled, z: Array) -> Array:
-    """The same active set solved afresh from M: pivoting's accumulated rounding goes away. Kept when it is better."""
-    M, q, free = problem.M, problem.q, problem.free
-    w, better, w_better = np.empty(len(q)), z.copy(), np.empty(len(q))
-    multiply_add(M, z, q, w)
-    before = _worst(z, w, problem)
-    w_better[:] = w
-    _, after = active_set(M, q, free, better, w_better, 4, SOLVE * 1e-3, RANK)
-    return better if after < before else z
-
-
-def _worst(z: Array, w: Array, problem: Scaled) -> float:
-    return float(abs(np.where(problem.free, w, np.minimum(z, w))).max(initial=0.0))

@@ -8,11 +8,11 @@ import numpy as np
 
 from handlcp.check import Array, integer, number
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.newton import active_set, damped_newton
+from handlcp.lcp.kernels.newton import damped_newton, settled
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.contact_run import run_contact
-from handlcp.tolerances import RANK, SOLVE
+from handlcp.tolerances import SOLVE
 
 __all__ = ["SemismoothNewton"]
 
@@ -39,12 +39,9 @@ class SemismoothNewton:
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None; an exact active-set solve takes the last digits."""
         M, q, free = problem.M, problem.q, problem.free
-        n = len(q)
-        z, w = np.zeros(n) if start is None else np.array(start, dtype=float), np.empty(n)
-        steps, r = damped_newton(M, q, free, z, w, int(self.max_iterations), self.tol, RANK)
-        z1, w1 = z.copy(), w.copy()
-        _, r1 = active_set(M, q, free, z1, w1, 4, self.tol * 1e-3, RANK)
-        z, r = (z1, r1) if r1 < r else (z, r)
+        z = np.zeros(len(q)) if start is None else np.array(start, dtype=float)
+        steps, _ = damped_newton(M, q, free, z, np.empty(len(q)), self.max_iterations, self.tol)
+        z, r = settled(M, q, free, z, self.tol * 1e-3)
         return Proposal(z, steps, "converged" if r <= self.tol else f"stalled after {steps} Newton steps")
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:

@@ -16,7 +16,7 @@ from handlcp.lcp.kernels.newton import active_set, damped_newton, size
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.contact_run import run_contact
-from handlcp.tolerances import RANK, SOLVE
+from handlcp.tolerances import SOLVE
 
 __all__ = ["NSNGRK"]
 
@@ -59,7 +59,7 @@ class NSNGRK:
         rows = Rows(M, np.ascontiguousarray(M.T), M @ M.T, problem.q, problem.free)
         state, most = np.full(1, self.seed, np.uint64), self.max_iterations
         if self.polish:
-            steps, solved, written = _polished(rows, z, state, most, self.tol, self.stride, history, RANK)
+            steps, solved, written = _polished(rows, z, state, most, self.tol, self.stride, history)
         else:
             w = np.empty(n)
             multiply_add(M, z, problem.q, w)
@@ -75,7 +75,7 @@ class NSNGRK:
 
 @kernel
 def _polished(
-    p: Rows, z: Array, state: Seeds, most: int, tolerance: float, stride: int, history: Array, rank_tolerance: float
+    p: Rows, z: Array, state: Seeds, most: int, tolerance: float, stride: int, history: Array
 ) -> tuple[int, bool, int]:
     """Kaczmarz steps in place, with Newton's in between. (steps, converged, history rows)."""
     n = len(z)
@@ -90,12 +90,12 @@ def _polished(
             history[k, 0] += taken
         taken, written = taken + done, written + rows
         zt[:], wt[:] = z, w
-        _, r = active_set(p.M, p.q, p.free, zt, wt, 16, tolerance, rank_tolerance)
+        _, r = active_set(p.M, p.q, p.free, zt, wt, 16, tolerance)
         if batch > n and not r <= tolerance * size(zt):
             zt[:], wt[:] = z, w
-            _, r = damped_newton(p.M, p.q, p.free, zt, wt, 30, tolerance, rank_tolerance)
+            _, r = damped_newton(p.M, p.q, p.free, zt, wt, 30, tolerance)
             if r > tolerance:
-                _, r = active_set(p.M, p.q, p.free, zt, wt, 4, tolerance, rank_tolerance)
+                _, r = active_set(p.M, p.q, p.free, zt, wt, 4, tolerance)
         if r < best:
             best = r
             best_z[:] = zt

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from handlcp.lcp.solvers.newton import SemismoothNewton
 
 __all__ = ["OtherStarts"]
 
-_STEPS = 30  # of Newton's method from each start of a plain problem
+_NEWTON = SemismoothNewton(max_iterations=30)  # from each start of a plain problem
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,33 +40,30 @@ class OtherStarts:
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The first start that converges, else the last; a `start` (n,) is tried before all others."""
-        rng, p = np.random.default_rng(self.seed), None
-        for k in range(self.tries):
-            if k == 0 and start is not None:
-                x = start
-            else:
-                # Every share of contacts apart is as likely as any other; in every second start nothing slips
-                apart = rng.random(problem.n) < rng.random()
-                slippery = rng.random(len(problem.blocks)) < (k % 2) * rng.random()
-                x = held(problem, apart, slippery)
-            p = run_contact(problem, 0, 0, True, FINE, x)
-            if converged(p):
-                return replace(p, iterations=k + 1, outcome=f"converged from start {k + 1}")
-        assert p is not None  # there is one try at least
-        return replace(p, iterations=self.tries, outcome="all starts spent")
+        rng = np.random.default_rng(self.seed)
+
+        def held_by_some(k: int) -> Array:
+            # Every share of contacts apart is as likely as any other; in every second start nothing slips
+            apart = rng.random(problem.n) < rng.random()
+            slippery = rng.random(len(problem.blocks)) < (k % 2) * rng.random()
+            return held(problem, apart, slippery)
+
+        return self._first(lambda x: run_contact(problem, 0, 0, True, FINE, x), held_by_some, start)
 
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """The same for a plain problem: the unknowns of a random active set start at 0.1 to 10, the others at 0."""
         rng, n = np.random.default_rng(self.seed), len(problem.q)
-        newton = SemismoothNewton(max_iterations=_STEPS)
-        p = None
+
+        def some_active(k: int) -> Array:
+            return np.where(rng.random(n) < rng.random(), 10.0 ** rng.uniform(-1.0, 1.0, n), 0.0)
+
+        return self._first(partial(_NEWTON.propose, problem), some_active, start)
+
+    def _first(
+        self, newton: Callable[[Array], Proposal], place: Callable[[int], Array], start: Array | None
+    ) -> Proposal:
         for k in range(self.tries):
-            if k == 0 and start is not None:
-                z = start
-            else:
-                z = np.where(rng.random(n) < rng.random(), 10.0 ** rng.uniform(-1.0, 1.0, n), 0.0)
-            p = newton.propose(problem, z)
+            p = newton(start if k == 0 and start is not None else place(k))
             if converged(p):
                 return replace(p, iterations=k + 1, outcome=f"converged from start {k + 1}")
-        assert p is not None  # there is one try at least
         return replace(p, iterations=self.tries, outcome="all starts spent")
