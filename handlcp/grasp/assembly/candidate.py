@@ -38,21 +38,20 @@ class Candidate(NamedTuple):
 
 def decode(scene: Scene, system: System, x: Array) -> Candidate:
     """Forces, motion and further unknowns from x (N,), all unknowns of the system in natural units."""
-    kind, normal = scene.kind, system.at.get("r_N")
-    at = 0 if normal is None else normal.start, system.tangential, system.at["u"].start
-    many = len(kind.normal_index)
-    forces, free = in_si(x, kind.index, many, at, scene.given.prescribed, scene.geometry, kind.dof)
+    normal, count, tangential = system.layout.forces
+    at, given = (normal, tangential, system.at["u"].start), scene.given.prescribed
+    forces, free = in_si(x, scene.kind.index, count, at, given, scene.geometry, scene.dof)
     extra = {g.name: x[system.at[g.name]] * g.sizes(scene)[0] for g in system.layout.extra}
     return Candidate(forces, free @ scene.freedom, extra, len(scene.soft))
 
 
 def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
     """(N,) natural units, from forces, motion and unknowns of further effects, as far as given; zero for the others."""
-    x, at, forces = np.zeros(len(system.q)), system.at, candidate.components / scene.units.force
-    if "r_N" in at:
-        x[at["r_N"]] = forces[scene.kind.normal_index]
-    tangential = forces[scene.kind.tangent_index]
-    x[system.tangential : system.tangential + len(tangential)] = tangential
+    x, at = np.zeros(len(system.q)), system.at
+    normal, count, tangential = system.layout.forces
+    forces = candidate.components[scene.kind.index] / scene.units.force
+    x[normal : normal + count] = forces[:count]
+    x[tangential : tangential + len(forces) - count] = forces[count:]
     x[at["u"]] = scene.natural_twist(candidate.twist)
     for g in system.layout.extra:
         known = candidate.extra.get(g.name)

@@ -13,6 +13,7 @@ from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
 from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
+from handlcp.lcp.contact import NO_NORMALS
 
 __all__ = ["Design", "GraspContact", "called_for", "design", "outward", "stamped"]
 
@@ -109,7 +110,7 @@ def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Desi
     blocks = np.full((len(contacts), 4), -1, dtype=np.int64)
     if contacts:
         blocks[:, 0] = where.at["r_N"].start + kind.rows_of(contacts)
-        at = where.tangential
+        at = where.forces[2]
         for block, i in zip(blocks, contacts, strict=True):
             t = kind.tangents[i]
             block[1 : 1 + t] = np.arange(at, at + t)
@@ -120,11 +121,11 @@ def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Desi
 def friction_sets(scene: Scene, section: Section) -> FrictionSets:
     """Of the contacts with friction, in the order of the blocks."""
     limits = scene.limits(section)[[*scene.rough, *scene.soft]]
+    return FrictionSets(read_only(limits), section.faces, outward(scene, section))
+
+
+def outward(scene: Scene, section: Section) -> Array:
+    """(f, 3) outward normals of the polyhedra of soft contacts, as kernels read them; none where no set has faces."""
     if not scene.soft or not section.faces:
-        return FrictionSets(read_only(limits), section.faces)
-    return FrictionSets(read_only(limits), section.faces, outward(section))
-
-
-def outward(section: Section) -> Array:
-    """(f, 3) outward normals of the polyhedra of soft contacts, as kernels read them."""
+        return NO_NORMALS
     return read_only(np.ascontiguousarray(limit_set(section, 3).normals.T))

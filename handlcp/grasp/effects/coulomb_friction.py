@@ -56,7 +56,7 @@ class CoulombFriction(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: two a contact, one in a plane."""
-        return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force", "motion"),)
+        return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""

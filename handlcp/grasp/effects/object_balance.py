@@ -45,11 +45,11 @@ class ObjectBalance(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """u: (dof,) motion of the object about the contacts' centre."""
-        return (Unknown("u", scene.dof, True, "twist", "wrench"),)
+        return (Unknown("u", scene.dof, True, "twist"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Balance rows and, transposed, the object's motion in the contact rows."""
-        system.couple_motion(scene.natural.G)
+        system.couple("u", scene.natural.G, 1.0)
         system.load("u", scene.natural.w)
 
 

@@ -51,7 +51,7 @@ class SoftFingerFriction(Effect):
         shape = "exact ellipsoid"
         if isinstance(self.section, Pyramid):
             where = "inscribed" if self.section.inscribed else "circumscribed"
-            shape = f"{limit_set(self.section, 3).faces} faces, {where}"
+            shape = f"{limit_set(self.section, 3).normals.shape[1]} faces, {where}"
         return f"{len(scene.soft)} contacts with μ_τ > 0, {shape}"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
@@ -60,7 +60,7 @@ class SoftFingerFriction(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_S: x, y and the moment over its lever, three a contact."""
-        return (Unknown("r_S", 3 * len(scene.soft), True, "force", "motion"),)
+        return (Unknown("r_S", 3 * len(scene.soft), True, "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""

@@ -49,7 +49,7 @@ class UnilateralContact(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_N: (n_N,) normal forces."""
-        return (Unknown("r_N", len(scene.kind.normal_index), False, "force", "motion"),)
+        return (Unknown("r_N", len(scene.kind.normal_index), False, "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial gaps."""

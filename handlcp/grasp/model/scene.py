@@ -185,13 +185,6 @@ class Scene:
         u, k = self.units, 3 if self.plane is None else 2
         return np.array((u.motion,) * k + (u.motion / u.length,) * (self.dof - k))
 
-    def size(self, measure: str) -> float | Array:
-        """SI size of one natural unit of a "force", "motion", "twist" or "wrench"."""
-        u, k = self.units, 3 if self.plane is None else 2
-        if measure == "wrench":
-            return np.array([u.force] * k + [u.force * u.length] * (self.dof - k))
-        return self.twist_units if measure == "twist" else u.force if measure == "force" else u.motion
-
     def twist(self, natural: Array) -> Array:
         """(6,) SI twist about the contacts' centre from (dof,) natural components."""
         return np.asarray((natural * self.twist_units) @ self.freedom)

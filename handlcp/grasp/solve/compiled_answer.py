@@ -18,7 +18,6 @@ from handlcp.grasp.solve.compiled_solve import HEAD, ScenePattern, answer_width,
 from handlcp.grasp.verify.contact_laws import Misses
 from handlcp.grasp.verify.judge import Residuals, Verdict
 from handlcp.lcp import Proposal
-from handlcp.lcp.contact import NO_NORMALS
 from handlcp.lcp.solvers.contact_run import outcome
 from handlcp.tolerances import CERTIFY, SOLVE
 
@@ -35,15 +34,14 @@ class CompiledKind:
     def __init__(self, scene: Scene, section: Section) -> None:
         kind, self.design = scene.kind, design(scene, section, ())
         where, roles, soft = self.design.layout, self.design.pattern, len(scene.soft)
-        normal = where.at.get("r_N", slice(0, 0))
         self.kind: Kind = kind
         self.scene_width, self.answer_width = (
             scene_width(kind.n, soft, kind.dof), answer_width(kind.n, soft, where.size)
         )  # fmt: skip
         self.pattern = ScenePattern(
             kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
-            outward(section) if soft and section.faces else NO_NORMALS, kind.flexible, kind.dof,
-            (normal.start, normal.stop - normal.start, where.tangential, where.at["u"].start, where.size), soft,
+            outward(scene, section), kind.flexible, kind.dof,
+            (*where.forces, where.at["u"].start, where.size), soft,
         )  # fmt: skip
 
 
