@@ -67,21 +67,17 @@ class Posed(NamedTuple):
 @kernel
 def pose(g: Given, index: Ints) -> tuple[Posed, Blocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
-    force, length, motion, centre = _sizes(g)
-    wrench = np.empty(6)
-    wrench[:3] = g.force
-    wrench[3] = g.moment[0] - centre[1] * g.force[2] + centre[2] * g.force[1]
-    wrench[4] = g.moment[1] - centre[2] * g.force[0] + centre[0] * g.force[2]
-    wrench[5] = g.moment[2] - centre[0] * g.force[1] + centre[1] * g.force[0]
+    force, length, motion, centre, wrench = _sizes(g)
     arms = g.positions - centre
     posed = Posed(force, length, motion, centre, arms, wrench, wrench_map(arms, g.frames, g.spin))
     return posed, _blocks(g, posed, index)
 
 
 @kernel
-def _sizes(g: Given) -> tuple[float, float, float, Array]:
-    """(force, length, motion, centre): force is the size of the load plus that of the squeeze, length the rms distance
-    of the contacts from their centre, motion = force × the mean flexibility.
+def _sizes(g: Given) -> tuple[float, float, float, Array, Array]:
+    """(force, length, motion, centre, wrench): force is the size of the load plus that of the squeeze, length the rms
+    distance of the contacts from their centre, motion = force × the mean flexibility; wrench (6,) of the load about the
+    centre.
     """
     n = len(g.positions)
     centre = np.zeros(3)
@@ -99,14 +95,12 @@ def _sizes(g: Given) -> tuple[float, float, float, Array]:
         length = away
     if length == 0.0:
         length = 1.0
-    m = g.moment - np.array(
-        [
-            centre[1] * g.force[2] - centre[2] * g.force[1],
-            centre[2] * g.force[0] - centre[0] * g.force[2],
-            centre[0] * g.force[1] - centre[1] * g.force[0],
-        ]
-    )
-    load = np.sqrt(np.sum(g.force * g.force) + np.sum(m * m) / length**2)
+    wrench = np.empty(6)
+    wrench[:3] = g.force
+    wrench[3] = g.moment[0] - centre[1] * g.force[2] + centre[2] * g.force[1]
+    wrench[4] = g.moment[1] - centre[2] * g.force[0] + centre[0] * g.force[2]
+    wrench[5] = g.moment[2] - centre[0] * g.force[1] + centre[1] * g.force[0]
+    load = np.sqrt(np.sum(wrench[:3] ** 2) + np.sum(wrench[3:] ** 2) / length**2)
     travel = np.sqrt(travel)
     size = load + (travel / softness if softness > 0.0 else 0.0)
     if size == 0.0:
@@ -114,7 +108,7 @@ def _sizes(g: Given) -> tuple[float, float, float, Array]:
     motion = softness * size
     if motion == 0.0:
         motion = travel if travel > 0.0 else length
-    return size, length, motion, centre
+    return size, length, motion, centre, wrench
 
 
 @kernel

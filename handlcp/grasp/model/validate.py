@@ -11,11 +11,12 @@ from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.placement import Placement
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.vectors import block_diagonal, cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
 __all__ = [
-    "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed", "reference", "wrench",
+    "blocks", "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed", "reference",
+    "wrench",
 ]  # fmt: skip
 
 
@@ -72,12 +73,11 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
 
 def in_plane(frames: Array, normal: Array) -> Array:
     """Contact frames turned about their normals until x lies in the plane, on the side of the contact's own x axis."""
-    out = np.empty_like(frames)
-    for i, R in enumerate(frames):
-        x = cross_rows(normal, R[:, 2])
-        x = x / np.sqrt(x @ x) * (-1.0 if x @ R[:, 0] < 0 else 1.0)
-        out[i] = np.column_stack([x, cross_rows(R[:, 2], x), R[:, 2]])
-    return out
+    z = frames[:, :, 2]
+    x = cross_rows(normal, z)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    x[(x * frames[:, :, 0]).sum(axis=1) < 0] *= -1.0
+    return np.stack([x, cross_rows(z, x), z], axis=2)
 
 
 def reference(value: Any, normal: Array | None, positions: Array) -> Array:
@@ -129,28 +129,22 @@ def flexibility(value: Any, n: int, planar: bool) -> Array:
     """(3n, 3n) from a number, a (3,) diagonal, (n, 3, 3) blocks or the whole matrix; planar: also with 2 for 3."""
     if dimensions(value) == 0:
         return read_only(np.eye(3 * n) * number("flexibility", value, minimum=0.0))
-    shapes: list[tuple[int, ...]] = [(3,), (n, 3, 3), (3 * n, 3 * n)]
-    if planar:
-        shapes += [(2,), (n, 2, 2), (2 * n, 2 * n)]
-    a = array("flexibility", value, *shapes)
-    k = 2 if planar and a.shape in ((2,), (n, 2, 2), (2 * n, 2 * n)) else 3
+    flat = [(2,), (n, 2, 2), (2 * n, 2 * n)] if planar else []
+    a = array("flexibility", value, (3,), (n, 3, 3), (3 * n, 3 * n), *flat)
+    E = psd("flexibility", a) if a.ndim == 2 else block_diagonal(blocks("flexibility", a), n)
+    if a.shape in flat:  # tangent and normal in the plane; nothing acts along y
+        for axis in (0, 1):
+            E = np.insert(E, np.arange(1, 2 * n, 2), 0.0, axis)
+    return read_only(E)
+
+
+def blocks(argument: str, a: Array) -> Array:
+    """(k, k) from its diagonal (k,), entries ≥ 0; or blocks (n, k, k) as they are, symmetric positive semidefinite."""
     if a.ndim == 1:
         if (a < 0).any():
-            raise InputError("flexibility", "entries ≥ 0", a.tolist())
-        a = np.diag(np.tile(a, n))
-    elif a.ndim == 3:
-        blocks = [psd(f"flexibility[{i}]", b) for i, b in enumerate(a)]
-        a = np.zeros((k * n, k * n))
-        for i, b in enumerate(blocks):
-            a[k * i : k * i + k, k * i : k * i + k] = b
-    else:
-        a = psd("flexibility", a)
-    if k == 2:  # tangent and normal in the plane; nothing acts along y
-        keep = np.array([3 * i + j for i in range(n) for j in (0, 2)])
-        full = np.zeros((3 * n, 3 * n))
-        full[np.ix_(keep, keep)] = a
-        a = full
-    return read_only(a)
+            raise InputError(argument, "entries ≥ 0", a.tolist())
+        return np.diag(a)
+    return np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(a)]).reshape(a.shape)
 
 
 def offset(value: Any, preload: Any, n: int) -> Array:
