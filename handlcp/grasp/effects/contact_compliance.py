@@ -73,7 +73,6 @@ class ContactCompliance(Effect):
             raise InputError(f"{argument}.flexibility", f"{at.n} blocks, one for each contact", len(self.flexibility))
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         mean = float(np.trace(self.flexibility, axis1=-2, axis2=-1).mean() / 3)
         return f"asked for: the object's surface gives way by {mean:.3g} m/N in the mean"
 

@@ -77,7 +77,6 @@ class FingerForceBound(Effect):
             raise InputError(f"{argument}.limits", expected, f"{len(self.bounds)}")
 
     def why(self, scene: Scene) -> str:
-        """Asked for, of how many."""
         (limit,) = self.limits(scene)
         if not len(limit.room):
             return "asked for, but no bound is finite"
@@ -94,7 +93,6 @@ class FingerForceBound(Effect):
         return (Limit("z̄_i", rows, every[bounded]),)
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        """Where it is reached."""
         for limit in self.present(scene):
             way = extra[limit.name]
             reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NOTHING)]

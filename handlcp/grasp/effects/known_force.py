@@ -75,7 +75,6 @@ class KnownForce(Effect):
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """One a table."""
         for i, table in enumerate(value):
             parts = tuple(table.get(name) for name in ("x_N", "y_N", "normal_N"))
             contact = contact_number(f"{key}[{i}].contact", table["contact"], fingers)
@@ -86,12 +85,10 @@ class KnownForce(Effect):
 
     @property
     def key(self) -> object:
-        """One a contact."""
         return type(self), self.contact
 
     @property
     def called(self) -> str:
-        """With its contact."""
         return f"known force of contact {self.contact}"
 
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
@@ -102,7 +99,6 @@ class KnownForce(Effect):
             raise InputError(f"{argument}.contact", "a contact whose force is not prescribed", self.contact)
 
     def why(self, scene: Scene) -> str:
-        """Asked for, which components."""
         known = [f"{a} {f:g} N" for a, f in zip(_AXES, self.force, strict=True) if f is not None]
         return f"asked for: contact {self.contact} pushes with {', '.join(known)}"
 
@@ -122,7 +118,6 @@ class KnownForce(Effect):
         return (Limit(f"{name}⁺", rows, room), Limit(f"{name}⁻", -rows, -room))
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        """How far the finger moves."""
         moved = [extra[limit.name] for limit in self.present(scene)]
         if moved and (far := float(abs(moved[0] - moved[1]).max())) > NOTHING:
             yield f"{names[self.contact]} moves by {length(far)} to push as it is known to"

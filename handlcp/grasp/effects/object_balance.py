@@ -32,15 +32,12 @@ class ObjectBalance(Effect):
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Always."""
-        return _BALANCE
+        return cls()
 
     def why(self, scene: Scene) -> str:
-        """Every scene has an object."""
         return "the object is rigid and free to move" + ("" if scene.plane is None else " in its plane")
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
-        """No grasp is without it."""
         return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
@@ -51,6 +48,3 @@ class ObjectBalance(Effect):
         """Balance rows and, transposed, the object's motion in the contact rows."""
         system.couple("u", scene.natural.G, 1.0)
         system.load("u", scene.natural.w)
-
-
-_BALANCE = ObjectBalance()

@@ -114,7 +114,6 @@ class SoftWrist(Effect):
             raise InputError(f"{key}.flexibility", error.expected, error.got) from None
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         linear, angular = np.diagonal(self.flexibility)[:3].mean(), np.diagonal(self.flexibility)[3:].mean()
         return (
             f"asked for: the palm gives way by {linear:.3g} m/N and {angular:.3g} rad/(N·m) in the mean at "

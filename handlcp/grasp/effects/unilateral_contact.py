@@ -33,18 +33,15 @@ class UnilateralContact(Effect):
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Always."""
-        return _CONTACT
+        return cls()
 
     def why(self, scene: Scene) -> str:
-        """How many contacts, with what gap or preload."""
         normal = scene.offset[2 : 3 * scene.n : 3]
         nothing = ACTIVE * scene.units.motion
         gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
         return f"{len(scene.kind.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
-        """No grasp is without it."""
         return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
@@ -54,6 +51,3 @@ class UnilateralContact(Effect):
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial gaps."""
         system.load("r_N", scene.natural.d[: len(scene.kind.normal_index)])
-
-
-_CONTACT = UnilateralContact()

@@ -53,7 +53,6 @@ class AnisotropicCoulomb(FrictionLaw):
 
     @property
     def x_axis(self) -> Any:
-        """As given."""
         return self.along
 
     def with_mu(self, mu: float) -> FrictionLaw:

@@ -27,7 +27,6 @@ class Coulomb(FrictionLaw):
     call: ClassVar[str] = "Coulomb(mu)"
 
     def __post_init__(self) -> None:
-        """Check μ."""
         object.__setattr__(self, "mu", number("Coulomb.mu", self.mu, minimum=0.0))
 
     def with_mu(self, mu: float) -> Coulomb:

@@ -27,7 +27,6 @@ class Pyramid:
     inscribed: bool = True
 
     def __post_init__(self) -> None:
-        """Check the number of faces."""
         try:
             object.__setattr__(self, "faces", integer("faces", self.faces, 3, MOST_FACES))
         except InputError:

@@ -14,6 +14,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.contact import Contact
@@ -99,7 +101,8 @@ class Effect:
 
         value : as `FileKey.holds` says; tables are mappings. fingers : names of the contacts, in order.
         """
-        yield cls(value)  # type: ignore[call-arg]
+        if value is not False:
+            yield cls() if value is True else cls(value)  # type: ignore[call-arg]
 
     def why(self, scene: Scene) -> str:
         """Why the scene has this effect, for `explain()`."""
@@ -185,11 +188,8 @@ class Effect:
         `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
         none is left out. None: nothing.
         """
-        total = None
-        for limit in self.present(scene):
-            part = limit.opening(extra)
-            total = part if total is None else total + part
-        return total
+        parts = [limit.opening(extra) for limit in self.present(scene)]
+        return sum(parts[1:], parts[0]) if parts else None
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
@@ -198,11 +198,8 @@ class Effect:
 
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """
-        worst = 0.0
-        for limit in self.present(scene):
-            part = limit.residual(scene, forces, extra, force_size, motion_size)
-            worst = part if not part <= worst else worst  # NaN stays
-        return worst
+        parts = [limit.residual(scene, forces, extra, force_size, motion_size) for limit in self.present(scene)]
+        return max(parts, default=0.0) if sum(parts) == sum(parts) else np.nan  # max passes over NaN, a sum does not
 
     # ---- what it says of an answer
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
