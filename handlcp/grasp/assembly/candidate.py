@@ -30,11 +30,6 @@ class Candidate(NamedTuple):
         """(n, 3) N."""
         return self.components[: len(self.components) - self.soft].reshape(-1, 3)
 
-    @property
-    def torsion(self) -> Array:
-        """(k,) moments of the soft contacts over their levers [N]."""
-        return self.components[len(self.components) - self.soft :]
-
 
 def decode(scene: Scene, system: System, x: Array) -> Candidate:
     """Forces, motion and further unknowns from x (N,), all unknowns of the system in natural units."""

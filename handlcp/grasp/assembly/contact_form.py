@@ -109,7 +109,7 @@ def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Desi
     contacts = (*kind.rough, *kind.soft)
     blocks = np.full((len(contacts), 4), -1, dtype=np.int64)
     if contacts:
-        blocks[:, 0] = where.at["r_N"].start + kind.rows_of(contacts)
+        blocks[:, 0] = where.forces[0] - 1 + np.cumsum(kind.governed)[list(contacts)]
         at = where.forces[2]
         for block, i in zip(blocks, contacts, strict=True):
             t = kind.tangents[i]

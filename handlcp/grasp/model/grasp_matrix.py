@@ -19,20 +19,20 @@ __all__ = ["Blocks", "Given", "Posed", "pose", "wrench_map"]
 
 
 class Given(NamedTuple):
-    """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), force and moment
-    (3,) of the load about the world's origin, freedom (dof, 6) of the object, forces (c,) that are prescribed, spin
-    (3, k) moments that one of each torsional component stands for.
+    """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), forces (c,) that are
+    prescribed, spin (3, k) moments that one of each torsional component stands for, force and moment (3,) of the load
+    about the world's origin, freedom (dof, 6) of the object.
     """
 
     positions: Array
     frames: Array
     flexibility: Array
     offset: Array
+    prescribed: Array
+    spin: Array
     force: Array
     moment: Array
     freedom: Array
-    prescribed: Array
-    spin: Array
 
 
 class Blocks(NamedTuple):
@@ -48,8 +48,8 @@ class Blocks(NamedTuple):
 
 
 class Posed(NamedTuple):
-    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; arms (n, 3) from
-    there [m]; wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
+    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; wrench (6,) of
+    the load about it [N, N·m]; grasp_matrix (6, c).
 
     Every unit is a norm or a mean (`_sizes`), so another unit, a turned world or another order of fingers changes none
     of them beyond rounding.
@@ -59,7 +59,6 @@ class Posed(NamedTuple):
     length: float
     motion: float
     centre: Array
-    arms: Array
     wrench: Array
     grasp_matrix: Array
 
@@ -68,8 +67,8 @@ class Posed(NamedTuple):
 def pose(g: Given, index: Ints) -> tuple[Posed, Blocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
     force, length, motion, centre, wrench = _sizes(g)
-    arms = g.positions - centre
-    posed = Posed(force, length, motion, centre, arms, wrench, wrench_map(arms, g.frames, g.spin))
+    grasp_matrix = wrench_map(g.positions - centre, g.frames, g.spin)
+    posed = Posed(force, length, motion, centre, wrench, grasp_matrix)
     return posed, _blocks(g, posed, index)
 
 

@@ -116,11 +116,6 @@ class Scene:
         return self.held
 
     # ---- between the coordinates of the laws and contact axes
-    @property
-    def levers(self) -> Array:
-        """(k,) what makes moments of the torsional components of soft contacts [m]."""
-        return _NONE if self.scale is None else self.scale[3 * self.n :]
-
     def physical(self, components: Array) -> Array:
         """(c,) in contact axes, N and N·m, from forces in the laws' coordinates."""
         return components if self.scale is None else components * self.scale
@@ -153,11 +148,12 @@ class Scene:
         """The arrays that compiled code works on."""
         spin = _NO_SPIN
         if self.soft:
-            spin = (self.frames[list(self.soft)][:, :, 2] * self.levers[:, None]).T.copy()
+            levers = np.zeros(0) if self.scale is None else self.scale[3 * self.n :]
+            spin = (self.frames[list(self.soft)][:, :, 2] * levers[:, None]).T.copy()
         known = np.zeros(self.components) if self.prescribed is None else self.prescribed
         return Given(
-            self.positions, self.frames, self.flexibility, self.offset, self.force, self.moment, self.freedom,
-            read_only(known), read_only(spin),
+            self.positions, self.frames, self.flexibility, self.offset, read_only(known), read_only(spin), self.force,
+            self.moment, self.freedom,
         )  # fmt: skip
 
     @lazy
@@ -207,5 +203,4 @@ class Scene:
         return []
 
 
-_NONE = read_only(np.zeros(0))
 _NO_SPIN = read_only(np.zeros((3, 0)))

@@ -23,7 +23,7 @@ from handlcp.lcp.kernels.contact_rows import in_order
 from handlcp.lcp.kernels.contact_run import contact_run
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, RANK, SOLVE
 
-__all__ = ["HEAD", "ScenePattern", "answer_width", "scene_width", "solve_scenes"]
+__all__ = ["HEAD", "ScenePattern", "solve_scenes"]
 
 
 class ScenePattern(NamedTuple):
@@ -53,20 +53,9 @@ class ScenePattern(NamedTuple):
 HEAD = 12
 
 
-def scene_width(n: int, soft: int, dof: int) -> int:
-    """Numbers of a scene, in the order in which `_read` takes them."""
-    c = 3 * n + soft
-    return 12 * n + c * c + 2 * c + 3 * soft + 6 + n + 6 * dof
-
-
-def answer_width(n: int, soft: int, unknowns: int) -> int:
-    """Numbers of an answer."""
-    return HEAD + 2 * (3 * n + soft) + 9 + n + unknowns
-
-
 @kernel
 def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: Array) -> None:
-    """Write the answer to each row of scenes (m, `scene_width`) into rows (m, `answer_width`).
+    """Write the answer to each row of scenes, the numbers of `Given` and the limits, into the same row of rows.
 
     start (c + 9) : forces, twist and centre of an answer nearby. Where that is empty or leads nowhere, a solve begins
     where every contact sticks.
@@ -105,22 +94,13 @@ def _read(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
     a = 12 * n
     b = a + c * c
     d = b + 2 * c
-    e = d + 3 * soft
-    f = e + 6 + n
-    return (
-        Given(
-            scene[: 3 * n].reshape(n, 3),
-            scene[3 * n : a].reshape(n, 3, 3),
-            scene[a:b].reshape(c, c),
-            scene[b : b + c],
-            scene[e : e + 3],
-            scene[e + 3 : e + 6],
-            scene[f:].reshape(dof, 6),
-            scene[b + c : d],
-            scene[d:e].reshape(3, soft),
-        ),
-        scene[e + 6 : f],
-    )
+    e = d + 3 * soft + 6
+    f = e + 6 * dof
+    return Given(
+        scene[: 3 * n].reshape(n, 3), scene[3 * n : a].reshape(n, 3, 3), scene[a:b].reshape(c, c), scene[b : b + c],
+        scene[b + c : d], scene[d : e - 6].reshape(3, soft), scene[e - 6 : e - 3], scene[e - 3 : e],
+        scene[e:f].reshape(dof, 6),
+    ), scene[f:]  # fmt: skip
 
 
 @kernel

@@ -158,13 +158,9 @@ def _laws(contacts: Ints, f: Friction, forces: Array, v: Array, F: float, V: Arr
 @kernel
 def in_world(frames: Array, forces: Array) -> Array:
     """(n, 3) world axes from force components (≥ 3n,) and the frames (n, 3, 3) that they are measured in."""
-    n = len(frames)
-    out = np.empty((n, 3))
-    for i in range(n):
+    out = np.zeros((len(frames), 3))
+    for i in range(len(frames)):
         for k in range(3):
-            out[i, k] = (
-                frames[i, k, 0] * forces[3 * i]
-                + frames[i, k, 1] * forces[3 * i + 1]
-                + frames[i, k, 2] * forces[3 * i + 2]
-            )
+            for a in range(3):
+                out[i, k] += frames[i, k, a] * forces[3 * i + a]
     return out
