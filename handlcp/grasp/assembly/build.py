@@ -74,9 +74,7 @@ def shifted_by(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...]
 
 
 def _with_added(at: Placement, total: Array, added: list[Array | None]) -> Array:
-    """The sum; in a plane without what acts or moves across it: there is no force across it, and motion across it opens
-    no gap.
-    """
+    """The sum; in a plane without what acts or moves across it, where no force is and no gap opens."""
     for more in added:
         if more is not None and more.any():
             if at.planar:

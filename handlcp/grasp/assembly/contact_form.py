@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.grasp.assembly.candidate import Candidate, decode, encode
+from handlcp.grasp.assembly.candidate import Candidate, in_si
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
 from handlcp.grasp.model.scene import Scene
@@ -65,11 +65,26 @@ class GraspContact(ContactProblem):
 
     def candidate(self, x: Array) -> Candidate:
         """Forces and motion from x (n,) in natural units."""
-        return decode(self.scene, self.system, x)
+        scene, at = self.scene, self.system.at
+        normal, count, tangential = self.system.layout.forces
+        begin, given = (normal, tangential, at["u"].start), scene.given.prescribed
+        forces, free = in_si(x, scene.kind.index, count, begin, given, scene.geometry, scene.dof)
+        extra = {g.name: x[at[g.name]] * g.sizes(scene)[0] for g in self.system.layout.extra}
+        return Candidate(forces, free @ scene.freedom, extra, len(scene.soft))
 
     def natural(self, candidate: Candidate) -> Array:
-        """(n,) x with these forces, motion and unknowns of further effects, the way back from `candidate`."""
-        return encode(self.scene, self.system, candidate)
+        """(n,) x with these forces, motion and, as far as given, unknowns of further effects: the way back."""
+        scene, x, at = self.scene, np.zeros(self.n), self.system.at
+        normal, count, tangential = self.system.layout.forces
+        forces = candidate.components[scene.kind.index] / scene.units.force
+        x[normal : normal + count] = forces[:count]
+        x[tangential : tangential + len(forces) - count] = forces[count:]
+        x[at["u"]] = scene.natural_twist(candidate.twist)
+        for g in self.system.layout.extra:
+            known = candidate.extra.get(g.name)
+            if known is not None and len(known) == g.count:  # a scene without other effects may have fewer
+                x[at[g.name]] = known / g.sizes(scene)[0]
+        return x
 
 
 _NO_INTS = np.zeros(0, np.int64)

@@ -112,9 +112,8 @@ class KnownForce(Effect):
                 "KnownForce.force", "no force along tangents without friction or out of the plane", self.force
             )
         rows, room = np.zeros((len(bears), scene.components)), np.array([f for _, f in bears])
-        for row, (at, _) in zip(rows, bears, strict=True):
-            row[at] = 1.0 if scene.scale is None else scene.scale[at]
-        name = f"κ{self.contact}"
+        rows[range(len(bears)), [at for at, _ in bears]] = 1.0
+        rows, name = scene.physical(rows), f"κ{self.contact}"
         return (Limit(f"{name}⁺", rows, room), Limit(f"{name}⁻", -rows, -room))
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:

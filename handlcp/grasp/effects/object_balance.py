@@ -24,8 +24,6 @@ class ObjectBalance(Effect):
     title = "object balance"
     equation = "G_N r_N + G_T r_T + w = 0,  u free"
     when = "The object is rigid and at rest under all that pushes it."
-    in_python = ""
-    in_file = ""
     brings = "6 (3 in a plane)"
     source = "Ai & Li (2025), equations (1) and (2)"
     order = 10

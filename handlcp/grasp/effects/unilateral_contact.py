@@ -25,8 +25,6 @@ class UnilateralContact(Effect):
     title = "unilateral contact"
     equation = "0 ≤ r_N ⟂ ε_N ≥ 0,  ε_N = (Gᵀu + E r + d)_N"
     when = "Fingers push and never pull; gaps and preloads are data."
-    in_python = ""
-    in_file = ""
     brings = "1 a contact"
     source = "Ai & Li (2025), equations (3) and (4)"
     order = 20

@@ -45,9 +45,7 @@ class Pyramid:
 
     @property
     def share(self) -> float:
-        """Distance of the faces from the axis, per newton of normal force and coefficient [-]: cos(π/m) where the edges
-        lie on the cone.
-        """
+        """Distance of the faces from the axis, per newton of normal force and coefficient [-]: cos(π/m), inscribed."""
         return math.cos(math.pi / self.faces) if self.inscribed else 1.0
 
     def limit(self, mu: Array) -> Array:

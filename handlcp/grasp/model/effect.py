@@ -49,7 +49,7 @@ class Effect:
     """One physical effect; subclasses override what they need.
 
     title : what `explain()` calls it. equation : its law in one line. when : who wants it. in_python, in_file : how to
-    ask for it. brings : its unknowns. source : where the law is from.
+    ask for it; "": every grasp has it. brings : its unknowns. source : where the law is from.
     order : place in lists, and among the effects that a scene's data call for the place in which they are stamped.
     file_key : the key of a scene file's [effects] that asks for it; None: no key does.
     by_name : whether it is asked for in `effects=`, not by an argument of its own.
@@ -60,8 +60,8 @@ class Effect:
     title: ClassVar[str] = ""
     equation: ClassVar[str]
     when: ClassVar[str]
-    in_python: ClassVar[str]
-    in_file: ClassVar[str]
+    in_python: ClassVar[str] = ""
+    in_file: ClassVar[str] = ""
     brings: ClassVar[str]
     source: ClassVar[str]
     order: ClassVar[int] = 1000
@@ -139,9 +139,7 @@ class Effect:
         return None
 
     def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:
-        """The effect beside others as it is while the fingers push with forces (n, 3) [N], contact axes; or, in words,
-        why there is none.
-        """
+        """The effect under forces (n, 3) [N] of the fingers, contact axes; or, in words, why there is none."""
         return self
 
     # ---- its unknowns and rows
@@ -216,9 +214,7 @@ class Effect:
         return self.title
 
     def shortfall(self, least_total: float | None) -> str | None:
-        """Why no forces within it balance the load, where it alone can tell; least_total [N]: the least sum of normal
-        forces that would, None where none do.
-        """
+        """Why no forces within it balance the load, where the least sum of normal forces that do [N] tells."""
         return None
 
 

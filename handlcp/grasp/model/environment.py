@@ -55,15 +55,12 @@ class Environment:
         return np.column_stack([np.zeros((len(self.gap), 2)), self.gap])
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Everything is set once."""
         raise AttributeError(f"an Environment is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (Environment, (self.contacts, self.flexibility, self.gap))
 
     def __repr__(self) -> str:
-        """Its contacts."""
         return f"Environment({list(self.contacts)!r})"
 
 

@@ -107,9 +107,7 @@ class System:
         self.q[at] += d[first : first + at.stop - at.start]
 
     def couple(self, row: str, block: Array, sign: float) -> None:
-        """Add sign · block (rows, k) from the force components, normals first, to the rows of a group, and its
-        transpose to the components' rows.
-        """
+        """Add sign · block (rows, k) from force components, normals first, to a group's rows; its transpose back."""
         couple(self.M, self.at[row].start, self.layout.forces, block, sign)
 
     def add_between_forces(self, block: Array) -> None:

@@ -39,9 +39,7 @@ def contacts(value: Any) -> tuple[Contact, ...]:
 
 
 def placed(value: Any, cs: tuple[Contact, ...]) -> tuple[Array, Array, Array | None]:
-    """Positions (n, 3) and frames (n, 3, 3) of contacts, and the normal (3,) of the plane that is asked for; None:
-    spatial.
-    """
+    """Positions (n, 3), frames (n, 3, 3) and the normal (3,) of the plane that is asked for; None: spatial."""
     positions, frames = np.array([c.position for c in cs]), np.array([c.rotation for c in cs])
     normal = plane(value, cs, positions, frames)
     return positions, frames if normal is None else in_plane(frames, normal), normal

@@ -74,17 +74,14 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
         row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
         row[11] = 0.0
-        end = _put(row, HEAD, forces)
-        end = _put(row, end, twist)
-        end = _put(row, end, posed.centre)
-        end = _put(row, end, v)
+        end = HEAD + 2 * len(forces) + 9
+        row[HEAD:end] = np.concatenate((forces, twist, posed.centre, v))
+        row[end + n :] = x
         if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
             slow = ACTIVE * max(m.motion_size, posed.motion)
             states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
             row[11] = _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
-            for i in range(n):
-                row[end + i] = states.kind[i]
-        _put(row, end + n, x)
+            row[end : end + n] = states.kind
 
 
 @kernel
@@ -153,12 +150,10 @@ def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed
     t[0] += t[4] * az - t[5] * ay
     t[1] += t[5] * ax - t[3] * az
     t[2] += t[3] * ay - t[4] * ax
+    free = np.dot(freedom, t)
     for i in range(p.dof):
-        total = 0.0
-        for j in range(6):
-            total += freedom[i, j] * t[j]
         turns = i >= (3 if p.dof == 6 else 2)
-        x[u + i] = total / posed.motion * (posed.length if turns else 1.0)
+        x[u + i] = free[i] / posed.motion * (posed.length if turns else 1.0)
 
 
 @kernel
@@ -169,11 +164,3 @@ def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: Sta
             return 0.0
     A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
     return 1.0 if rank == len(A) else 0.0
-
-
-@kernel
-def _put(row: Array, at: int, values: Array) -> int:
-    """Write an array into the row; returns where the next one goes."""
-    for k in range(len(values)):
-        row[at + k] = values[k]
-    return at + len(values)

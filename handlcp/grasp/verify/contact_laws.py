@@ -94,10 +94,7 @@ def _sizes(
     F is the largest force of the candidate, at least the load's size (the natural unit where there is no load) and at
     most `growth` times that. V is the largest term of the contact's own motions, at least its retreat under F.
     """
-    load = 0.0
-    for k in range(6):
-        load += (p.wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
-    load = np.sqrt(load)
+    load = np.sqrt(np.sum(p.wrench[:3] ** 2) + np.sum(p.wrench[3:] ** 2) / p.length**2)
     if load == 0.0:
         load = p.force
     F = min(max(np.max(np.abs(forces)), load), growth * load)

@@ -29,10 +29,8 @@ def escaping_twist(scene: Scene, section: Section) -> Array | None:
     """
     from scipy.optimize import linprog, nnls  # half a second of import that only a failed solve should pay
 
-    _, W = generators(scene, section)
-    load = scene.natural.w
-    if not W.size:
-        W = np.zeros((scene.dof, 1))
+    load, (_, W) = scene.natural.w, generators(scene, section)
+    W = W if W.size else np.zeros((scene.dof, 1))
     t = load + W @ nnls(W, -load)[0]
     if not is_escape(scene, section, t):
         # Generators that depend on each other can stop nnls early; the vertex of a linear program is exact, if crooked
@@ -62,9 +60,7 @@ def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effec
 
 
 def least_total(scene: Scene, section: Section) -> float | None:
-    """Least sum of the fingers' unknown normal forces [N] with which forces within friction balance the load; None
-    where none do.
-    """
+    """Least sum of the fingers' unknown normal forces [N] with which friction balances the load; None: none does."""
     from scipy.optimize import linprog
 
     F, W = generators(scene, section)

@@ -55,9 +55,7 @@ class LimitsAtAnswer:
         return list(out)
 
     def conditions(self, basis: Array, active: Bools, multipliers: Array) -> tuple[Array, Array]:
-        """(D, now): now + D c ≥ 0 keeps every limit, and every motion that gives way ≥ 0, along a branch of `tangent`;
-        rows in the limits' order.
-        """
+        """(D, now), limits' order: now + D c ≥ 0 keeps every limit, and every motion ≥ 0, along a branch's basis."""
         D = -self.rows @ basis[: self.rows.shape[1]]
         D[active] = multipliers
         return D, np.where(active, self.motion, self.slack)
