@@ -20,8 +20,7 @@ __all__ = ["Design", "GraspContact", "called_for", "design", "outward", "stamped
 
 def called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
     """The effects that the scene's data call for, in the order in which they are stamped."""
-    found = [kind.called_for(scene, section) for kind in effect_kinds()]
-    return tuple([e for e in found if e is not None])
+    return tuple([e for kind in effect_kinds() if (e := kind.called_for(scene, section)) is not None])
 
 
 def stamped(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
@@ -61,7 +60,8 @@ class GraspContact(ContactProblem):
     def limited(self) -> Ints:
         """(m,) which unknowns are motions of limits that give way, those of effects asked for."""
         at, extra = self.system.at, self.system.layout.extra
-        return np.concatenate([_NO_INTS, *(np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free)])
+        own = [np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free]
+        return np.concatenate([np.zeros(0, np.int64), *own])
 
     def candidate(self, x: Array) -> Candidate:
         """Forces and motion from x (n,) in natural units."""
@@ -85,9 +85,6 @@ class GraspContact(ContactProblem):
             if known is not None and len(known) == g.count:  # a scene without other effects may have fewer
                 x[at[g.name]] = known / g.sizes(scene)[0]
         return x
-
-
-_NO_INTS = np.zeros(0, np.int64)
 
 
 @dataclass(frozen=True, slots=True)

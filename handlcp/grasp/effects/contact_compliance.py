@@ -63,7 +63,6 @@ class ContactCompliance(Effect):
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """From a number, three, or a table by finger of these."""
         each = by_finger(key, value, fingers, 0.0)
         yield cls([np.diag(np.ones(3) * c) for c in each] if isinstance(value, dict) else each)
 

@@ -62,7 +62,6 @@ class FingerForceBound(Effect):
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """From a number, a list or a table by finger."""
         bounds = by_finger(key, value, fingers, np.inf)
         if isinstance(bounds, list) and len(bounds) != len(fingers):
             raise InputError(key, f"a number, or {len(fingers)}, one for each contact", f"{len(bounds)}")

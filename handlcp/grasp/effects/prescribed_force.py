@@ -66,9 +66,8 @@ class PrescribedForce(Effect):
         if self.contact >= at.n:
             raise InputError(f"{argument}.contact", f"a contact's number from 0 to {at.n - 1}", self.contact)
         if at.planar and self.force[1] != 0.0:
-            raise InputError(
-                "PrescribedForce.force", "no force out of the plane (y) in a planar scene", self.force.tolist()
-            )
+            expected = "no force out of the plane (y) in a planar scene"
+            raise InputError("PrescribedForce.force", expected, self.force.tolist())
 
     def why(self, scene: Scene) -> str:
         return f"asked for: contact {self.contact} pushes with {self.force.tolist()} N"

@@ -69,8 +69,6 @@ class TorqueSaturation(Effect):
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Both ways, of every joint that has a limit and moves a contact whose force is unknown."""
         joints, levers, k = self._limited(scene)
-        if not len(k):
-            return ()
         known = np.repeat(~scene.governed_mask, 3)
         rows = joints.rows(scene.soft).T[k].copy()
         rows[:, : 3 * scene.n][:, known] = 0.0

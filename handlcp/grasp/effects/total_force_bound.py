@@ -52,8 +52,7 @@ class TotalForceBound(Effect):
             return ()
         rows = np.zeros((1, scene.components))
         rows[0, scene.kind.normal_index] = 1.0
-        if scene.fingers is not None:
-            rows[0, 3 * scene.fingers :] = 0.0
+        rows[0, 3 * (scene.n - scene.environment) :] = 0.0
         return (Limit("z̄", rows, np.array([self.limit])),)
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:

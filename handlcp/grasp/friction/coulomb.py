@@ -30,5 +30,4 @@ class Coulomb(FrictionLaw):
         object.__setattr__(self, "mu", number("Coulomb.mu", self.mu, minimum=0.0))
 
     def with_mu(self, mu: float) -> Coulomb:
-        """Coulomb's law with another coefficient."""
         return Coulomb(mu)

@@ -19,5 +19,4 @@ class Frictionless(FrictionLaw):
     mu = 0.0
 
     def with_mu(self, mu: float) -> Coulomb:
-        """Coulomb's law with this coefficient."""
         return Coulomb(mu)

@@ -117,9 +117,8 @@ def frame(normal: Array, tangent: Array | None = None) -> Array:
     x = tangent - normal * (normal @ tangent)
     length = float(np.sqrt(x @ x))
     if length <= 1e-6 * float(np.sqrt(tangent @ tangent)):
-        raise InputError(
-            "tangent", "a direction that is not along the normal", f"{tangent.tolist()} for normal {normal.tolist()}"
-        )
+        got = f"{tangent.tolist()} for normal {normal.tolist()}"
+        raise InputError("tangent", "a direction that is not along the normal", got)
     x /= length
     # y = z × x, written out: numpy's cross product costs more than all the rest
     (a, b, c), (d, e, f) = normal, x

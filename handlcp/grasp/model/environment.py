@@ -68,9 +68,8 @@ def joined(value: Any) -> Environment:
     """One environment of one or several, every contact with a name of its own. Raises InputError."""
     parts = (value,) if isinstance(value, Environment) else value
     if isinstance(parts, (str, bytes)) or not isinstance(parts, Iterable):
-        raise InputError(
-            "environment", "an Environment (of a Table: table.under(obj)), or a sequence of them", repr(value)[:80]
-        )
+        expected = "an Environment (of a Table: table.under(obj)), or a sequence of them"
+        raise InputError("environment", expected, repr(value)[:80])
     parts = tuple(parts)
     for k, part in enumerate(parts):
         if not isinstance(part, Environment):

@@ -64,8 +64,7 @@ class Limit:
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Slack, and the motion of the contacts that goes with it."""
-        if self.name in system.at:
-            system.couple(self.name, self.natural_rows[:, scene.kind.index], -1.0)
+        system.couple(self.name, self.natural_rows[:, scene.kind.index], -1.0)
         system.load(self.name, self.natural_room(scene))
 
     def opening(self, extra: dict[str, Array]) -> Array:

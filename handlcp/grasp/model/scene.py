@@ -96,10 +96,8 @@ class Scene:
     @property
     def anisotropic(self) -> int:
         """How many contacts have tangents of unequal scale."""
-        if self.scale is None:
-            return 0
-        rows = self.scale[: 3 * self.n].reshape(-1, 3)
-        return int((rows[:, 0] != rows[:, 1]).sum())
+        x, y = slice(0, 3 * self.n, 3), slice(1, 3 * self.n, 3)
+        return 0 if self.scale is None else int((self.scale[x] != self.scale[y]).sum())
 
     def limits(self, section: Section) -> Array:
         """(n,) radius of each contact's friction set, or distance of its faces, per newton of normal force [-]."""

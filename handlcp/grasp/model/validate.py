@@ -59,13 +59,11 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
     a = read_only(a / np.linalg.norm(a))
     height = positions @ a
     if np.ptp(height) > _flat(positions):
-        raise InputError(
-            "plane", "a plane that holds all contact points", f"heights that differ by {np.ptp(height):.3g} m"
-        )
+        got = f"heights that differ by {np.ptp(height):.3g} m"
+        raise InputError("plane", "a plane that holds all contact points", got)
     if (tilt := abs(frames[:, :, 2] @ a)).max() > UNIT_NORMAL:
-        raise InputError(
-            "plane", "a plane that holds all normals", f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
-        )
+        got = f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
+        raise InputError("plane", "a plane that holds all normals", got)
     return a
 
 
@@ -161,9 +159,8 @@ def effects(value: Any, at: Placement) -> tuple[Effect, ...]:
     seen: set[object] = set()
     for k, e in enumerate(out):
         if not isinstance(e, Effect):
-            raise InputError(
-                f"effects[{k}]", "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))", repr(e)
-            )
+            expected = "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))"
+            raise InputError(f"effects[{k}]", expected, repr(e))
         if e.key in seen:
             raise InputError(f"effects[{k}]", "each effect once", f"a second {e!r}")
         seen.add(e.key)
@@ -180,9 +177,8 @@ def frames(value: Any, n: int) -> Array:
     R = array("frames", value, (n, 3, 3))
     miss = float(abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max())
     if miss > UNIT_NORMAL or (np.linalg.det(R) < 0).any():
-        raise InputError(
-            "frames", "rotations, columns x, y and z of unit length", f"RᵀR off by {miss:.3g}, or a mirror"
-        )
+        got = f"RᵀR off by {miss:.3g}, or a mirror"
+        raise InputError("frames", "rotations, columns x, y and z of unit length", got)
     return R
 
 

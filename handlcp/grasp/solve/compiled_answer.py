@@ -16,7 +16,7 @@ from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, ScenePattern, solve_scenes
 from handlcp.grasp.verify.contact_laws import Misses
-from handlcp.grasp.verify.judge import Residuals, Verdict
+from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp import Proposal
 from handlcp.lcp.solvers.contact_run import outcome
 from handlcp.tolerances import CERTIFY, SOLVE
@@ -162,11 +162,6 @@ class CompiledAnswer:
     def candidate(self) -> Candidate:
         """Forces and motion."""
         return Candidate(self.components, self.twist, {}, len(self.kind.kind.soft))
-
-    @property
-    def verdict(self) -> Verdict:
-        """The certifier's."""
-        return Verdict(self.motion, self.residuals)
 
     @property
     def proposal(self) -> Proposal:

@@ -76,6 +76,7 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         row[11] = 0.0
         end = HEAD + 2 * len(forces) + 9
         row[HEAD:end] = np.concatenate((forces, twist, posed.centre, v))
+        row[end : end + n] = 0.0  # states of what is no answer
         row[end + n :] = x
         if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
             slow = ACTIVE * max(m.motion_size, posed.motion)
@@ -106,9 +107,7 @@ def _solved(
 ) -> tuple[int, int, float]:
     """Write the answer's unknowns into x (N,); returns (Kaczmarz steps, Newton steps, residual)."""
     M, q = _stamped(p, blocks)
-    own = np.empty(len(p.blocks))
-    for k in range(len(own)):
-        own[k] = limits[p.unknown[p.blocks[k, 0] - p.at[0]] // 3]
+    own = limits[p.unknown[p.blocks[:, 0] - p.at[0]] // 3]
     problem = in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     y, newton, r = np.zeros(len(x)), 0, np.inf
     if len(start) > 0:
@@ -150,17 +149,15 @@ def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed
     t[0] += t[4] * az - t[5] * ay
     t[1] += t[5] * ax - t[3] * az
     t[2] += t[3] * ay - t[4] * ax
-    free = np.dot(freedom, t)
-    for i in range(p.dof):
-        turns = i >= (3 if p.dof == 6 else 2)
-        x[u + i] = free[i] / posed.motion * (posed.length if turns else 1.0)
+    free = np.dot(freedom, t) / posed.motion
+    free[3 if p.dof == 6 else 2 :] *= posed.length
+    x[u : u + p.dof] = free
 
 
 @kernel
 def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> float:
     """One where the active conditions leave nothing free; zero where they do, or where contacts rest."""
-    for k in states.kind:
-        if k == RESTING:
-            return 0.0
+    if np.any(states.kind == RESTING):
+        return 0.0
     A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
     return 1.0 if rank == len(A) else 0.0
