@@ -19,7 +19,6 @@ from handlcp.grasp.search.nonexistence import over_modes, search_equilibrium
 from handlcp.grasp.verify.holdable import is_escape as _is_escape
 from handlcp.grasp.verify.holdable import jammed as _jammed
 from handlcp.grasp.verify.holdable import least_total as _least_total
-from handlcp.grasp.verify.limit_load import is_overload as _is_overload
 from handlcp.grasp.verify.limit_load import overload as _overload
 from handlcp.lcp.search import search
 from tests.support.grasp import contact_problem, plain_problem, residuals, section_of
@@ -109,7 +108,7 @@ def overload(grasp: hl.Grasp, faces: Any) -> np.ndarray | None:
 
 def is_overload(grasp: hl.Grasp, faces: Any, proof: np.ndarray) -> bool:
     """Whether that is one, by its signs."""
-    return _is_overload(grasp.scene, section_of(grasp, faces), grasp.effects, proof)
+    return _is_escape(grasp.scene, section_of(grasp, faces), proof, grasp.effects)
 
 
 def is_escape(grasp: hl.Grasp, faces: Any, twist: np.ndarray) -> bool:

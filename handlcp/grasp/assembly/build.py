@@ -65,18 +65,23 @@ def build(spec: GraspSpec) -> Scene:
 
 def softened_by(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...], E: Array) -> Array:
     """(c, c) flexibility with what effects add to E [m/N]; soft : contacts that bear a moment."""
-    for e in effects:
-        if (more := e.added_flexibility(at, soft)) is not None and more.any():
-            E = E + (_in_plane(more) if at.planar else more)
-    return E
+    return _with_added(at, E, [e.added_flexibility(at, soft) for e in effects])
 
 
 def shifted_by(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...], d: Array) -> Array:
     """(c,) offset with what effects add to d [m, rad]; soft : contacts that bear a moment."""
-    for e in effects:
-        if (more := e.added_offset(at, soft)) is not None and more.any():
-            d = d + (_in_plane(more) if at.planar else more)
-    return d
+    return _with_added(at, d, [e.added_offset(at, soft) for e in effects])
+
+
+def _with_added(at: Placement, total: Array, added: list[Array | None]) -> Array:
+    """The sum; in a plane without what acts or moves across it, where no force is and no gap opens."""
+    for more in added:
+        if more is not None and more.any():
+            if at.planar:
+                within = np.where(np.arange(len(more)) % 3 == 1, 0.0, 1.0)
+                more = more * (within if more.ndim == 1 else np.outer(within, within))
+            total = total + more
+    return total
 
 
 def _along(contact: Contact, direction: Array) -> float:
@@ -109,12 +114,3 @@ def _scales(contacts: tuple[Contact, ...], soft: tuple[int, ...]) -> Array | Non
         row[:2] = c.friction.scale
     scale = np.append(rows.ravel(), [contacts[i].friction.lever for i in soft])
     return None if not soft and (scale == 1.0).all() else read_only(scale)
-
-
-def _in_plane(added: Array) -> Array:
-    """Without what acts or moves across the plane: there is no force across it, and motion across it opens no gap."""
-    out = added.copy()
-    out[1::3] = 0.0
-    if out.ndim == 2:
-        out[:, 1::3] = 0.0
-    return out

@@ -1,18 +1,14 @@
-"""A solver's answer as mechanics, and the way back."""
+"""A solver's answer as mechanics."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.grasp_matrix import Posed
-from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.unknowns import System
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Candidate", "decode", "encode", "in_si"]
+__all__ = ["Candidate", "in_si"]
 
 
 class Candidate(NamedTuple):
@@ -30,36 +26,6 @@ class Candidate(NamedTuple):
         """(n, 3) N."""
         return self.components[: len(self.components) - self.soft].reshape(-1, 3)
 
-    @property
-    def torsion(self) -> Array:
-        """(k,) moments of the soft contacts over their levers [N]."""
-        return self.components[len(self.components) - self.soft :]
-
-
-def decode(scene: Scene, system: System, x: Array) -> Candidate:
-    """Forces, motion and further unknowns from x (N,), all unknowns of the system in natural units."""
-    kind, normal = scene.kind, system.at.get("r_N")
-    at = 0 if normal is None else normal.start, system.tangential, system.at["u"].start
-    many = len(kind.normal_index)
-    forces, free = in_si(x, kind.index, many, at, scene.given.prescribed, scene.geometry, kind.dof)
-    extra = {g.name: x[system.at[g.name]] * g.sizes(scene)[0] for g in system.layout.extra}
-    return Candidate(forces, free @ scene.freedom, extra, len(scene.soft))
-
-
-def encode(scene: Scene, system: System, candidate: Candidate) -> Array:
-    """(N,) natural units, from forces, motion and unknowns of further effects, as far as given; zero for the others."""
-    x, at, forces = np.zeros(len(system.q)), system.at, candidate.components / scene.units.force
-    if "r_N" in at:
-        x[at["r_N"]] = forces[scene.kind.normal_index]
-    tangential = forces[scene.kind.tangent_index]
-    x[system.tangential : system.tangential + len(tangential)] = tangential
-    x[at["u"]] = scene.natural_twist(candidate.twist)
-    for g in system.layout.extra:
-        known = candidate.extra.get(g.name)
-        if known is not None and len(known) == g.count:  # a scene without other effects may have fewer
-            x[at[g.name]] = known / g.sizes(scene)[0]
-    return x
-
 
 @kernel
 def in_si(
@@ -68,12 +34,8 @@ def in_si(
     """Forces (c,) [N] and (dof,) motion [m, rad] from the unknowns x. unknown : which components, so many normal ones
     first; at : where normal forces, tangential forces and the motion begin among the unknowns.
     """
-    f, u = prescribed.copy(), np.empty(dof)
+    f, u = prescribed.copy(), x[at[2] : at[2] + dof] * p.motion
     for k in range(len(unknown)):
         f[unknown[k]] = x[at[0] + k if k < normals else at[1] + k - normals] * p.force
-    lengths = 3 if dof == 6 else 2
-    for k in range(dof):
-        u[k] = x[at[2] + k] * p.motion
-        if k >= lengths:
-            u[k] /= p.length
+    u[3 if dof == 6 else 2 :] /= p.length
     return f, u

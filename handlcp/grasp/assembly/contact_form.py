@@ -7,20 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.grasp.assembly.candidate import Candidate, decode, encode
+from handlcp.grasp.assembly.candidate import Candidate, in_si
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
 from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
+from handlcp.lcp.contact import NO_NORMALS
 
 __all__ = ["Design", "GraspContact", "called_for", "design", "outward", "stamped"]
 
 
 def called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
     """The effects that the scene's data call for, in the order in which they are stamped."""
-    found = [kind.called_for(scene, section) for kind in effect_kinds()]
-    return tuple([e for e in found if e is not None])
+    return tuple([e for kind in effect_kinds() if (e := kind.called_for(scene, section)) is not None])
 
 
 def stamped(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
@@ -60,18 +60,31 @@ class GraspContact(ContactProblem):
     def limited(self) -> Ints:
         """(m,) which unknowns are motions of limits that give way, those of effects asked for."""
         at, extra = self.system.at, self.system.layout.extra
-        return np.concatenate([_NO_INTS, *(np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free)])
+        own = [np.arange(at[g.name].start, at[g.name].stop) for g in extra if not g.free]
+        return np.concatenate([np.zeros(0, np.int64), *own])
 
     def candidate(self, x: Array) -> Candidate:
         """Forces and motion from x (n,) in natural units."""
-        return decode(self.scene, self.system, x)
+        scene, at = self.scene, self.system.at
+        normal, count, tangential = self.system.layout.forces
+        begin, given = (normal, tangential, at["u"].start), scene.given.prescribed
+        forces, free = in_si(x, scene.kind.index, count, begin, given, scene.geometry, scene.dof)
+        extra = {g.name: x[at[g.name]] * g.sizes(scene)[0] for g in self.system.layout.extra}
+        return Candidate(forces, free @ scene.freedom, extra, len(scene.soft))
 
     def natural(self, candidate: Candidate) -> Array:
-        """(n,) x with these forces, motion and unknowns of further effects, the way back from `candidate`."""
-        return encode(self.scene, self.system, candidate)
-
-
-_NO_INTS = np.zeros(0, np.int64)
+        """(n,) x with these forces, motion and, as far as given, unknowns of further effects: the way back."""
+        scene, x, at = self.scene, np.zeros(self.n), self.system.at
+        normal, count, tangential = self.system.layout.forces
+        forces = candidate.components[scene.kind.index] / scene.units.force
+        x[normal : normal + count] = forces[:count]
+        x[tangential : tangential + len(forces) - count] = forces[count:]
+        x[at["u"]] = scene.natural_twist(candidate.twist)
+        for g in self.system.layout.extra:
+            known = candidate.extra.get(g.name)
+            if known is not None and len(known) == g.count:  # a scene without other effects may have fewer
+                x[at[g.name]] = known / g.sizes(scene)[0]
+        return x
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +121,8 @@ def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Desi
     contacts = (*kind.rough, *kind.soft)
     blocks = np.full((len(contacts), 4), -1, dtype=np.int64)
     if contacts:
-        blocks[:, 0] = where.at["r_N"].start + kind.rows_of(contacts)
-        at = where.tangential
+        blocks[:, 0] = where.forces[0] - 1 + np.cumsum(kind.governed)[list(contacts)]
+        at = where.forces[2]
         for block, i in zip(blocks, contacts, strict=True):
             t = kind.tangents[i]
             block[1 : 1 + t] = np.arange(at, at + t)
@@ -120,11 +133,11 @@ def _design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) -> Desi
 def friction_sets(scene: Scene, section: Section) -> FrictionSets:
     """Of the contacts with friction, in the order of the blocks."""
     limits = scene.limits(section)[[*scene.rough, *scene.soft]]
+    return FrictionSets(read_only(limits), section.faces, outward(scene, section))
+
+
+def outward(scene: Scene, section: Section) -> Array:
+    """(f, 3) outward normals of the polyhedra of soft contacts, as kernels read them; none where no set has faces."""
     if not scene.soft or not section.faces:
-        return FrictionSets(read_only(limits), section.faces)
-    return FrictionSets(read_only(limits), section.faces, outward(section))
-
-
-def outward(section: Section) -> Array:
-    """(f, 3) outward normals of the polyhedra of soft contacts, as kernels read them."""
+        return NO_NORMALS
     return read_only(np.ascontiguousarray(limit_set(section, 3).normals.T))

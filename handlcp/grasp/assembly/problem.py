@@ -30,8 +30,7 @@ class GraspProblem(WithMultipliers):
     contact: GraspContact
 
     def __init__(self, contact: GraspContact) -> None:
-        normal = contact.system.at.get("r_N")
-        super().__init__(contact, behind=0 if normal is None else normal.stop)
+        super().__init__(contact, behind=sum(contact.system.layout.forces[:2]))
         self.scene, self.section, self.effects = contact.scene, contact.section, contact.effects
 
     @lazy
@@ -39,7 +38,7 @@ class GraspProblem(WithMultipliers):
         """The unknowns of all effects, complementary groups first."""
         own, points = self.contact.groups, len(self.scene.rough)
         counts = {"r_T": sum(self.faces[:points]), "r_S": sum(self.faces[points:])}
-        made = [Unknown(MULTIPLIERS[g.name], counts[g.name], False, "motion", "force") for g in own if g.name in counts]
+        made = [Unknown(MULTIPLIERS[g.name], counts[g.name], False, "motion") for g in own if g.name in counts]
         behind = 1 if own[0].name == "r_N" else 0
         return (*own[:behind], *made, *own[behind:])
 

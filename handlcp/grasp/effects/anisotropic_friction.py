@@ -32,22 +32,16 @@ class AnisotropicFriction(Effect):
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Where any contact's tangents differ."""
-        return _ANISOTROPIC if scene.anisotropic else None
+        return cls() if scene.anisotropic else None
 
     @classmethod
     def absent(cls, scene: Scene, section: Section) -> str | None:
-        """All tangents are alike."""
         return "every contact holds alike in all directions"
 
     def why(self, scene: Scene) -> str:
-        """How many."""
         return f"μ_x and μ_y differ at {scene.anisotropic} contacts: solved where the ellipse is a disc"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
         """Coulomb's law with the larger coefficient."""
         alike = zip(contacts, [c.friction.scale[0] == c.friction.scale[1] for c in contacts], strict=True)
         return {"contacts": tuple([c if a else c.with_friction(Coulomb(c.mu)) for c, a in alike])}
-
-
-_ANISOTROPIC = AnisotropicFriction()

@@ -14,12 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, psd, read_only
+from handlcp.check import Array, array, dimensions, number, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.model import validate
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.file_key import FileKey, From0, by_finger
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.vectors import block_diagonal
 
 __all__ = ["ContactCompliance"]
 
@@ -55,20 +57,12 @@ class ContactCompliance(Effect):
     def __init__(self, flexibility: Any) -> None:
         argument = "ContactCompliance.flexibility"
         if dimensions(flexibility) == 0:
-            value = np.eye(3) * number(argument, flexibility, minimum=0.0)
-        else:
-            value = array(argument, flexibility, (3,), (-1, 3, 3))
-            if value.ndim == 1:
-                if (value < 0).any():
-                    raise InputError(argument, "entries ≥ 0", value.tolist())
-                value = np.diag(value)
-            else:
-                value = np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(value)]).reshape(-1, 3, 3)
-        object.__setattr__(self, "flexibility", read_only(value))
+            flexibility = np.full(3, number(argument, flexibility, minimum=0.0))
+        value = validate.blocks(argument, array(argument, flexibility, (3,), (-1, 3, 3)))
+        object.__setattr__(self, "flexibility", read_only(value.copy()))
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """From a number, three, or a table by finger of these."""
         each = by_finger(key, value, fingers, 0.0)
         yield cls([np.diag(np.ones(3) * c) for c in each] if isinstance(value, dict) else each)
 
@@ -78,13 +72,9 @@ class ContactCompliance(Effect):
             raise InputError(f"{argument}.flexibility", f"{at.n} blocks, one for each contact", len(self.flexibility))
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         mean = float(np.trace(self.flexibility, axis1=-2, axis2=-1).mean() / 3)
         return f"asked for: the object's surface gives way by {mean:.3g} m/N in the mean"
 
     def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """Blocks on the diagonal; nothing about the normals."""
-        k = len(self.flexibility) if self.flexibility.ndim == 3 else at.n
-        out, each = np.zeros((at.n, 3, at.n, 3)), np.arange(k)
-        out[each, :, each] = self.flexibility
-        return np.pad(out.reshape(3 * at.n, 3 * at.n), (0, len(soft)))
+        return np.pad(block_diagonal(self.flexibility, at.n), (0, len(soft)))

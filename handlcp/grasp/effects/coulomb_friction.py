@@ -9,7 +9,6 @@ polygon's faces have a multiplier each (`lcp.multipliers`). The paper's D is min
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, ClassVar
 
 from handlcp.grasp.friction import Section
@@ -38,29 +37,22 @@ class CoulombFriction(Effect):
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Where contacts have friction."""
-        return _of(section) if scene.rough else None
+        return cls(section) if scene.rough else None
 
     @classmethod
     def absent(cls, scene: Scene, section: Section) -> str | None:
-        """Nothing rubs, or all of it is soft."""
         return "every contact with friction is soft" if scene.soft else "no contact has μ > 0"
 
     def why(self, scene: Scene) -> str:
-        """Which contacts, what section."""
         return f"{len(scene.rough)} contacts with μ > 0, {self.section.name}"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
-        """Frictionless."""
         return {"contacts": tuple([c.with_friction(c.friction.with_mu(0.0)) if c.mu > 0.0 else c for c in contacts])}
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_T: two a contact, one in a plane."""
-        return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force", "motion"),)
+        return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""
         system.load_tangents("r_T", scene)
-
-
-_of = lru_cache(maxsize=64)(CoulombFriction)

@@ -38,25 +38,18 @@ class FingerFlexibility(Effect):
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Where E is not zero."""
-        return _FLEXIBILITY if scene.kind.flexible else None
+        return cls() if scene.kind.flexible else None
 
     @classmethod
     def absent(cls, scene: Scene, section: Section) -> str | None:
-        """E is zero."""
         return "E is zero: rigid fingers"
 
     def why(self, scene: Scene) -> str:
-        """Where E is not zero."""
         return f"E is not zero (mean {scene.flexibility.trace() / (3 * scene.n):.3g} m/N)"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
-        """Rigid fingers."""
         return {"flexibility": read_only(np.zeros((3 * len(contacts), 3 * len(contacts))))}
 
     def stamp(self, scene: Scene, system: System) -> None:
         """E between all force components."""
         system.add_between_forces(scene.natural.E)
-
-
-_FLEXIBILITY = FingerFlexibility()

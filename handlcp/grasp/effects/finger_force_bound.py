@@ -62,7 +62,6 @@ class FingerForceBound(Effect):
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """From a number, a list or a table by finger."""
         bounds = by_finger(key, value, fingers, np.inf)
         if isinstance(bounds, list) and len(bounds) != len(fingers):
             raise InputError(key, f"a number, or {len(fingers)}, one for each contact", f"{len(bounds)}")
@@ -77,7 +76,6 @@ class FingerForceBound(Effect):
             raise InputError(f"{argument}.limits", expected, f"{len(self.bounds)}")
 
     def why(self, scene: Scene) -> str:
-        """Asked for, of how many."""
         (limit,) = self.limits(scene)
         if not len(limit.room):
             return "asked for, but no bound is finite"
@@ -94,7 +92,6 @@ class FingerForceBound(Effect):
         return (Limit("z̄_i", rows, every[bounded]),)
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        """Where it is reached."""
         for limit in self.present(scene):
             way = extra[limit.name]
             reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NOTHING)]

@@ -61,7 +61,6 @@ class FingerWeight(Effect):
         return Trial(cls(weight), share, words, instead=True)
 
     def why(self, scene: Scene) -> str:
-        """How much."""
         why = f"asked for: up to {abs(self.torque).max(initial=0.0):.3g} N·m in a joint"
         if not self.sags:
             return f"{why}; the posture has sagged already"

@@ -18,9 +18,7 @@ stays (`handlcp.grasp.solve.force_iteration`); an answer passes only with the E 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -75,11 +73,6 @@ class GeometricStiffness(Effect):
         default=False,
     )
 
-    @classmethod
-    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """Where it says true."""
-        return (cls(),) if value else ()
-
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
         """Beside springs, and beside friction whose work has a potential."""
         if any(isinstance(e, TorqueSaturation) for e in others):
@@ -105,7 +98,6 @@ class GeometricStiffness(Effect):
         return none if isinstance(bent, str) else Trial(bent, words=none.words)
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         return "asked for: solved again with the flexibility under its own forces until these stay"
 
     def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:

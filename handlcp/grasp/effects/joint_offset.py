@@ -45,7 +45,6 @@ class JointOffset(Effect):
         return None if scene.mechanism is None else "none given"
 
     def why(self, scene: Scene) -> str:
-        """Which joints, how far."""
         assert scene.mechanism is not None  # `needs_joints` saw to it
         moved = [f"{name} {x:+.3g}" for name, x in zip(scene.mechanism.names, self.command.tolist(), strict=True) if x]
         return f"{listed(moved)} rad: data, in the offsets"

@@ -27,6 +27,7 @@ from handlcp.words import NOTHING, length
 __all__ = ["KnownForce"]
 
 _AXES = ("x", "y", "normal")
+_ONE_KNOWN = "three numbers or None (x, y, normal), one known at least"
 
 
 @dataclass(frozen=True, init=False)
@@ -65,9 +66,7 @@ class KnownForce(Effect):
         object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
         given = list(force) if isinstance(force, (tuple, list, np.ndarray)) else []
         if len(given) != 3 or all(f is None for f in given):
-            raise InputError(
-                "KnownForce.force", "three numbers or None (x, y, normal), one known at least", repr(force)
-            )
+            raise InputError("KnownForce.force", _ONE_KNOWN, repr(force))
         checked = [None if f is None else number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]
         if checked[2] is not None and checked[2] < 0.0:
             raise InputError("KnownForce.force[2]", "a normal force ≥ 0: fingers push", checked[2])
@@ -75,23 +74,19 @@ class KnownForce(Effect):
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """One a table."""
         for i, table in enumerate(value):
             parts = tuple(table.get(name) for name in ("x_N", "y_N", "normal_N"))
             contact = contact_number(f"{key}[{i}].contact", table["contact"], fingers)
             if parts == (None, None, None):
-                expected = "three numbers or None (x, y, normal), one known at least"
-                raise InputError(f"{key}[{i}]", expected, repr(parts))
+                raise InputError(f"{key}[{i}]", _ONE_KNOWN, repr(parts))
             yield cls(contact, parts)
 
     @property
     def key(self) -> object:
-        """One a contact."""
         return type(self), self.contact
 
     @property
     def called(self) -> str:
-        """With its contact."""
         return f"known force of contact {self.contact}"
 
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
@@ -102,7 +97,6 @@ class KnownForce(Effect):
             raise InputError(f"{argument}.contact", "a contact whose force is not prescribed", self.contact)
 
     def why(self, scene: Scene) -> str:
-        """Asked for, which components."""
         known = [f"{a} {f:g} N" for a, f in zip(_AXES, self.force, strict=True) if f is not None]
         return f"asked for: contact {self.contact} pushes with {', '.join(known)}"
 
@@ -112,17 +106,14 @@ class KnownForce(Effect):
         known = [(3 * self.contact + k, f) for k, f in enumerate(self.force) if f is not None]
         bears = [(at, f) for at, f in known if at in unknown]
         if any(f for at, f in known if at not in unknown):
-            raise InputError(
-                "KnownForce.force", "no force along tangents without friction or out of the plane", self.force
-            )
+            expected = "no force along tangents without friction or out of the plane"
+            raise InputError("KnownForce.force", expected, self.force)
         rows, room = np.zeros((len(bears), scene.components)), np.array([f for _, f in bears])
-        for row, (at, _) in zip(rows, bears, strict=True):
-            row[at] = 1.0 if scene.scale is None else scene.scale[at]
-        name = f"κ{self.contact}"
+        rows[range(len(bears)), [at for at, _ in bears]] = 1.0
+        rows, name = scene.physical(rows), f"κ{self.contact}"
         return (Limit(f"{name}⁺", rows, room), Limit(f"{name}⁻", -rows, -room))
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        """How far the finger moves."""
         moved = [extra[limit.name] for limit in self.present(scene)]
         if moved and (far := float(abs(moved[0] - moved[1]).max())) > NOTHING:
             yield f"{names[self.contact]} moves by {length(far)} to push as it is known to"

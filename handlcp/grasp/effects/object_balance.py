@@ -24,33 +24,25 @@ class ObjectBalance(Effect):
     title = "object balance"
     equation = "G_N r_N + G_T r_T + w = 0,  u free"
     when = "The object is rigid and at rest under all that pushes it."
-    in_python = ""
-    in_file = ""
     brings = "6 (3 in a plane)"
     source = "Ai & Li (2025), equations (1) and (2)"
     order = 10
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Always."""
-        return _BALANCE
+        return cls()
 
     def why(self, scene: Scene) -> str:
-        """Every scene has an object."""
         return "the object is rigid and free to move" + ("" if scene.plane is None else " in its plane")
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
-        """No grasp is without it."""
         return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """u: (dof,) motion of the object about the contacts' centre."""
-        return (Unknown("u", scene.dof, True, "twist", "wrench"),)
+        return (Unknown("u", scene.dof, True, "twist"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """Balance rows and, transposed, the object's motion in the contact rows."""
-        system.couple_motion(scene.natural.G)
+        system.couple("u", scene.natural.G, 1.0)
         system.load("u", scene.natural.w)
-
-
-_BALANCE = ObjectBalance()

@@ -54,13 +54,11 @@ class PrescribedForce(Effect):
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """One a table."""
         for i, table in enumerate(value):
             yield cls(contact_number(f"{key}[{i}].contact", table["contact"], fingers), table["force_N"])
 
     @property
     def key(self) -> object:
-        """One a contact."""
         return type(self), self.contact
 
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
@@ -68,19 +66,15 @@ class PrescribedForce(Effect):
         if self.contact >= at.n:
             raise InputError(f"{argument}.contact", f"a contact's number from 0 to {at.n - 1}", self.contact)
         if at.planar and self.force[1] != 0.0:
-            raise InputError(
-                "PrescribedForce.force", "no force out of the plane (y) in a planar scene", self.force.tolist()
-            )
+            expected = "no force out of the plane (y) in a planar scene"
+            raise InputError("PrescribedForce.force", expected, self.force.tolist())
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         return f"asked for: contact {self.contact} pushes with {self.force.tolist()} N"
 
     def prescribed(self) -> dict[int, Array]:
-        """The one force."""
         return {self.contact: self.force}
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        """Where it pulls."""
         if self.force[2] < 0.0:
             yield f"{names[self.contact]} pulls, as prescribed"

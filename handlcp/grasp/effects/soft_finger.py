@@ -9,7 +9,6 @@ solver takes as it is, or a polyhedron in its place (`friction.limit_set`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, ClassVar
 
 from handlcp.grasp.friction import Coulomb, Pyramid, Section, limit_set
@@ -38,20 +37,17 @@ class SoftFingerFriction(Effect):
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Where contacts bear a moment."""
-        return _of(section) if scene.soft else None
+        return cls(section) if scene.soft else None
 
     @classmethod
     def absent(cls, scene: Scene, section: Section) -> str | None:
-        """All contacts are points."""
         return "no contact is a SoftFinger"
 
     def why(self, scene: Scene) -> str:
-        """Which contacts, what set."""
         shape = "exact ellipsoid"
         if isinstance(self.section, Pyramid):
             where = "inscribed" if self.section.inscribed else "circumscribed"
-            shape = f"{limit_set(self.section, 3).faces} faces, {where}"
+            shape = f"{limit_set(self.section, 3).normals.shape[1]} faces, {where}"
         return f"{len(scene.soft)} contacts with μ_τ > 0, {shape}"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any]:
@@ -60,11 +56,8 @@ class SoftFingerFriction(Effect):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_S: x, y and the moment over its lever, three a contact."""
-        return (Unknown("r_S", 3 * len(scene.soft), True, "force", "motion"),)
+        return (Unknown("r_S", 3 * len(scene.soft), True, "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial tangential offsets."""
         system.load_tangents("r_S", scene)
-
-
-_of = lru_cache(maxsize=64)(SoftFingerFriction)

@@ -97,24 +97,19 @@ class SoftWrist(Effect):
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
         """By translation and rotation, or by the whole matrix."""
-        parts = {name: value[name] for name in ("translation_m_per_N", "rotation_rad_per_Nm") if name in value}
-        at = value.get("at_m", (0.0, 0.0, 0.0))
+        names, at = ("translation_m_per_N", "rotation_rad_per_Nm"), value.get("at_m", (0.0, 0.0, 0.0))
         if "flexibility" not in value:
-            C = np.concatenate(
-                [np.ones(3) * parts.get(name, 0.0) for name in ("translation_m_per_N", "rotation_rad_per_Nm")]
-            )
-            yield cls(C, at)
+            yield cls(np.concatenate([np.ones(3) * value.get(name, 0.0) for name in names]), at)
             return
-        if parts:
-            name = min(parts)
-            raise InputError(f"{key}.{name}", "none beside flexibility, the whole matrix", parts[name])
+        for name in sorted(names):
+            if name in value:
+                raise InputError(f"{key}.{name}", "none beside flexibility, the whole matrix", value[name])
         try:
             yield cls(value["flexibility"], at)
         except InputError as error:
             raise InputError(f"{key}.flexibility", error.expected, error.got) from None
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         linear, angular = np.diagonal(self.flexibility)[:3].mean(), np.diagonal(self.flexibility)[3:].mean()
         return (
             f"asked for: the palm gives way by {linear:.3g} m/N and {angular:.3g} rad/(N·m) in the mean at "

@@ -8,9 +8,7 @@ way. The gravity torque g counts when the fingers' weight does, and so does the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -41,6 +39,7 @@ class TorqueSaturation(Effect):
     source = "joint by joint what Ai & Li (2025), equations (14) to (16), say of the sum of forces"
     order = 230
     needs_joints = True
+    called = "joints' torque limits"
     file_key = FileKey(
         "torque_saturation",
         bool,
@@ -48,11 +47,6 @@ class TorqueSaturation(Effect):
         "joints at their torque limit yield, and the load moves to the other fingers; a scene with a [hand]",
         default=False,
     )
-
-    @classmethod
-    def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
-        """Where it says true."""
-        return (cls(),) if value else ()
 
     @classmethod
     def trial(cls, at: Placement, others: tuple[Effect, ...], forces: Array, torque: Array) -> Trial | None:
@@ -68,21 +62,13 @@ class TorqueSaturation(Effect):
             return None
         return Trial(None, 0.0, f"all joints within their limits, {used.max():.0%} at most")
 
-    @property
-    def called(self) -> str:
-        """What it limits."""
-        return "joints' torque limits"
-
     def why(self, scene: Scene) -> str:
-        """Asked for; how many joints have a limit."""
         joints, _, limited = self._limited(scene)
         return f"asked for: {len(limited)} of {len(joints.names)} joints have a limit to reach"
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Both ways, of every joint that has a limit and moves a contact whose force is unknown."""
         joints, levers, k = self._limited(scene)
-        if not len(k):
-            return ()
         known = np.repeat(~scene.governed_mask, 3)
         rows = joints.rows(scene.soft).T[k].copy()
         rows[:, : 3 * scene.n][:, known] = 0.0

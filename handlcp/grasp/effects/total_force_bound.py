@@ -41,11 +41,9 @@ class TotalForceBound(Effect):
     )
 
     def __post_init__(self) -> None:
-        """Check the limit."""
         object.__setattr__(self, "limit", number("TotalForceBound.limit", self.limit, above=0.0, finite=False))
 
     def why(self, scene: Scene) -> str:
-        """Asked for."""
         return f"asked for: Σ r_N ≤ {self.limit:g} N"
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
@@ -54,17 +52,14 @@ class TotalForceBound(Effect):
             return ()
         rows = np.zeros((1, scene.components))
         rows[0, scene.kind.normal_index] = 1.0
-        if scene.fingers is not None:
-            rows[0, 3 * scene.fingers :] = 0.0
+        rows[0, 3 * (scene.n - scene.environment) :] = 0.0
         return (Limit("z̄", rows, np.array([self.limit])),)
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        """Where it is reached."""
         if (opened := float(extra.get("z̄", np.zeros(1))[0])) > NOTHING:
             yield f"the {self.title} is reached and gives way by {length(opened)}"
 
     def shortfall(self, least_total: float | None) -> str | None:
-        """Where balance needs more."""
         if least_total is None or not least_total > 1.001 * self.limit:  # so that the two numbers differ in print
             return None
         return f"the total normal force is bounded to {self.limit:.4g} N, and balance needs {least_total:.4g} N"

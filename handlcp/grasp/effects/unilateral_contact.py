@@ -25,35 +25,27 @@ class UnilateralContact(Effect):
     title = "unilateral contact"
     equation = "0 ≤ r_N ⟂ ε_N ≥ 0,  ε_N = (Gᵀu + E r + d)_N"
     when = "Fingers push and never pull; gaps and preloads are data."
-    in_python = ""
-    in_file = ""
     brings = "1 a contact"
     source = "Ai & Li (2025), equations (3) and (4)"
     order = 20
 
     @classmethod
     def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        """Always."""
-        return _CONTACT
+        return cls()
 
     def why(self, scene: Scene) -> str:
-        """How many contacts, with what gap or preload."""
         normal = scene.offset[2 : 3 * scene.n : 3]
         nothing = ACTIVE * scene.units.motion
         gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
         return f"{len(scene.kind.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
 
     def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
-        """No grasp is without it."""
         return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """r_N: (n_N,) normal forces."""
-        return (Unknown("r_N", len(scene.kind.normal_index), False, "force", "motion"),)
+        return (Unknown("r_N", len(scene.kind.normal_index), False, "force"),)
 
     def stamp(self, scene: Scene, system: System) -> None:
         """The initial gaps."""
         system.load("r_N", scene.natural.d[: len(scene.kind.normal_index)])
-
-
-_CONTACT = UnilateralContact()

@@ -10,7 +10,7 @@ from handlcp.grasp.friction.anisotropic import AnisotropicCoulomb
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.frictionless import Frictionless
 from handlcp.grasp.friction.law import FrictionLaw, friction_laws, law_words
-from handlcp.grasp.friction.limit_set import LimitSet, limit_set
+from handlcp.grasp.friction.limit_set import limit_set
 from handlcp.grasp.friction.sections import Cone, Interval, Pyramid, Section, as_section
 from handlcp.grasp.friction.soft_finger import SoftFinger
 
@@ -24,7 +24,6 @@ __all__ = [
     "FrictionLaw",
     "Frictionless",
     "Interval",
-    "LimitSet",
     "Pyramid",
     "Section",
     "SoftFinger",

@@ -38,13 +38,9 @@ class AnisotropicCoulomb(FrictionLaw):
     def __init__(self, mu_x: float, mu_y: float, along: Any = None) -> None:
         for name, value in (("mu_x", mu_x), ("mu_y", mu_y)):
             object.__setattr__(self, name, number(f"AnisotropicCoulomb.{name}", value, above=0.0))
+        object.__setattr__(self, "mu", max(self.mu_x, self.mu_y))  # which the other is measured by
         given = None if along is None else array("AnisotropicCoulomb.along", along, (3,), (2,))
         object.__setattr__(self, "along", None if given is None else tuple(given.tolist()))
-
-    @property
-    def mu(self) -> float:  # type: ignore[override]
-        """The larger of the two coefficients, which the other is measured by [-]."""
-        return max(self.mu_x, self.mu_y)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -53,7 +49,6 @@ class AnisotropicCoulomb(FrictionLaw):
 
     @property
     def x_axis(self) -> Any:
-        """As given."""
         return self.along
 
     def with_mu(self, mu: float) -> FrictionLaw:

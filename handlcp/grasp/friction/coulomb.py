@@ -27,9 +27,7 @@ class Coulomb(FrictionLaw):
     call: ClassVar[str] = "Coulomb(mu)"
 
     def __post_init__(self) -> None:
-        """Check μ."""
         object.__setattr__(self, "mu", number("Coulomb.mu", self.mu, minimum=0.0))
 
     def with_mu(self, mu: float) -> Coulomb:
-        """Coulomb's law with another coefficient."""
         return Coulomb(mu)

@@ -16,12 +16,7 @@ class Frictionless(FrictionLaw):
     """No tangential force, and therefore no tangential unknowns at all."""
 
     call: ClassVar[str] = "Frictionless()"
-
-    @property
-    def mu(self) -> float:  # type: ignore[override]
-        """Zero: the coefficient of a contact without friction [-]."""
-        return 0.0
+    mu = 0.0
 
     def with_mu(self, mu: float) -> Coulomb:
-        """Coulomb's law with this coefficient."""
         return Coulomb(mu)

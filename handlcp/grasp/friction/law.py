@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Self
 
 __all__ = ["FrictionLaw", "friction_laws", "law_words"]
 
-_LAWS: list[type[FrictionLaw]] = []
+_LAWS: dict[tuple[str, str], type[FrictionLaw]] = {}
 
 
 class FrictionLaw:
@@ -34,9 +34,8 @@ class FrictionLaw:
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
-        # dataclass(slots=True) makes a class a second time, under the same name
-        _LAWS[:] = [law for law in _LAWS if (law.__module__, law.__qualname__) != (cls.__module__, cls.__qualname__)]
-        _LAWS.append(cls)
+        # By name: dataclass(slots=True) makes a class a second time
+        _LAWS[cls.__module__, cls.__qualname__] = cls
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -86,10 +85,10 @@ _ALIKE = (1.0, 1.0)
 
 def friction_laws() -> tuple[type[FrictionLaw], ...]:
     """All laws there are, in the order in which they were defined."""
-    return tuple(_LAWS)
+    return tuple(_LAWS.values())
 
 
 def law_words() -> str:
     """How to write each of them, for refusals."""
-    calls = [law.call for law in _LAWS]
+    calls = [law.call for law in _LAWS.values()]
     return f"{', '.join(calls[:-1])} or {calls[-1]}"

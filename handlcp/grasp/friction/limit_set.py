@@ -24,11 +24,12 @@ from functools import lru_cache
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.friction.sections import Cone, Interval, Section
+from handlcp.grasp.friction.sections import Cone, Interval, Pyramid, Section
 
 __all__ = ["LimitSet", "limit_set"]
 
-_OUTER = 24  # meridians of the polyhedron that stands for the ball in statements that are linear programs
+_OUTSIDE = Pyramid(64, inscribed=False)  # stands for the disc; its edges lie outside by 0.12 %
+_MERIDIANS = 24  # of the polyhedron that stands for the ball
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,37 +37,28 @@ class LimitSet:
     """The set for one coefficient of friction.
 
     normals : (d, f) outward unit normals of the faces. vertices : (d, p) corners of the set whose faces touch the unit
-    ball. share : of the coefficient, at which the faces lie (1: they touch the ball; less: the vertices do).
-    round : whether the set is the ball itself; faces and vertices are then those of a set around it.
+    ball. share : of the coefficient, at which the faces lie (1: they touch the ball; less: the vertices do). The set of
+    the cone is the ball itself; normals and vertices are then those of a set around it, for statements that are linear
+    programs: what lies outside that lies outside the ball.
     """
 
     normals: Array
     vertices: Array
     share: float
-    round: bool
-
-    @property
-    def faces(self) -> int:
-        """How many multipliers a contact has; none where the set is round."""
-        return 0 if self.round else self.normals.shape[1]
-
-    def limit(self, mu: Array | float) -> Array:
-        """Radius, or distance of the faces from the axis, per newton of normal force; mu of any shape [-]."""
-        return np.asarray(mu * self.share)
 
 
 @lru_cache(maxsize=64)
 def limit_set(section: Section, tangents: int) -> LimitSet:
     """Of contacts with so many tangents; an interval has one."""
-    exact = isinstance(section, Cone)
     if tangents == 1 or isinstance(section, Interval):
         ends = read_only(np.array([[1.0, -1.0]]))
-        return LimitSet(ends, ends, 1.0, False)
+        return LimitSet(ends, ends, 1.0)
     if tangents == 2:
-        return LimitSet(section.normals, section.edges, section.share, exact)
-    normals, vertices = _polyhedron(_OUTER if exact else int(section.faces))
+        polygon = _OUTSIDE if isinstance(section, Cone) else section
+        return LimitSet(polygon.normals, polygon.edges, polygon.share)
+    normals, vertices = _polyhedron(section.faces or _MERIDIANS)
     reach = float(np.sqrt((vertices**2).sum(axis=0)).max())
-    return LimitSet(read_only(normals), read_only(vertices), 1.0 / reach if section.share < 1.0 else 1.0, exact)
+    return LimitSet(read_only(normals), read_only(vertices), 1.0 / reach if section.share < 1.0 else 1.0)
 
 
 def _polyhedron(m: int) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
@@ -15,23 +15,8 @@ from handlcp.errors import InputError
 __all__ = ["Cone", "Interval", "Pyramid", "Section", "as_section"]
 
 
-class _Section:
-    """What the sections have in common."""
-
-    __slots__ = ()
-
-    @property
-    def share(self) -> float:
-        """Radius, or distance of the faces from the axis, per newton of normal force and coefficient [-]."""
-        return 1.0
-
-    def limit(self, mu: Array) -> Array:
-        """(n,) the same per newton of normal force [-]."""
-        return mu * self.share
-
-
 @dataclass(frozen=True, slots=True)
-class Pyramid(_Section):
+class Pyramid:
     """A pyramid of `faces` ≥ 3 faces in place of the friction cone.
 
     The outward normal of face j lies at the angle 2πj/m from the contact's x axis towards its y axis.
@@ -42,7 +27,6 @@ class Pyramid(_Section):
     inscribed: bool = True
 
     def __post_init__(self) -> None:
-        """Check the number of faces."""
         try:
             object.__setattr__(self, "faces", integer("faces", self.faces, 3, MOST_FACES))
         except InputError:
@@ -61,8 +45,12 @@ class Pyramid(_Section):
 
     @property
     def share(self) -> float:
-        """cos(π/m) where the edges lie on the cone."""
+        """Distance of the faces from the axis, per newton of normal force and coefficient [-]: cos(π/m), inscribed."""
         return math.cos(math.pi / self.faces) if self.inscribed else 1.0
+
+    def limit(self, mu: Array) -> Array:
+        """(n,) the same per newton of normal force [-]."""
+        return mu * self.share
 
     @property
     def name(self) -> str:
@@ -71,58 +59,28 @@ class Pyramid(_Section):
 
 
 @dataclass(frozen=True, slots=True)
-class Cone(_Section):
-    """Coulomb's circular cone itself. `faces` = 0 stands for it in compiled code.
-
-    normals, edges : of a circumscribed polygon of 64 faces, for statements that are linear programs; what lies outside
-        that polygon lies outside the cone.
-    """
+class Cone:
+    """Coulomb's circular cone itself. `faces` = 0 stands for it in compiled code."""
 
     faces: int = 0
 
-    @property
-    def normals(self) -> Array:
-        """(2, 64) outward unit normals."""
-        return _ring(64, 0.0)
-
-    @property
-    def edges(self) -> Array:
-        """(2, 64) tangential force along the edges, as multiples of `limit`; outside the cone by 0.12 %."""
-        return _ring(64, 0.5) / math.cos(math.pi / 64)
-
-    @property
-    def name(self) -> str:
-        """For reports."""
-        return "exact cone"
+    share: ClassVar[float] = 1.0
+    name: ClassVar[str] = "exact cone"
 
 
 @dataclass(frozen=True, slots=True)
-class Interval(_Section):
+class Interval:
     """The friction cone of a planar contact: two directions, exact. `faces` = 2 stands for it in compiled code."""
 
     faces: int = 2
 
-    @property
-    def normals(self) -> Array:
-        """(2, 2) the two ends."""
-        return _ENDS
-
-    @property
-    def edges(self) -> Array:
-        """(2, 2) the two ends."""
-        return _ENDS
-
-    @property
-    def name(self) -> str:
-        """For reports."""
-        return "planar, exact"
+    share: ClassVar[float] = 1.0
+    name: ClassVar[str] = "planar, exact"
 
 
 Section: TypeAlias = Pyramid | Cone | Interval
 
 MOST_FACES = 1024  # the pyramid is then within 5e-6 of the cone; the cone itself is cheaper from 8 faces on
-
-_ENDS = read_only(np.array([[1.0, -1.0], [0.0, 0.0]]))
 
 
 @lru_cache(maxsize=256)
@@ -138,12 +96,10 @@ _pyramid = lru_cache(maxsize=64)(Pyramid)  # the same few are asked for again an
 
 def as_section(faces: int | str | Section, planar: bool = False) -> Section:
     """What users pass as `faces`; a planar scene has its own, whatever they pass. Raises InputError."""
-    if not isinstance(faces, (Pyramid, Cone, Interval)):
-        if isinstance(faces, str) and faces != "cone":
+    if isinstance(faces, str):
+        if faces != "cone":
             raise InputError("faces", 'an integer ≥ 3, "cone" or a Pyramid', repr(faces))
-        section: Section = (
-            Cone() if isinstance(faces, str) else _pyramid(faces) if type(faces) is int else Pyramid(faces)
-        )
-    else:
-        section = faces
-    return Interval() if planar else section
+        faces = Cone()
+    elif not isinstance(faces, (Pyramid, Cone, Interval)):
+        faces = _pyramid(faces) if type(faces) is int else Pyramid(faces)
+    return Interval() if planar else faces

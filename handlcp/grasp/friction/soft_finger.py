@@ -36,7 +36,6 @@ class SoftFinger(FrictionLaw):
     )
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
         for name in ("mu", "mu_torsion", "torsional_flexibility"):
             object.__setattr__(self, name, number(f"SoftFinger.{name}", getattr(self, name), minimum=0.0))
         if self.mu == 0.0 and self.mu_torsion > 0.0:
@@ -49,7 +48,6 @@ class SoftFinger(FrictionLaw):
 
     @property
     def pad_torsion(self) -> float:
-        """As given."""
         return self.torsional_flexibility
 
     def with_mu(self, mu: float) -> SoftFinger:

@@ -10,7 +10,7 @@ from handlcp.check import Array, array, read_only, unit
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Coulomb, FrictionLaw, law_words
 
-__all__ = ["Contact", "PlacedContact", "frame"]
+__all__ = ["Contact", "frame"]
 
 
 class Contact:
@@ -65,8 +65,8 @@ class Contact:
         tangent = friction.x_axis if tangent is None else tangent
         x = None if tangent is None else array("tangent", tangent, p.shape)
         if planar:
-            p, z = _lift(p), _lift(z)
-            x = np.cross((0.0, 0.0, 1.0), z) if x is None else _lift(x)
+            p, z = np.append(p, 0.0), np.append(z, 0.0)
+            x = np.cross((0.0, 0.0, 1.0), z) if x is None else np.append(x, 0.0)
         self._take(read_only(p), frame(z, x), friction, planar, name)
 
     def _take(self, position: Array, rotation: Array, friction: FrictionLaw, planar: bool, name: str | None) -> None:
@@ -83,33 +83,31 @@ class Contact:
         """(3,) the contact's x axis, world axes."""
         return self.rotation[:, 0]
 
+    @classmethod
+    def placed(
+        cls, position: Array, rotation: Array, friction: FrictionLaw, planar: bool = False, name: str | None = None
+    ) -> Contact:
+        """A contact of arrays that are known to be sound, read-only: position (3,), rotation (3, 3)."""
+        made = object.__new__(cls)
+        made._take(position, rotation, friction, planar, name)
+        return made
+
     def with_friction(self, friction: FrictionLaw) -> Contact:
         """The same contact under another law, its axes kept."""
-        return PlacedContact(self.position, self.rotation, friction, self.planar, self.name)
+        return self.placed(self.position, self.rotation, friction, self.planar, self.name)
 
     def moved(self, position: Array, rotation: Array) -> Contact:
         """The same contact with these axes elsewhere: (3,), (3, 3), known to be sound."""
-        return PlacedContact(position, rotation, self.friction, self.planar, self.name)
+        return self.placed(position, rotation, self.friction, self.planar, self.name)
 
     def named(self, name: str) -> Contact:
         """The same contact under another name."""
-        return PlacedContact(self.position, self.rotation, self.friction, self.planar, name)
+        return self.placed(self.position, self.rotation, self.friction, self.planar, name)
 
     def __repr__(self) -> str:
         name = f"{self.name!r}, " if self.name else ""
         where = f"position={self.position.tolist()}, normal={self.normal.tolist()}"
         return f"Contact({name}{where}, friction={self.friction!r})"
-
-
-class PlacedContact(Contact):
-    """A contact made of arrays that are known to be sound, read-only: position (3,), rotation (3, 3)."""
-
-    __slots__ = ()
-
-    def __init__(
-        self, position: Array, rotation: Array, friction: FrictionLaw, planar: bool = False, name: str | None = None
-    ) -> None:
-        self._take(position, rotation, friction, planar, name)
 
 
 def frame(normal: Array, tangent: Array | None = None) -> Array:
@@ -119,14 +117,9 @@ def frame(normal: Array, tangent: Array | None = None) -> Array:
     x = tangent - normal * (normal @ tangent)
     length = float(np.sqrt(x @ x))
     if length <= 1e-6 * float(np.sqrt(tangent @ tangent)):
-        raise InputError(
-            "tangent", "a direction that is not along the normal", f"{tangent.tolist()} for normal {normal.tolist()}"
-        )
+        got = f"{tangent.tolist()} for normal {normal.tolist()}"
+        raise InputError("tangent", "a direction that is not along the normal", got)
     x /= length
     # y = z × x, written out: numpy's cross product costs more than all the rest
     (a, b, c), (d, e, f) = normal, x
     return read_only(np.array([[d, b * f - c * e, a], [e, c * d - a * f, b], [f, a * e - b * d, c]]))
-
-
-def _lift(v: Array) -> Array:
-    return np.array([v[0], v[1], 0.0])

@@ -14,6 +14,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.contact import Contact
@@ -47,7 +49,7 @@ class Effect:
     """One physical effect; subclasses override what they need.
 
     title : what `explain()` calls it. equation : its law in one line. when : who wants it. in_python, in_file : how to
-    ask for it. brings : its unknowns. source : where the law is from.
+    ask for it; "": every grasp has it. brings : its unknowns. source : where the law is from.
     order : place in lists, and among the effects that a scene's data call for the place in which they are stamped.
     file_key : the key of a scene file's [effects] that asks for it; None: no key does.
     by_name : whether it is asked for in `effects=`, not by an argument of its own.
@@ -58,8 +60,8 @@ class Effect:
     title: ClassVar[str] = ""
     equation: ClassVar[str]
     when: ClassVar[str]
-    in_python: ClassVar[str]
-    in_file: ClassVar[str]
+    in_python: ClassVar[str] = ""
+    in_file: ClassVar[str] = ""
     brings: ClassVar[str]
     source: ClassVar[str]
     order: ClassVar[int] = 1000
@@ -99,7 +101,8 @@ class Effect:
 
         value : as `FileKey.holds` says; tables are mappings. fingers : names of the contacts, in order.
         """
-        yield cls(value)  # type: ignore[call-arg]
+        if value is not False:
+            yield cls() if value is True else cls(value)  # type: ignore[call-arg]
 
     def why(self, scene: Scene) -> str:
         """Why the scene has this effect, for `explain()`."""
@@ -136,9 +139,7 @@ class Effect:
         return None
 
     def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:
-        """The effect beside others as it is while the fingers push with forces (n, 3) [N], contact axes; or, in words,
-        why there is none.
-        """
+        """The effect under forces (n, 3) [N] of the fingers, contact axes; or, in words, why there is none."""
         return self
 
     # ---- its unknowns and rows
@@ -159,14 +160,12 @@ class Effect:
         """The limits, without groups of none."""
         if type(self).limits is Effect.limits:
             return ()
-        known: tuple[Limit, ...]
-        for effect, known in scene.made:
-            if effect is self:
-                return known
-        known = tuple([limit for limit in self.limits(scene) if len(limit.room)])
-        if len(scene.made) >= _MOST:
-            scene.made.clear()
-        scene.made.append((self, known))
+        known: tuple[Limit, ...] | None = next((made for effect, made in scene.made if effect is self), None)
+        if known is None:
+            known = tuple([limit for limit in self.limits(scene) if len(limit.room)])
+            if len(scene.made) >= _MOST:
+                scene.made.clear()
+            scene.made.append((self, known))
         return known
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
@@ -185,11 +184,8 @@ class Effect:
         `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
         none is left out. None: nothing.
         """
-        total = None
-        for limit in self.present(scene):
-            part = limit.opening(extra)
-            total = part if total is None else total + part
-        return total
+        parts = [limit.opening(extra) for limit in self.present(scene)]
+        return sum(parts[1:], parts[0]) if parts else None
 
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
@@ -198,11 +194,8 @@ class Effect:
 
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """
-        worst = 0.0
-        for limit in self.present(scene):
-            part = limit.residual(scene, forces, extra, force_size, motion_size)
-            worst = part if not part <= worst else worst  # NaN stays
-        return worst
+        parts = [limit.residual(scene, forces, extra, force_size, motion_size) for limit in self.present(scene)]
+        return max(parts, default=0.0) if sum(parts) == sum(parts) else np.nan  # max passes over NaN, a sum does not
 
     # ---- what it says of an answer
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
@@ -219,9 +212,7 @@ class Effect:
         return self.title
 
     def shortfall(self, least_total: float | None) -> str | None:
-        """Why no forces within it balance the load, where it alone can tell; least_total [N]: the least sum of normal
-        forces that would, None where none do.
-        """
+        """Why no forces within it balance the load, where the least sum of normal forces that do [N] tells."""
         return None
 
 

@@ -11,6 +11,7 @@ last.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -54,15 +55,12 @@ class Environment:
         return np.column_stack([np.zeros((len(self.gap), 2)), self.gap])
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Everything is set once."""
         raise AttributeError(f"an Environment is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (Environment, (self.contacts, self.flexibility, self.gap))
 
     def __repr__(self) -> str:
-        """Its contacts."""
         return f"Environment({list(self.contacts)!r})"
 
 
@@ -70,32 +68,27 @@ def joined(value: Any) -> Environment:
     """One environment of one or several, every contact with a name of its own. Raises InputError."""
     parts = (value,) if isinstance(value, Environment) else value
     if isinstance(parts, (str, bytes)) or not isinstance(parts, Iterable):
-        raise InputError(
-            "environment", "an Environment (of a Table: table.under(obj)), or a sequence of them", repr(value)[:80]
-        )
+        expected = "an Environment (of a Table: table.under(obj)), or a sequence of them"
+        raise InputError("environment", expected, repr(value)[:80])
     parts = tuple(parts)
     for k, part in enumerate(parts):
         if not isinstance(part, Environment):
             raise InputError(f"environment[{k}]", "an Environment", repr(part)[:80])
     if not parts:
         raise InputError("environment", "at least one Environment, or None", "an empty sequence")
-    contacts: list[Contact] = []
-    blocks = parts[0].flexibility
-    for c in (c for part in parts for c in part.contacts):
-        contacts.append(c.named(c.name or f"environment {len(contacts) + 1}"))
-    names = [str(c.name) for c in contacts]
+    given = [c for part in parts for c in part.contacts]
+    names = [c.name or f"environment {k}" for k, c in enumerate(given, 1)]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise InputError("environment", "a different name for each contact", f"several called {', '.join(twice)}")
-    for part in parts[1:]:
-        blocks = beside(blocks, part.flexibility)
+    blocks = reduce(beside, [part.flexibility for part in parts])
+    contacts = [c.named(name) for c, name in zip(given, names, strict=True)]
     return Environment(contacts, blocks, np.concatenate([part.gap for part in parts]))
 
 
 def beside(first: Array, last: Array) -> Array:
     """blkdiag(first, last), read-only: neither moves under the other's forces."""
-    k, m = len(first), len(last)
-    both = np.zeros((k + m, k + m))
-    both[:k, :k], both[k:, k:] = first, last
+    both = np.pad(first, (0, len(last)))
+    both[len(first) :, len(first) :] = last
     return read_only(both)
 
 

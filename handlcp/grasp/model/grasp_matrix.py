@@ -19,20 +19,20 @@ __all__ = ["Blocks", "Given", "Posed", "pose", "wrench_map"]
 
 
 class Given(NamedTuple):
-    """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), force and moment
-    (3,) of the load about the world's origin, freedom (dof, 6) of the object, forces (c,) that are prescribed, spin
-    (3, k) moments that one of each torsional component stands for.
+    """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), forces (c,) that are
+    prescribed, spin (3, k) moments that one of each torsional component stands for, force and moment (3,) of the load
+    about the world's origin, freedom (dof, 6) of the object.
     """
 
     positions: Array
     frames: Array
     flexibility: Array
     offset: Array
+    prescribed: Array
+    spin: Array
     force: Array
     moment: Array
     freedom: Array
-    prescribed: Array
-    spin: Array
 
 
 class Blocks(NamedTuple):
@@ -48,8 +48,8 @@ class Blocks(NamedTuple):
 
 
 class Posed(NamedTuple):
-    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; arms (n, 3) from
-    there [m]; wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
+    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; wrench (6,) of
+    the load about it [N, N·m]; grasp_matrix (6, c).
 
     Every unit is a norm or a mean (`_sizes`), so another unit, a turned world or another order of fingers changes none
     of them beyond rounding.
@@ -59,7 +59,6 @@ class Posed(NamedTuple):
     length: float
     motion: float
     centre: Array
-    arms: Array
     wrench: Array
     grasp_matrix: Array
 
@@ -67,21 +66,17 @@ class Posed(NamedTuple):
 @kernel
 def pose(g: Given, index: Ints) -> tuple[Posed, Blocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
-    force, length, motion, centre = _sizes(g)
-    wrench = np.empty(6)
-    wrench[:3] = g.force
-    wrench[3] = g.moment[0] - centre[1] * g.force[2] + centre[2] * g.force[1]
-    wrench[4] = g.moment[1] - centre[2] * g.force[0] + centre[0] * g.force[2]
-    wrench[5] = g.moment[2] - centre[0] * g.force[1] + centre[1] * g.force[0]
-    arms = g.positions - centre
-    posed = Posed(force, length, motion, centre, arms, wrench, wrench_map(arms, g.frames, g.spin))
+    force, length, motion, centre, wrench = _sizes(g)
+    grasp_matrix = wrench_map(g.positions - centre, g.frames, g.spin)
+    posed = Posed(force, length, motion, centre, wrench, grasp_matrix)
     return posed, _blocks(g, posed, index)
 
 
 @kernel
-def _sizes(g: Given) -> tuple[float, float, float, Array]:
-    """(force, length, motion, centre): force is the size of the load plus that of the squeeze, length the rms distance
-    of the contacts from their centre, motion = force × the mean flexibility.
+def _sizes(g: Given) -> tuple[float, float, float, Array, Array]:
+    """(force, length, motion, centre, wrench): force is the size of the load plus that of the squeeze, length the rms
+    distance of the contacts from their centre, motion = force × the mean flexibility; wrench (6,) of the load about the
+    centre.
     """
     n = len(g.positions)
     centre = np.zeros(3)
@@ -99,14 +94,12 @@ def _sizes(g: Given) -> tuple[float, float, float, Array]:
         length = away
     if length == 0.0:
         length = 1.0
-    m = g.moment - np.array(
-        [
-            centre[1] * g.force[2] - centre[2] * g.force[1],
-            centre[2] * g.force[0] - centre[0] * g.force[2],
-            centre[0] * g.force[1] - centre[1] * g.force[0],
-        ]
-    )
-    load = np.sqrt(np.sum(g.force * g.force) + np.sum(m * m) / length**2)
+    wrench = np.empty(6)
+    wrench[:3] = g.force
+    wrench[3] = g.moment[0] - centre[1] * g.force[2] + centre[2] * g.force[1]
+    wrench[4] = g.moment[1] - centre[2] * g.force[0] + centre[0] * g.force[2]
+    wrench[5] = g.moment[2] - centre[0] * g.force[1] + centre[1] * g.force[0]
+    load = np.sqrt(np.sum(wrench[:3] ** 2) + np.sum(wrench[3:] ** 2) / length**2)
     travel = np.sqrt(travel)
     size = load + (travel / softness if softness > 0.0 else 0.0)
     if size == 0.0:
@@ -114,7 +107,7 @@ def _sizes(g: Given) -> tuple[float, float, float, Array]:
     motion = softness * size
     if motion == 0.0:
         motion = travel if travel > 0.0 else length
-    return size, length, motion, centre
+    return size, length, motion, centre, wrench
 
 
 @kernel
@@ -138,30 +131,13 @@ def wrench_map(arms: Array, frames: Array, spin: Array) -> Array:
 @kernel
 def _blocks(g: Given, p: Posed, index: Ints) -> Blocks:
     """`freedom` projects G and w on what the object is free to do."""
-    dof, columns, m = g.freedom.shape[0], p.grasp_matrix.shape[1], len(index)
-    every, w = np.zeros((dof, columns)), np.zeros(dof)
-    for i in range(dof):
-        for j in range(6):
-            f = g.freedom[i, j]
-            if f != 0.0:
-                if j >= 3:
-                    f /= p.length
-                w[i] += f * p.wrench[j] / p.force
-                for c in range(columns):
-                    every[i, c] += f * p.grasp_matrix[j, c]
-    G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
-    softness = p.force / p.motion
-    for a in range(m):
-        d[a] = g.offset[index[a]] / p.motion
-        for i in range(dof):
-            G[i, a] = every[i, index[a]]
-        for b in range(m):
-            E[a, b] = g.flexibility[index[a], index[b]] * softness
-    for c in range(columns):
+    free, softness = g.freedom.copy(), p.force / p.motion
+    free[:, 3:] /= p.length
+    every, w = np.dot(free, p.grasp_matrix), np.dot(free, p.wrench) / p.force
+    flexibility, d = g.flexibility[index] * softness, g.offset[index] / p.motion
+    for c in range(len(g.prescribed)):
         r = g.prescribed[c] / p.force
         if r != 0.0:
-            for i in range(dof):
-                w[i] += every[i, c] * r
-            for a in range(m):
-                d[a] += g.flexibility[index[a], c] * softness * r
-    return Blocks(G, every, E, d, w)
+            w += every[:, c] * r
+            d += flexibility[:, c] * r
+    return Blocks(every[:, index], every, flexibility[:, index], d, w)

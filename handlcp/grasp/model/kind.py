@@ -80,11 +80,6 @@ class Kind:
         """All unknown components, normal ones first."""
         return np.concatenate([self.normal_index, self.tangent_index])
 
-    def rows_of(self, contacts: tuple[int, ...]) -> Ints:
-        """Which of the unknown normal forces are these contacts' own."""
-        place = np.cumsum(self.governed) - 1
-        return np.asarray(place[list(contacts)], dtype=np.int64)
-
 
 # A hand in many postures, or a sweep, meets the same few kinds again and again, and each makes its index arrays once
 kind_of = lru_cache(maxsize=1024)(Kind)

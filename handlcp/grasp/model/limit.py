@@ -45,9 +45,8 @@ class Limit:
     @lazy
     def unknown(self) -> Unknown:
         """The group of the s."""
-        if self.levers is None:
-            return Unknown(self.name, len(self.room), False, "motion", "force")
-        return Unknown(self.name, len(self.room), False, "angle", "torque", tuple(self.levers.tolist()))
+        levers = () if self.levers is None else tuple(self.levers.tolist())
+        return Unknown(self.name, len(self.room), False, "motion", levers)
 
     @lazy
     def natural_rows(self) -> Array:
@@ -63,14 +62,9 @@ class Limit:
         s = extra[self.name] / scene.units.motion
         return s if self.levers is None else s * self.levers
 
-    def natural_slack(self, scene: Scene, forces: Array) -> Array:
-        """(k,) b - A r in natural units, from force components (c,) N."""
-        return self.natural_room(scene) - self.natural_rows @ (forces / scene.units.force)
-
     def stamp(self, scene: Scene, system: System) -> None:
         """Slack, and the motion of the contacts that goes with it."""
-        if self.name in system.at:
-            system.couple_forces(self.name, self.natural_rows[:, scene.kind.index])
+        system.couple(self.name, self.natural_rows[:, scene.kind.index], -1.0)
         system.load(self.name, self.natural_room(scene))
 
     def opening(self, extra: dict[str, Array]) -> Array:
@@ -84,6 +78,7 @@ class Limit:
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
     ) -> float:
         """Worst |min(s, b - A r)|, relative."""
-        s = self.natural_motion(scene, extra) * (scene.units.motion / motion_size)
-        slack = self.natural_slack(scene, forces) * (scene.units.force / force_size)
-        return float(abs(np.minimum(s, slack)).max(initial=0.0))
+        units = scene.units
+        slack = self.natural_room(scene) - self.natural_rows @ (forces / units.force)
+        s = self.natural_motion(scene, extra) * (units.motion / motion_size)
+        return float(abs(np.minimum(s, slack * (units.force / force_size))).max(initial=0.0))

@@ -96,10 +96,8 @@ class Scene:
     @property
     def anisotropic(self) -> int:
         """How many contacts have tangents of unequal scale."""
-        if self.scale is None:
-            return 0
-        rows = self.scale[: 3 * self.n].reshape(-1, 3)
-        return int((rows[:, 0] != rows[:, 1]).sum())
+        x, y = slice(0, 3 * self.n, 3), slice(1, 3 * self.n, 3)
+        return 0 if self.scale is None else int((self.scale[x] != self.scale[y]).sum())
 
     def limits(self, section: Section) -> Array:
         """(n,) radius of each contact's friction set, or distance of its faces, per newton of normal force [-]."""
@@ -116,11 +114,6 @@ class Scene:
         return self.held
 
     # ---- between the coordinates of the laws and contact axes
-    @property
-    def levers(self) -> Array:
-        """(k,) what makes moments of the torsional components of soft contacts [m]."""
-        return _NONE if self.scale is None else self.scale[3 * self.n :]
-
     def physical(self, components: Array) -> Array:
         """(c,) in contact axes, N and N·m, from forces in the laws' coordinates."""
         return components if self.scale is None else components * self.scale
@@ -153,11 +146,12 @@ class Scene:
         """The arrays that compiled code works on."""
         spin = _NO_SPIN
         if self.soft:
-            spin = (self.frames[list(self.soft)][:, :, 2] * self.levers[:, None]).T.copy()
+            levers = np.zeros(0) if self.scale is None else self.scale[3 * self.n :]
+            spin = (self.frames[list(self.soft)][:, :, 2] * levers[:, None]).T.copy()
         known = np.zeros(self.components) if self.prescribed is None else self.prescribed
         return Given(
-            self.positions, self.frames, self.flexibility, self.offset, self.force, self.moment, self.freedom,
-            read_only(known), read_only(spin),
+            self.positions, self.frames, self.flexibility, self.offset, read_only(known), read_only(spin), self.force,
+            self.moment, self.freedom,
         )  # fmt: skip
 
     @lazy
@@ -185,13 +179,6 @@ class Scene:
         u, k = self.units, 3 if self.plane is None else 2
         return np.array((u.motion,) * k + (u.motion / u.length,) * (self.dof - k))
 
-    def size(self, measure: str) -> float | Array:
-        """SI size of one natural unit of a "force", "motion", "twist" or "wrench"."""
-        u, k = self.units, 3 if self.plane is None else 2
-        if measure == "wrench":
-            return np.array([u.force] * k + [u.force * u.length] * (self.dof - k))
-        return self.twist_units if measure == "twist" else u.force if measure == "force" else u.motion
-
     def twist(self, natural: Array) -> Array:
         """(6,) SI twist about the contacts' centre from (dof,) natural components."""
         return np.asarray((natural * self.twist_units) @ self.freedom)
@@ -214,5 +201,4 @@ class Scene:
         return []
 
 
-_NONE = read_only(np.zeros(0))
 _NO_SPIN = read_only(np.zeros((3, 0)))

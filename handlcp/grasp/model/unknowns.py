@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 
@@ -12,18 +12,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Layout", "Measure", "System", "Unknown", "labels", "layout"]
-
-Measure: TypeAlias = Literal["force", "motion", "twist", "wrench", "angle", "torque"]
-
-_SI: dict[Measure, str] = {
-    "force": "N",
-    "motion": "m",
-    "twist": "m, rad",
-    "wrench": "N, N·m",
-    "angle": "rad",
-    "torque": "N·m",
-}
+__all__ = ["Layout", "System", "Unknown", "labels", "layout"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,57 +22,52 @@ class Unknown:
     name : of the group ("r_N", "u", …); blocks are addressed by it.
     count : how many.
     free : rows are equations and the unknowns have no sign; otherwise 0 ≤ x ⟂ w ≥ 0.
-    measure, row_measure : what x and its row w measure, and therefore their natural units.
-    levers : (count,) [m] of angles and torques: what makes a motion of one, and a force of the other.
+    measure : what x is, and therefore its natural unit; its row w is what does work on it: a "force" [N] on a "motion"
+        [m], and the other way round; a wrench on a "twist".
+    levers : (count,) [m] where x is an angle and w a torque: what makes a motion of one, and a force of the other.
     """
 
     name: str
     count: int
     free: bool
-    measure: Measure
-    row_measure: Measure
+    measure: Literal["force", "motion", "twist"]
     levers: tuple[float, ...] = ()
-
-    @property
-    def unit(self) -> str:
-        """SI unit of x, for people."""
-        return _SI[self.measure]
-
-    @property
-    def row_unit(self) -> str:
-        """SI unit of w, for people."""
-        return _SI[self.row_measure]
 
     def sizes(self, scene: Scene) -> tuple[float | Array, float | Array]:
         """SI sizes of one natural unit of x and of w, one or one each."""
         if self.levers:
             levers = np.array(self.levers)
             return scene.units.motion / levers, scene.units.force * levers
-        return scene.size(self.measure), scene.size(self.row_measure)
+        u = scene.units
+        if self.measure == "twist":
+            return scene.twist_units, u.force * u.motion / scene.twist_units
+        return (u.force, u.motion) if self.measure == "force" else (u.motion, u.force)
 
 
 _MECHANICS = ("r_N", "r_T", "r_S", "u")
+_NONE = slice(0, 0)
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
     """Where the unknowns go: complementary groups first, free groups last.
 
-    groups : in that order. at : the slice of each. free_from : where the free groups begin. size : unknowns in all.
-    extra : groups other than forces and object motion.
+    groups : in that order. at : the slice of each. size : unknowns in all. extra : groups other than forces and object
+    motion.
     """
 
     groups: tuple[Unknown, ...]
     at: dict[str, slice]
-    free_from: int
     size: int
     extra: tuple[Unknown, ...]
 
     @property
-    def tangential(self) -> int:
-        """Where the tangential unknowns begin: those of points, then those of soft contacts; 0: there are none."""
-        first = self.at.get("r_T") or self.at.get("r_S")
-        return 0 if first is None else first.start
+    def forces(self) -> tuple[int, int, int]:
+        """Where the normal unknowns begin, how many they are, and where the tangential ones begin, those of points and
+        then those of soft contacts; 0: there are none.
+        """
+        normal, tangents = self.at.get("r_N", _NONE), self.at.get("r_T") or self.at.get("r_S", _NONE)
+        return normal.start, normal.stop - normal.start, tangents.start
 
 
 def labels(groups: tuple[Unknown, ...]) -> tuple[str, ...]:
@@ -98,7 +82,7 @@ def layout(unknowns: Iterable[Unknown]) -> Layout:
     ends = np.cumsum([g.count for g in groups]).tolist()
     at = {g.name: slice(end - g.count, end) for g, end in zip(groups, ends, strict=True)}
     extra = tuple(g for g in groups if g.name not in _MECHANICS)
-    return Layout(groups, at, sum(g.count for g in groups if not g.free), ends[-1] if ends else 0, extra)
+    return Layout(groups, at, ends[-1] if ends else 0, extra)
 
 
 class System:
@@ -110,11 +94,6 @@ class System:
         self.layout, self.at = where, where.at
         self.M, self.q = np.zeros((where.size, where.size)), np.zeros(where.size)
 
-    def add(self, row: str, column: str, block: Array | float) -> None:
-        """M[row, column] += block, when the scene has both groups."""
-        if row in self.at and column in self.at:
-            self.M[self.at[row], self.at[column]] += block
-
     def load(self, row: str, values: Array | float) -> None:
         """q[row] += values, when the scene has that group."""
         if row in self.at:
@@ -123,33 +102,17 @@ class System:
     def load_tangents(self, name: str, scene: Scene) -> None:
         """q[name] += the offsets along these tangential unknowns."""
         at, d = self.at[name], scene.natural.d
-        first = len(scene.kind.normal_index) + at.start - self.tangential
+        _, normals, tangential = self.layout.forces
+        first = normals + at.start - tangential
         self.q[at] += d[first : first + at.stop - at.start]
 
-    def couple_forces(self, row: str, block: Array) -> None:
-        """Add -block (rows, k) from the force components, normals first, to the rows of a group, and its transpose to
-        the components' rows.
-        """
-        couple(self.M, self.at[row].start, self._forces(block), block, -1.0)
+    def couple(self, row: str, block: Array, sign: float) -> None:
+        """Add sign · block (rows, k) from force components, normals first, to a group's rows; its transpose back."""
+        couple(self.M, self.at[row].start, self.layout.forces, block, sign)
 
     def add_between_forces(self, block: Array) -> None:
         """Add block (k, k) between all unknown force components, normals first."""
-        add_at(self.M, self._forces(block), block)
-
-    def couple_motion(self, block: Array) -> None:
-        """Add block (dof, k) from the force components, normals first, to the rows of u, and its transpose back."""
-        couple(self.M, self.at["u"].start, self._forces(block), block, 1.0)
-
-    @property
-    def tangential(self) -> int:
-        """Where the tangential unknowns begin."""
-        return self.layout.tangential
-
-    def _forces(self, block: Array) -> tuple[int, int, int]:
-        """(start of r_N, how many, start of the tangential unknowns)."""
-        normal = self.at.get("r_N")
-        count = 0 if normal is None else normal.stop - normal.start
-        return 0 if normal is None else normal.start, count, self.tangential
+        add_at(self.M, self.layout.forces, block)
 
     def sizes(self, scene: Scene) -> tuple[Array, Array]:
         """(N,) SI sizes of one natural unit of every x and every w."""
@@ -161,7 +124,7 @@ class System:
 
 @kernel
 def add_at(M: Array, forces: tuple[int, int, int], block: Array) -> None:
-    """M += block between force components; `forces` as in `System._forces`."""
+    """M += block between force components; `forces` as in `Layout`."""
     normal, count, tangential = forces
     for a in range(block.shape[0]):
         i = normal + a if a < count else tangential + a - count

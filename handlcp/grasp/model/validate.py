@@ -11,11 +11,12 @@ from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.placement import Placement
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.vectors import block_diagonal, cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
 __all__ = [
-    "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed", "reference", "wrench",
+    "blocks", "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed", "reference",
+    "wrench",
 ]  # fmt: skip
 
 
@@ -38,9 +39,7 @@ def contacts(value: Any) -> tuple[Contact, ...]:
 
 
 def placed(value: Any, cs: tuple[Contact, ...]) -> tuple[Array, Array, Array | None]:
-    """Positions (n, 3) and frames (n, 3, 3) of contacts, and the normal (3,) of the plane that is asked for; None:
-    spatial.
-    """
+    """Positions (n, 3), frames (n, 3, 3) and the normal (3,) of the plane that is asked for; None: spatial."""
     positions, frames = np.array([c.position for c in cs]), np.array([c.rotation for c in cs])
     normal = plane(value, cs, positions, frames)
     return positions, frames if normal is None else in_plane(frames, normal), normal
@@ -60,24 +59,21 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
     a = read_only(a / np.linalg.norm(a))
     height = positions @ a
     if np.ptp(height) > _flat(positions):
-        raise InputError(
-            "plane", "a plane that holds all contact points", f"heights that differ by {np.ptp(height):.3g} m"
-        )
+        got = f"heights that differ by {np.ptp(height):.3g} m"
+        raise InputError("plane", "a plane that holds all contact points", got)
     if (tilt := abs(frames[:, :, 2] @ a)).max() > UNIT_NORMAL:
-        raise InputError(
-            "plane", "a plane that holds all normals", f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
-        )
+        got = f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
+        raise InputError("plane", "a plane that holds all normals", got)
     return a
 
 
 def in_plane(frames: Array, normal: Array) -> Array:
     """Contact frames turned about their normals until x lies in the plane, on the side of the contact's own x axis."""
-    out = np.empty_like(frames)
-    for i, R in enumerate(frames):
-        x = cross_rows(normal, R[:, 2])
-        x = x / np.sqrt(x @ x) * (-1.0 if x @ R[:, 0] < 0 else 1.0)
-        out[i] = np.column_stack([x, cross_rows(R[:, 2], x), R[:, 2]])
-    return out
+    z = frames[:, :, 2]
+    x = cross_rows(normal, z)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    x[(x * frames[:, :, 0]).sum(axis=1) < 0] *= -1.0
+    return np.stack([x, cross_rows(z, x), z], axis=2)
 
 
 def reference(value: Any, normal: Array | None, positions: Array) -> Array:
@@ -129,28 +125,22 @@ def flexibility(value: Any, n: int, planar: bool) -> Array:
     """(3n, 3n) from a number, a (3,) diagonal, (n, 3, 3) blocks or the whole matrix; planar: also with 2 for 3."""
     if dimensions(value) == 0:
         return read_only(np.eye(3 * n) * number("flexibility", value, minimum=0.0))
-    shapes: list[tuple[int, ...]] = [(3,), (n, 3, 3), (3 * n, 3 * n)]
-    if planar:
-        shapes += [(2,), (n, 2, 2), (2 * n, 2 * n)]
-    a = array("flexibility", value, *shapes)
-    k = 2 if planar and a.shape in ((2,), (n, 2, 2), (2 * n, 2 * n)) else 3
+    flat = [(2,), (n, 2, 2), (2 * n, 2 * n)] if planar else []
+    a = array("flexibility", value, (3,), (n, 3, 3), (3 * n, 3 * n), *flat)
+    E = psd("flexibility", a) if a.ndim == 2 else block_diagonal(blocks("flexibility", a), n)
+    if a.shape in flat:  # tangent and normal in the plane; nothing acts along y
+        for axis in (0, 1):
+            E = np.insert(E, np.arange(1, 2 * n, 2), 0.0, axis)
+    return read_only(E)
+
+
+def blocks(argument: str, a: Array) -> Array:
+    """(k, k) from its diagonal (k,), entries ≥ 0; or blocks (n, k, k) as they are, symmetric positive semidefinite."""
     if a.ndim == 1:
         if (a < 0).any():
-            raise InputError("flexibility", "entries ≥ 0", a.tolist())
-        a = np.diag(np.tile(a, n))
-    elif a.ndim == 3:
-        blocks = [psd(f"flexibility[{i}]", b) for i, b in enumerate(a)]
-        a = np.zeros((k * n, k * n))
-        for i, b in enumerate(blocks):
-            a[k * i : k * i + k, k * i : k * i + k] = b
-    else:
-        a = psd("flexibility", a)
-    if k == 2:  # tangent and normal in the plane; nothing acts along y
-        keep = np.array([3 * i + j for i in range(n) for j in (0, 2)])
-        full = np.zeros((3 * n, 3 * n))
-        full[np.ix_(keep, keep)] = a
-        a = full
-    return read_only(a)
+            raise InputError(argument, "entries ≥ 0", a.tolist())
+        return np.diag(a)
+    return np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(a)]).reshape(a.shape)
 
 
 def offset(value: Any, preload: Any, n: int) -> Array:
@@ -169,9 +159,8 @@ def effects(value: Any, at: Placement) -> tuple[Effect, ...]:
     seen: set[object] = set()
     for k, e in enumerate(out):
         if not isinstance(e, Effect):
-            raise InputError(
-                f"effects[{k}]", "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))", repr(e)
-            )
+            expected = "an effect such as TotalForceBound(50.0) or PrescribedForce(0, (0, 0, 10))"
+            raise InputError(f"effects[{k}]", expected, repr(e))
         if e.key in seen:
             raise InputError(f"effects[{k}]", "each effect once", f"a second {e!r}")
         seen.add(e.key)
@@ -188,9 +177,8 @@ def frames(value: Any, n: int) -> Array:
     R = array("frames", value, (n, 3, 3))
     miss = float(abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max())
     if miss > UNIT_NORMAL or (np.linalg.det(R) < 0).any():
-        raise InputError(
-            "frames", "rotations, columns x, y and z of unit length", f"RᵀR off by {miss:.3g}, or a mirror"
-        )
+        got = f"RᵀR off by {miss:.3g}, or a mirror"
+        raise InputError("frames", "rotations, columns x, y and z of unit length", got)
     return R
 
 

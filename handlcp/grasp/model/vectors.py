@@ -1,4 +1,4 @@
-"""Products of small vectors, where numpy's own cost ten times as much."""
+"""Products of small vectors and matrices of small blocks, where numpy's own cost ten times as much."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["cross_rows", "shifted"]
+__all__ = ["block_diagonal", "cross_rows", "shifted"]
 
 
 def cross_rows(a: Array, b: Array) -> Array:
@@ -17,6 +17,14 @@ def cross_rows(a: Array, b: Array) -> Array:
     ax, ay, az = a.T
     bx, by, bz = b.T
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
+def block_diagonal(blocks: Array, n: int) -> Array:
+    """(nk, nk) with blocks (m, k, k), m ≤ n, first on its diagonal, or one (k, k) n times."""
+    k, each = blocks.shape[-1], np.arange(len(blocks) if blocks.ndim == 3 else n)
+    out = np.zeros((n, k, n, k))
+    out[each, :, each] = blocks
+    return out.reshape(n * k, n * k)
 
 
 def shifted(twist: Array, arm: Array) -> Array:

@@ -14,11 +14,10 @@ from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.solve.compiled_solve import HEAD, ScenePattern, answer_width, scene_width, solve_scenes
+from handlcp.grasp.solve.compiled_solve import HEAD, ScenePattern, solve_scenes
 from handlcp.grasp.verify.contact_laws import Misses
-from handlcp.grasp.verify.judge import Residuals, Verdict
+from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp import Proposal
-from handlcp.lcp.contact import NO_NORMALS
 from handlcp.lcp.solvers.contact_run import outcome
 from handlcp.tolerances import CERTIFY, SOLVE
 
@@ -34,16 +33,14 @@ class CompiledKind:
 
     def __init__(self, scene: Scene, section: Section) -> None:
         kind, self.design = scene.kind, design(scene, section, ())
-        where, roles, soft = self.design.layout, self.design.pattern, len(scene.soft)
-        normal = where.at.get("r_N", slice(0, 0))
+        where, roles = self.design.layout, self.design.pattern
         self.kind: Kind = kind
-        self.scene_width, self.answer_width = (
-            scene_width(kind.n, soft, kind.dof), answer_width(kind.n, soft, where.size)
-        )  # fmt: skip
+        self.scene_width = sum([a.size for a in scene.given]) + kind.n
+        self.answer_width = HEAD + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
             kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
-            outward(section) if soft and section.faces else NO_NORMALS, kind.flexible, kind.dof,
-            (normal.start, normal.stop - normal.start, where.tangential, where.at["u"].start, where.size), soft,
+            outward(scene, section), kind.flexible, kind.dof,
+            (*where.forces, where.at["u"].start, where.size), len(kind.soft),
         )  # fmt: skip
 
 
@@ -62,15 +59,8 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 
 
 def pack(scene: Scene, section: Section, row: Array) -> None:
-    """Write the scene's numbers into a row, in the order in which `solve_scenes` reads them."""
-    g = scene.given
-    np.concatenate(
-        [
-            g.positions.reshape(-1), g.frames.reshape(-1), g.flexibility.reshape(-1), g.offset, g.prescribed,
-            g.spin.reshape(-1), g.force, g.moment, scene.limits(section), g.freedom.reshape(-1),
-        ],
-        out=row,
-    )  # fmt: skip
+    """Write the scene's numbers into a row, as `solve_scenes` reads them."""
+    np.concatenate((*scene.given, scene.limits(section)), axis=None, out=row)
 
 
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
@@ -113,8 +103,7 @@ class CompiledAnswer:
     @property
     def passes(self) -> bool:
         """Whether the certifier calls it an answer; NaN never is."""
-        balance, normal, cone, slip = self.row[5:9].tolist()
-        return bool(balance <= CERTIFY and normal <= CERTIFY and cone <= CERTIFY and slip <= CERTIFY)
+        return all([miss <= CERTIFY for miss in self.row[5:9].tolist()])
 
     @property
     def unique(self) -> bool:
@@ -173,11 +162,6 @@ class CompiledAnswer:
     def candidate(self) -> Candidate:
         """Forces and motion."""
         return Candidate(self.components, self.twist, {}, len(self.kind.kind.soft))
-
-    @property
-    def verdict(self) -> Verdict:
-        """The certifier's."""
-        return Verdict(self.motion, self.residuals)
 
     @property
     def proposal(self) -> Proposal:

@@ -23,7 +23,7 @@ from handlcp.lcp.kernels.contact_rows import in_order
 from handlcp.lcp.kernels.contact_run import contact_run
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
-__all__ = ["HEAD", "ScenePattern", "answer_width", "scene_width", "solve_scenes"]
+__all__ = ["HEAD", "ScenePattern", "solve_scenes"]
 
 
 class ScenePattern(NamedTuple):
@@ -53,20 +53,9 @@ class ScenePattern(NamedTuple):
 HEAD = 12
 
 
-def scene_width(n: int, soft: int, dof: int) -> int:
-    """Numbers of a scene, in the order in which `_read` takes them."""
-    c = 3 * n + soft
-    return 12 * n + c * c + 2 * c + 3 * soft + 6 + n + 6 * dof
-
-
-def answer_width(n: int, soft: int, unknowns: int) -> int:
-    """Numbers of an answer."""
-    return HEAD + 2 * (3 * n + soft) + 9 + n + unknowns
-
-
 @kernel
 def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: Array) -> None:
-    """Write the answer to each row of scenes (m, `scene_width`) into rows (m, `answer_width`).
+    """Write the answer to each row of scenes, the numbers of `Given` and the limits, into the same row of rows.
 
     start (c + 9) : forces, twist and centre of an answer nearby. Where that is empty or leads nowhere, a solve begins
     where every contact sticks.
@@ -85,17 +74,15 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
         row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
         row[11] = 0.0
-        end = _put(row, HEAD, forces)
-        end = _put(row, end, twist)
-        end = _put(row, end, posed.centre)
-        end = _put(row, end, v)
+        end = HEAD + 2 * len(forces) + 9
+        row[HEAD:end] = np.concatenate((forces, twist, posed.centre, v))
+        row[end : end + n] = 0.0  # states of what is no answer
+        row[end + n :] = x
         if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
             slow = ACTIVE * max(m.motion_size, posed.motion)
             states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
             row[11] = _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
-            for i in range(n):
-                row[end + i] = states.kind[i]
-        _put(row, end + n, x)
+            row[end : end + n] = states.kind
 
 
 @kernel
@@ -105,22 +92,13 @@ def _read(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
     a = 12 * n
     b = a + c * c
     d = b + 2 * c
-    e = d + 3 * soft
-    f = e + 6 + n
-    return (
-        Given(
-            scene[: 3 * n].reshape(n, 3),
-            scene[3 * n : a].reshape(n, 3, 3),
-            scene[a:b].reshape(c, c),
-            scene[b : b + c],
-            scene[e : e + 3],
-            scene[e + 3 : e + 6],
-            scene[f:].reshape(dof, 6),
-            scene[b + c : d],
-            scene[d:e].reshape(3, soft),
-        ),
-        scene[e + 6 : f],
-    )
+    e = d + 3 * soft + 6
+    f = e + 6 * dof
+    return Given(
+        scene[: 3 * n].reshape(n, 3), scene[3 * n : a].reshape(n, 3, 3), scene[a:b].reshape(c, c), scene[b : b + c],
+        scene[b + c : d], scene[d : e - 6].reshape(3, soft), scene[e - 6 : e - 3], scene[e - 3 : e],
+        scene[e:f].reshape(dof, 6),
+    ), scene[f:]  # fmt: skip
 
 
 @kernel
@@ -129,9 +107,7 @@ def _solved(
 ) -> tuple[int, int, float]:
     """Write the answer's unknowns into x (N,); returns (Kaczmarz steps, Newton steps, residual)."""
     M, q = _stamped(p, blocks)
-    own = np.empty(len(p.blocks))
-    for k in range(len(own)):
-        own[k] = limits[p.unknown[p.blocks[k, 0] - p.at[0]] // 3]
+    own = limits[p.unknown[p.blocks[:, 0] - p.at[0]] // 3]
     problem = in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     y, newton, r = np.zeros(len(x)), 0, np.inf
     if len(start) > 0:
@@ -173,27 +149,15 @@ def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed
     t[0] += t[4] * az - t[5] * ay
     t[1] += t[5] * ax - t[3] * az
     t[2] += t[3] * ay - t[4] * ax
-    for i in range(p.dof):
-        total = 0.0
-        for j in range(6):
-            total += freedom[i, j] * t[j]
-        turns = i >= (3 if p.dof == 6 else 2)
-        x[u + i] = total / posed.motion * (posed.length if turns else 1.0)
+    free = np.dot(freedom, t) / posed.motion
+    free[3 if p.dof == 6 else 2 :] *= posed.length
+    x[u : u + p.dof] = free
 
 
 @kernel
 def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> float:
     """One where the active conditions leave nothing free; zero where they do, or where contacts rest."""
-    for k in states.kind:
-        if k == RESTING:
-            return 0.0
+    if np.any(states.kind == RESTING):
+        return 0.0
     A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
     return 1.0 if rank == len(A) else 0.0
-
-
-@kernel
-def _put(row: Array, at: int, values: Array) -> int:
-    """Write an array into the row; returns where the next one goes."""
-    for k in range(len(values)):
-        row[at + k] = values[k]
-    return at + len(values)

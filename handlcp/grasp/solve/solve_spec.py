@@ -17,11 +17,7 @@ __all__ = ["solve_spec"]
 
 
 def solve_spec(
-    spec: GraspSpec,
-    section: Section,
-    solver: AnySolver = None,
-    start: Array = NOWHERE,
-    scene: Scene | None = None,
+    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None
 ) -> GraspSolution:
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 

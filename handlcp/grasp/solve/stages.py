@@ -10,18 +10,18 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
-from handlcp.grasp.assembly.problem import AnyProblem, assemble
+from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.search.nonexistence import search_equilibrium
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
-from handlcp.grasp.verify.judge import judge
+from handlcp.grasp.verify.judge import Verdict, judge
 from handlcp.lcp import FIRST_STAGE, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["answered", "natural_start", "solve_built"]
+__all__ = ["answered", "solve_built"]
 
 
 def solve_built(
@@ -43,7 +43,7 @@ def solve_built(
 
 def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """The solution from an answer of the first stage that passes."""
-    judged = Judged(found.candidate, found.verdict, found.iterations)
+    judged = Judged(found.candidate, Verdict(found.motion, found.residuals), found.iterations)
     trace = (stage_line(FIRST_STAGE, found.outcome, found.iterations, judged.verdict.residuals.worst),)
     if not found.unique:
         return make_solution(spec, scene, section, found.kind.design.effects, judged, trace)
@@ -60,7 +60,11 @@ def _in_stages(
     problem = (assemble if chain is None else GraspContact)(scene, section, stamped(spec.effects))
     trace: list[str] = []
     best: Judged | None = None
-    for name, proposal in proposals(problem, solver, natural_start(problem, start), first):
+    begin: Array | None = None
+    if len(start):
+        twist = shifted(start[-9:-3], scene.units.centre - start[-3:])
+        begin = problem.natural(Candidate(start[:-9], twist, {}, len(scene.soft)))
+    for name, proposal in proposals(problem, solver, begin, first):
         candidate = problem.candidate(proposal.z)
         verdict = judge(scene, problem.effects, section, candidate)
         trace.append(stage_line(name, proposal.outcome, proposal.iterations, verdict.residuals.worst))
@@ -97,12 +101,3 @@ def _searched(spec: GraspSpec, problem: GraspContact, chain: Auto, solution: Gra
         solution, status=Status.NO_EQUILIBRIUM, bounds=found.bounds, cause=found.cause, certificate=certificate,
         yielding=found.yielding, trace=trace,
     )  # fmt: skip
-
-
-def natural_start(problem: AnyProblem, start: Array) -> Array | None:
-    """The start as unknowns of this problem; None: there is none."""
-    if not len(start):
-        return None
-    scene = problem.scene
-    twist = shifted(start[-9:-3], scene.units.centre - start[-3:])
-    return problem.natural(Candidate(start[:-9], twist, {}, len(scene.soft)))

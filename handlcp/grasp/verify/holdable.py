@@ -9,8 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
 from handlcp.tolerances import CERTIFY
 
 __all__ = ["escaping_twist", "generators", "is_escape", "jammed", "least_total"]
@@ -27,10 +29,8 @@ def escaping_twist(scene: Scene, section: Section) -> Array | None:
     """
     from scipy.optimize import linprog, nnls  # half a second of import that only a failed solve should pay
 
-    _, W = generators(scene, section)
-    load = scene.natural.w
-    if not W.size:
-        W = np.zeros((scene.dof, 1))
+    load, (_, W) = scene.natural.w, generators(scene, section)
+    W = W if W.size else np.zeros((scene.dof, 1))
     t = load + W @ nnls(W, -load)[0]
     if not is_escape(scene, section, t):
         # Generators that depend on each other can stop nnls early; the vertex of a linear program is exact, if crooked
@@ -42,24 +42,25 @@ def escaping_twist(scene: Scene, section: Section) -> Array | None:
     return read_only(scene.twist(t / size) / scene.units.motion)
 
 
-def is_escape(scene: Scene, section: Section, twist: Array) -> bool:
-    """Whether twist (dof,), natural units, proves that nothing balances the load: signs recomputed, no solver involved.
+def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effect, ...] = ()) -> bool:
+    """Whether a twist t (dof,), natural units, proves that nothing balances the load; or t and, behind it, motions y of
+    the effects' limits, that nothing within those does (`limit_load`). Signs recomputed, no solver involved.
 
     The gain must exceed what the resisting work could hide: forces of a thousand times the load.
     """
-    _, W = generators(scene, section)
-    load = scene.natural.w
-    if not np.isfinite(twist).all():
+    rows, room = stacked(scene, every_limit(scene, effects))
+    load, (F, W) = scene.natural.w, generators(scene, section)
+    if proof.shape != (scene.dof + len(room),) or not np.isfinite(proof).all():
         return False
-    resisting = float(np.minimum(W.T @ twist, 0.0).sum()) if W.size else 0.0
-    size = float(np.sqrt(load @ load) * np.sqrt(twist @ twist))
-    return float(load @ twist) > CERTIFY * size and float(load @ twist) > -1e3 * resisting
+    t, y = np.split(proof, [scene.dof])
+    resisting = float(np.minimum(W.T @ t + (rows @ F).T @ y, 0.0).sum() + 1e3 * np.minimum(y, 0.0).sum())
+    gain = float(load @ t - room @ y)
+    size = float(np.sqrt(load @ load) * np.sqrt(t @ t) + abs(room) @ abs(y))
+    return gain > CERTIFY * size and gain > -1e3 * resisting
 
 
 def least_total(scene: Scene, section: Section) -> float | None:
-    """Least sum of the fingers' unknown normal forces [N] with which forces within friction balance the load; None
-    where none do.
-    """
+    """Least sum of the fingers' unknown normal forces [N] with which friction balances the load; None: none does."""
     from scipy.optimize import linprog
 
     F, W = generators(scene, section)

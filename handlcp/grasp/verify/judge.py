@@ -14,7 +14,6 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.contact_laws import Friction, Misses, examine
-from handlcp.lcp.contact import NO_NORMALS
 from handlcp.tolerances import CERTIFY, GROWTH
 
 __all__ = ["Residuals", "Verdict", "friction_of", "judge"]
@@ -97,5 +96,4 @@ def judge(scene: Scene, effects: tuple[Effect, ...], section: Section, candidate
 
 def friction_of(scene: Scene, section: Section) -> Friction:
     """The friction sets of all contacts."""
-    normals = outward(section) if scene.soft and section.faces else NO_NORMALS
-    return Friction(scene.limits(section), section.faces, normals)
+    return Friction(scene.limits(section), section.faces, outward(scene, section))

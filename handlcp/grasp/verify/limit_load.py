@@ -16,11 +16,10 @@ from handlcp.check import Array
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.verify.holdable import generators
+from handlcp.grasp.verify.holdable import generators, is_escape
 from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
-from handlcp.tolerances import CERTIFY
 
-__all__ = ["is_overload", "overload"]
+__all__ = ["overload"]
 
 
 def overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) -> Array | None:
@@ -40,19 +39,4 @@ def overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) -> Arr
         bounds=[(-1.0, 1.0)] * scene.dof + [(0.0, 1.0)] * len(room),
         method="highs",
     )
-    return lp.x if lp.x is not None and is_overload(scene, section, effects, lp.x) else None
-
-
-def is_overload(scene: Scene, section: Section, effects: tuple[Effect, ...], proof: Array) -> bool:
-    """Whether (t, y) proves it: signs recomputed, no solver involved. As in `is_escape`, the gain must exceed what the
-    resisting work could hide.
-    """
-    rows, room = stacked(scene, every_limit(scene, effects))
-    load, (F, W) = scene.natural.w, generators(scene, section)
-    if proof.shape != (scene.dof + len(room),) or not np.isfinite(proof).all():
-        return False
-    t, y = np.split(proof, [scene.dof])
-    resisting = float(np.minimum(W.T @ t + (rows @ F).T @ y, 0.0).sum() + 1e3 * np.minimum(y, 0.0).sum())
-    gain = float(load @ t - room @ y)
-    size = float(np.sqrt(load @ load) * np.sqrt(t @ t) + abs(room) @ abs(y))
-    return gain > CERTIFY * size and gain > -1e3 * resisting
+    return lp.x if lp.x is not None and is_escape(scene, section, lp.x, effects) else None

@@ -14,7 +14,7 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["LimitsAtAnswer", "every_limit", "limits_at_answer", "motions_in_si", "stacked"]
+__all__ = ["LimitsAtAnswer", "every_limit", "limits_at_answer", "stacked"]
 
 _MOST_RESTING = 4  # limits just reached whose 2^k choices are all looked at; beyond that all or none give way
 
@@ -28,15 +28,6 @@ def stacked(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
     """(m, c) rows A and (m,) room b of all limits A r ≤ b, natural units."""
     rows = [np.zeros((0, scene.components)), *(limit.natural_rows for limit in every)]
     return np.concatenate(rows), np.concatenate([np.zeros(0), *(limit.natural_room(scene) for limit in every)])
-
-
-def motions_in_si(scene: Scene, every: tuple[Limit, ...], s: Array) -> dict[str, Array]:
-    """By group name, from the motions s (m,) of all limits in natural units."""
-    out, at = {}, 0
-    for limit in every:
-        out[limit.name] = s[at : at + len(limit.room)] * limit.unknown.sizes(scene)[0]
-        at += len(limit.room)
-    return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,23 +47,15 @@ class LimitsAtAnswer:
 
     def choices(self) -> list[Bools]:
         """Which limits give way: those that do, with those at rest in every way."""
-        if not len(self.rows):
-            return _NO_CHOICE
-        moving, at = self.motion > ACTIVE, np.flatnonzero(self.resting)
-        patterns = list(itertools.product((False, True), repeat=len(at)))
-        if len(at) > _MOST_RESTING:
-            patterns = [(False,) * len(at), (True,) * len(at)]
-        out = []
-        for pattern in patterns:
-            choice = moving.copy()
-            choice[at] = pattern
-            out.append(choice)
-        return out
+        at = np.flatnonzero(self.resting)
+        few = len(at) <= _MOST_RESTING
+        ways = list(itertools.product((False, True), repeat=len(at))) if few else [(False,), (True,)]
+        out = np.tile(self.motion > ACTIVE, (len(ways), 1))
+        out[:, at] = ways
+        return list(out)
 
     def conditions(self, basis: Array, active: Bools, multipliers: Array) -> tuple[Array, Array]:
-        """(D, now): now + D c ≥ 0 keeps every limit, and every motion that gives way ≥ 0, along a branch of `tangent`;
-        rows in the limits' order.
-        """
+        """(D, now), limits' order: now + D c ≥ 0 keeps every limit, and every motion ≥ 0, along a branch's basis."""
         D = -self.rows @ basis[: self.rows.shape[1]]
         D[active] = multipliers
         return D, np.where(active, self.motion, self.slack)
@@ -81,19 +64,18 @@ class LimitsAtAnswer:
         """The answer's `extra` after a change (active.sum(),) of what gives way, natural units."""
         s = self.motion.copy()
         s[active] = np.maximum(s[active] + change, 0.0)
-        return self.extra | motions_in_si(scene, self.every, s)
+        moved, at = dict(self.extra), 0
+        for limit in self.every:
+            moved[limit.name] = s[at : at + len(limit.room)] * limit.unknown.sizes(scene)[0]
+            at += len(limit.room)
+        return moved
 
 
 def limits_at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -> LimitsAtAnswer:
     """The limits where this candidate stands."""
-    if not (every := every_limit(scene, effects)):
-        return LimitsAtAnswer(np.zeros((0, scene.components)), _NONE, _NONE, _NO_CHOICE[0], (), candidate.extra)
+    every = every_limit(scene, effects)
     rows, room = stacked(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
     slack = room - rows @ (candidate.components / scene.units.force)
     resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
     return LimitsAtAnswer(rows, motion, slack, resting, every, candidate.extra)
-
-
-_NONE = np.zeros(0)
-_NO_CHOICE = [_NONE > 0.0]

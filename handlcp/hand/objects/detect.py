@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.friction import FrictionLaw
-from handlcp.grasp.model.contact import Contact, PlacedContact
+from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand.objects.meshes import winding
 from handlcp.hand.objects.object import Object
@@ -119,7 +119,7 @@ def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], nam
     made: list[Contact] = []
     for position, frame, law, name in zip(positions, frames, laws, names, strict=True):
         if law.x_axis is None:
-            made.append(PlacedContact(position, frame, law, False, name))
+            made.append(Contact.placed(position, frame, law, False, name))
         else:  # the law has a say in where x lies
             made.append(Contact(position, frame[:, 2], law, None, name))
     return tuple(made)
