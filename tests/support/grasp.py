@@ -262,9 +262,5 @@ def required_friction(
 
 
 def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
-    own = section_of(grasp, faces)
-
-    def holds(spec: Any) -> bool:
-        return _required.holds(spec, own) if check is None else check(type(grasp)(spec))
-
-    return find(grasp.spec, own, holds, tolerance, limit)
+    test = _required.holds if check is None else lambda spec, section: check(type(grasp)(spec))
+    return find(grasp.spec, section_of(grasp, faces), tolerance, limit, test)
