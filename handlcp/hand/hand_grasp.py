@@ -119,14 +119,9 @@ class HandGrasp(Grasp):
         return self.spec.offset
 
     def replace(
-        self,
-        *,
-        wrench: Any = None,
-        flexibility: Any = None,
-        offset: Any = None,
-        preload: Any = None,
+        self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
         joint_offset: Any = None,
-    ) -> Self:
+    ) -> Self:  # fmt: skip
         """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
         what the joints' command and the fingers' weight add comes on top, here as there. Where joints also turn soft
         fingertips, or bend under forces, a flexibility has at least what the joints have; for soft ones it may be 0.
@@ -144,13 +139,9 @@ class HandGrasp(Grasp):
         return type(self)(spec)
 
     def solve(
-        self,
-        faces: int | str | Pyramid | None = None,
-        solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True,
-        accuracy: float | None = None,
-        start: GraspSolution | None = None,
-    ) -> HandGraspSolution:
+        self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
+        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None,
+    ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
         if accuracy is not None and force_dependent(self.spec):
             raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
@@ -171,9 +162,8 @@ class HandGrasp(Grasp):
         derivatives. Raises InputError.
         """
         if not getattr(solution, "held", False):
-            raise InputError(
-                "solution", "an answer of this grasp", "one without forces" if solution else repr(solution)
-            )
+            got = "one without forces" if solution else repr(solution)
+            raise InputError("solution", "an answer of this grasp", got)
         GeometricStiffness().check("grasp", self.spec, self.spec.effects)
         section = as_section(faces, planar=self.scene.kind.planar)
         return read_only(force_change(self.spec, section, solution, GeometricStiffness()))

@@ -95,7 +95,7 @@ def required_preload(
     Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
     """
     tolerance, size = _tolerance(tolerance), build(spec).units.motion
-    most = number("limit", 1e4 * size if limit is None else limit, above=0.0)
+    most = 1e4 * size if limit is None else number("limit", limit, above=0.0)
     if _escapes(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
     return smallest(lambda x: test(spec.squeezed(x), section), 0.0, _FIRST * size, most, tolerance, "m")

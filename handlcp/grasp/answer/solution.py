@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
-from handlcp.check import Array
+from handlcp.check import Array, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
 from handlcp.grasp.answer.uniqueness import Uniqueness
@@ -69,6 +70,10 @@ class GraspSolution:
     spin: Array | None = None
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """After pickling, read-only again."""
+        self.__dict__.update(sealed(state), extra=sealed(state["extra"]), yielding=sealed(state["yielding"]))
 
     @property
     def held(self) -> bool:
