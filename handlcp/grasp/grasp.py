@@ -25,7 +25,6 @@ from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, joined, offset_beside
-from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.lcp import Auto, ContactSolver, Solver
@@ -61,9 +60,6 @@ class Grasp:
     Raises InputError for anything that is not as described.
     """
 
-    spec: GraspSpec
-    scene: Scene
-
     def __init__(
         self, contacts: Iterable[Contact] | GraspSpec, wrench: Any = None, *, flexibility: Any = 0.0,
         preload: Any = 0.0, offset: Any = None, reference: Any = (0.0, 0.0, 0.0), effects: Iterable[Effect] = (),
@@ -80,11 +76,11 @@ class Grasp:
             E, d = validate.flexibility(flexibility, k, normal is not None), validate.offset(offset, preload, k)
             if around is not None:
                 E, d = beside(E, around.flexibility), read_only(np.concatenate([d, around.offset]))
-            where, fingers = (read_only(positions), read_only(frames)), None if around is None else k
-            contacts = as_asked(GraspSpec(cs, *where, normal, fingers, None, load, point, E, d), effects)
+            fingers, R = None if around is None else k, read_only(frames)
+            spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
+            contacts = as_asked(spec, effects)
         self.spec, self.scene = contacts, build(contacts)
 
-    # ---- what was asked
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """(n,) the fingers', then the environment's."""
@@ -120,7 +116,6 @@ class Grasp:
         """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
         return self.spec.names
 
-    # ---- look at it
     @overload
     def problem(self, faces: int | Pyramid = 8) -> GraspProblem: ...
     @overload
@@ -132,37 +127,33 @@ class Grasp:
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
-        problem = self._assembled(self._section(faces))
+        problem = assemble(self.scene, self._section(faces), stamped(self.spec.effects))
         problem.complete()
         return problem
 
     def explain(self, faces: int | str | Pyramid = 8, measure: bool = False) -> Explanation:
         """Which effects are on and off, why, and what each costs in unknowns.
 
-        measure : also in time: each one's share of a solve, from half a second of solves with it and without it.
-        `handlcp.grasp.analysis.compare_without` says how. No shares where the grasp has no answer; an effect that no
-        scene is without has none.
+        measure : also in time: each one's share of a solve, from half a second of solves with it and without it (see
+        `grasp.analysis.compare_without`); none where the grasp has no answer, or no scene is without the effect.
         """
         section = self._section(faces)
-        explanation = explain(self.spec, self.scene, section)
-        if not measure:
-            return explanation
-        return measured(self.spec, section, explanation, self.solve(faces, Auto(search_seconds=0), throw=False))
+        found = explain(self.spec, self.scene, section)
+        solution = self.solve(faces, Auto(search_seconds=0), throw=False) if measure else None
+        return found if solution is None else measured(self.spec, section, found, solution)
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
         return (chain or Auto()).plan(GraspContact(self.scene, self._section(faces), stamped(self.spec.effects)))
 
-    # ---- solve it
     def solve(
         self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
         throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None,
     ) -> GraspSolution:  # fmt: skip
         """Grasp forces, slips and object motion, certified.
 
-        faces : see `problem`; None: 8, or what `accuracy` takes. solver : `Auto()` when None. accuracy : the largest
-        error of the forces that will do, beside those on the exact cone, as a share of the largest force; the cone is
-        taken, and the solution's `accuracy` says what error it estimates.
+        faces : see `problem`; None: 8. solver : `Auto()` when None. accuracy : the error of the forces that will do,
+        as a share of the largest; the exact cone is taken, and the solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
@@ -184,19 +175,18 @@ class Grasp:
         if solution.held and reached is not None:
             advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"
             lines = (f"no setting is shown to keep what was asked for: {reached}", advice, *lines)
-        raise NoSolutionFound("\n  ".join(lines), self._assembled(section), solution)
+        problem = assemble(self.scene, section, stamped(self.spec.effects))
+        raise NoSolutionFound("\n  ".join(lines), problem, solution)
 
     def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
         """The same grasp with other numbers; None: as they are.
 
         wrench : the whole load about `reference`, weight included. flexibility : of the fingers; compliances among the
-        effects stay. offset, preload : together they replace the offset, and a preload alone is that of tips without
-        offset. All as in `Grasp`, the fingers'; an offset with a row for every contact also moves the environment.
-        Raises InputError.
+        effects stay. offset, preload : the fingers'; together they replace the offset (a preload alone: of tips without
+        one). An offset with a row for every contact also moves the environment. All as in `Grasp`. Raises InputError.
         """
         return type(self)(replaced(self.spec, wrench, flexibility, offset, preload))
 
-    # ---- ask more of it
     def suggest(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = 8, least: float = 0.05
     ) -> Suggestions:
@@ -230,9 +220,6 @@ class Grasp:
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.kind.planar)
 
-    def _assembled(self, section: Section) -> AnyProblem:
-        return assemble(self.scene, section, stamped(self.spec.effects))
-
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what was asked."""
         return (type(self), (self.spec,))
@@ -253,12 +240,11 @@ def replaced(spec: GraspSpec, wrench: Any, flexibility: Any, offset: Any, preloa
     """See `Grasp.replace`."""
     n, changes = spec.of_fingers, dict[str, Array]()
     if wrench is not None:
-        lift = validate.lift(spec.positions, spec.reference, spec.plane)
-        changes["wrench"] = validate.wrench(wrench, spec.plane, lift)
+        height = validate.lift(spec.positions, spec.reference, spec.plane)
+        changes["wrench"] = validate.wrench(wrench, spec.plane, height)
     if flexibility is not None:
-        own = validate.flexibility(flexibility, n, spec.planar)
-        changes["flexibility"] = beside(own, spec.flexibility[3 * n :, 3 * n :])
+        around = spec.flexibility[3 * n :, 3 * n :]
+        changes["flexibility"] = beside(validate.flexibility(flexibility, n, spec.planar), around)
     if offset is not None or preload is not None:
-        squeeze = 0.0 if preload is None else preload
-        changes["offset"] = offset_beside(offset, squeeze, n, spec.offset[n:])
+        changes["offset"] = offset_beside(offset, 0.0 if preload is None else preload, n, spec.offset[n:])
     return spec.replace(**changes)

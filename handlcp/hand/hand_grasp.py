@@ -86,8 +86,8 @@ class HandGrasp(Grasp):
         balance. The scene's offset has what that does to the tips, `tip_sag`, added.
         """
         weight = self._of_kind(FingerWeight)
-        held = np.zeros(self.state.hand.nv) if weight is None or not weight.sags else weight.torque
-        return read_only(self.mechanism.deflection(held))
+        sags = weight is not None and weight.sags
+        return read_only(self.mechanism.deflection(weight.torque if sags else np.zeros(self.state.hand.nv)))
 
     @property
     def tip_sag(self) -> Array:
@@ -132,10 +132,9 @@ class HandGrasp(Grasp):
             command = read_joint_offset(joint_offset, self.state.hand.joint_names)
             spec = spec.replace(effects=(*others, JointOffset(command)) if command.any() else others)
         if flexibility is not None:
-            if force_dependent(spec):
-                _of_the_joints(spec, "GeometricStiffness")
-            elif self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any():
-                _of_the_joints(spec, "soft fingers")
+            bent = force_dependent(spec)
+            if bent or (self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any()):
+                _of_the_joints(spec, "GeometricStiffness" if bent else "soft fingers")
         return type(self)(spec)
 
     def solve(

@@ -74,7 +74,9 @@ def measured(
         at = next((i for i, (title, _) in enumerate(waiting) if line.on and title == line.title), None)
         if at is not None:
             less = waiting.pop(at)[1]
-            run = _run(less, _with_the_same_answer(less, solution), section, solution)
+            torsion = None if solution.torsion is None else solution.torsion[: less.n]
+            own = replace(solution, forces=solution.forces[: less.n], torsion=torsion)  # its contacts are the first
+            run = _run(less, _with_the_same_answer(less, own), section, own)
             if run():
                 runs[k] = run
     times = (clock or best_times)(runs)
@@ -85,11 +87,9 @@ def measured(
 
 
 def _with_the_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
-    """The scene of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v,
-    those of the contacts that it has: the first.
-    """
+    """The scene of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u, v."""
     scene = build(less)
-    answer = candidate_of(scene, _first(solution, scene.n))
+    answer = candidate_of(scene, solution)
     r, u = answer.components.copy(), answer.twist
     for own, free, t in zip(scene.kind.contact_components, scene.governed, scene.kind.tangents, strict=True):
         if free and t == 0:  # it bears no friction
@@ -105,15 +105,9 @@ def _with_the_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
     return replace(scene, force=read_only(load[:3]), moment=read_only(moment), offset=read_only(d))
 
 
-def _first(solution: GraspSolution, n: int) -> GraspSolution:
-    """With the forces of its first n contacts alone."""
-    torsion = None if solution.torsion is None else solution.torsion[:n]
-    return replace(solution, forces=solution.forces[:n], torsion=torsion)
-
-
 def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolution) -> Run:
     """The work that is timed, ending with the solve of `answered`; whether it ends in an answer."""
-    asked, start = stamped(spec.effects), start_from(_first(solution, spec.n), answered)
+    asked, start = stamped(spec.effects), start_from(solution, answered)
 
     def run() -> bool:
         build(spec)
@@ -121,7 +115,7 @@ def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolu
         if not asked:
             return solve_scene(scene, section, 0, start).passes
         problem = GraspContact(scene, section, asked)
-        begin = problem.natural(candidate_of(scene, _first(solution, spec.n)))
+        begin = problem.natural(candidate_of(scene, solution))
         return any(passes(problem, problem.candidate(p.z)) for _, p in proposals(problem, None, begin))
 
     return run

@@ -165,12 +165,11 @@ def active_system(
     for e in range(extra):
         V[:, c + dof + e] = coupling[e]
         A[dof + c + e, :c] = coupling[e]
-    tangent = np.zeros(c, np.bool_)
     across = np.zeros((3, 3))
     for i in range(len(contacts)):
         z, d, kind = 3 * i + 2, 0, states.kind[i]
+        A[dof + z - 2, z - 2] = A[dof + z - 1, z - 1] = 1.0  # what is no tangent carries nothing
         while d < 3 and contacts[i, d + 1] >= 0:
-            tangent[contacts[i, d + 1]] = True
             d += 1
         held = contacts[i, 0] < 0 or kind == SEPARATED
         if held:
@@ -191,13 +190,11 @@ def active_system(
                 for b in range(d):
                     A[dof + j, contacts[i, b + 1]] = states.faces[i, a, b]
             else:
+                A[dof + j, j] = 0.0
                 for b in range(d):
                     A[dof + j] += across[a - count, b] * V[contacts[i, b + 1]]
                 for b in range(d):
                     A[dof + j, contacts[i, b + 1]] += states.turn[i] * softness * across[a - count, b]
-    for j in range(c):
-        if (j % 3 != 2 or j >= 3 * len(contacts)) and not tangent[j]:  # what is no tangent carries nothing
-            A[dof + j, j] = 1.0
     for r in range(k):
         largest = np.max(np.abs(A[r]))
         if largest > 0.0:
