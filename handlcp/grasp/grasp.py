@@ -13,7 +13,7 @@ from handlcp.grasp.analysis.advice import solve_with_advice
 from handlcp.grasp.analysis.compare_without import measured
 from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
 from handlcp.grasp.analysis.explanation import Explanation, explain
-from handlcp.grasp.analysis.required import Required, holds, required_friction, required_preload
+from handlcp.grasp.analysis.required import Required, required_friction, required_preload
 from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.analysis.suggestions import Suggestions, suggest
 from handlcp.grasp.answer.solution import GraspSolution
@@ -25,7 +25,6 @@ from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, joined, offset_beside
-from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.lcp import Auto, ContactSolver, Solver
@@ -61,36 +60,27 @@ class Grasp:
     Raises InputError for anything that is not as described.
     """
 
-    spec: GraspSpec
-    scene: Scene
-
     def __init__(
-        self,
-        contacts: Iterable[Contact] | GraspSpec,
-        wrench: Any = None,
-        *,
-        flexibility: Any = 0.0,
-        preload: Any = 0.0,
-        offset: Any = None,
-        reference: Any = (0.0, 0.0, 0.0),
-        effects: Iterable[Effect] = (),
-        plane: Any = None,
-        environment: Any = None,
-    ) -> None:
+        self, contacts: Iterable[Contact] | GraspSpec, wrench: Any = None, *, flexibility: Any = 0.0,
+        preload: Any = 0.0, offset: Any = None, reference: Any = (0.0, 0.0, 0.0), effects: Iterable[Effect] = (),
+        plane: Any = None, environment: Any = None,
+    ) -> None:  # fmt: skip
         if not isinstance(contacts, GraspSpec):
-            placed = _placed(contacts, plane, environment)
-            cs, positions, frames, normal, fingers, around = placed
-            k = len(cs) if fingers is None else fingers
+            cs = validate.contacts(contacts)
+            k, around = len(cs), None if environment is None else joined(environment)
+            if around is not None:
+                cs = validate.contacts((*cs, *around.contacts))
+            positions, frames, normal = validate.placed(plane, cs)
             point = validate.reference(reference, normal, positions)
             load = validate.wrench(wrench, normal, validate.lift(positions, point, normal))
             E, d = validate.flexibility(flexibility, k, normal is not None), validate.offset(offset, preload, k)
             if around is not None:
                 E, d = beside(E, around.flexibility), read_only(np.concatenate([d, around.offset]))
-            spec = GraspSpec(cs, positions, frames, normal, fingers, None, load, point, E, d)
+            fingers, R = None if around is None else k, read_only(frames)
+            spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
             contacts = as_asked(spec, effects)
         self.spec, self.scene = contacts, build(contacts)
 
-    # ---- what was asked
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """(n,) the fingers', then the environment's."""
@@ -126,7 +116,6 @@ class Grasp:
         """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
         return self.spec.names
 
-    # ---- look at it
     @overload
     def problem(self, faces: int | Pyramid = 8) -> GraspProblem: ...
     @overload
@@ -145,34 +134,26 @@ class Grasp:
     def explain(self, faces: int | str | Pyramid = 8, measure: bool = False) -> Explanation:
         """Which effects are on and off, why, and what each costs in unknowns.
 
-        measure : also in time: each one's share of a solve, from half a second of solves with it and without it.
-        `handlcp.grasp.analysis.compare_without` says how. No shares where the grasp has no answer; an effect that no
-        scene is without has none.
+        measure : also in time: each one's share of a solve, from half a second of solves with it and without it (see
+        `grasp.analysis.compare_without`); none where the grasp has no answer, or no scene is without the effect.
         """
         section = self._section(faces)
-        explanation = explain(self.spec, self.scene, section)
-        if not measure:
-            return explanation
-        return measured(self.spec, section, explanation, self.solve(faces, Auto(search_seconds=0), throw=False))
+        found = explain(self.spec, self.scene, section)
+        solution = self.solve(faces, Auto(search_seconds=0), throw=False) if measure else None
+        return found if solution is None else measured(self.spec, section, found, solution)
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
         return (chain or Auto()).plan(GraspContact(self.scene, self._section(faces), stamped(self.spec.effects)))
 
-    # ---- solve it
     def solve(
-        self,
-        faces: int | str | Pyramid | None = None,
-        solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True,
-        accuracy: float | None = None,
-        start: GraspSolution | None = None,
-    ) -> GraspSolution:
+        self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
+        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None,
+    ) -> GraspSolution:  # fmt: skip
         """Grasp forces, slips and object motion, certified.
 
-        faces : see `problem`; None: 8, or what `accuracy` takes. solver : `Auto()` when None. accuracy : the largest
-        error of the forces that will do, beside those on the exact cone, as a share of the largest force; the cone is
-        taken, and the solution's `accuracy` says what error it estimates.
+        faces : see `problem`; None: 8. solver : `Auto()` when None. accuracy : the error of the forces that will do,
+        as a share of the largest; the exact cone is taken, and the solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
@@ -182,33 +163,30 @@ class Grasp:
         if accuracy is None:
             section = self._section(8 if faces is None else faces)
             solution = solve_with_advice(self.spec, section, solver, where, self.scene)
-        else:
-            if faces is not None:
-                raise InputError("accuracy", "no faces beside it: it chooses them", f"faces={faces!r}")
+        elif faces is None:
             asked = number("accuracy", accuracy, above=0.0)
             section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where)
+        else:
+            raise InputError("accuracy", "no faces beside it: it chooses them", f"faces={faces!r}")
         reached = solution.accuracy
-        short = solution.held and reached is not None and not reached.met
-        if throw and (short or not solution.held):
-            lines = (str(solution), *solution.trace)
-            if short:
-                advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"  # type: ignore[union-attr]
-                lines = (f"no setting is shown to keep what was asked for: {reached}", advice, *lines)
-            problem = assemble(self.scene, section, stamped(self.spec.effects))
-            raise NoSolutionFound("\n  ".join(lines), problem, solution)
-        return solution
+        if not throw or (solution.held and (reached is None or reached.met)):
+            return solution
+        lines = (str(solution), *solution.trace)
+        if solution.held and reached is not None:
+            advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"
+            lines = (f"no setting is shown to keep what was asked for: {reached}", advice, *lines)
+        problem = assemble(self.scene, section, stamped(self.spec.effects))
+        raise NoSolutionFound("\n  ".join(lines), problem, solution)
 
     def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
         """The same grasp with other numbers; None: as they are.
 
         wrench : the whole load about `reference`, weight included. flexibility : of the fingers; compliances among the
-        effects stay. offset, preload : together they replace the offset, and a preload alone is that of tips without
-        offset. All as in `Grasp`, the fingers'; an offset with a row for every contact also moves the environment.
-        Raises InputError.
+        effects stay. offset, preload : the fingers'; together they replace the offset (a preload alone: of tips without
+        one). An offset with a row for every contact also moves the environment. All as in `Grasp`. Raises InputError.
         """
-        return self._of(replaced(self.spec, wrench, flexibility, offset, preload))
+        return type(self)(replaced(self.spec, wrench, flexibility, offset, preload))
 
-    # ---- ask more of it
     def suggest(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = 8, least: float = 0.05
     ) -> Suggestions:
@@ -220,20 +198,17 @@ class Grasp:
         least = number("least", least, minimum=0.0)
         solution = self.solve(faces) if solution is None else solution
         if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n or not solution.held:
-            raise InputError(
-                "solution", "an answer of this grasp, or None", repr(getattr(solution, "status", solution))
-            )
+            got = repr(getattr(solution, "status", solution))
+            raise InputError("solution", "an answer of this grasp, or None", got)
         return suggest(self.spec, self._section(faces), solution, least)
 
     def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""
-        section = self._section(faces)
-        return required_preload(self.spec, section, lambda spec: holds(spec, section), tolerance)
+        return required_preload(self.spec, self._section(faces), tolerance)
 
     def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
-        section = self._section(faces)
-        return required_friction(self.spec, section, lambda spec: holds(spec, section), tolerance)
+        return required_friction(self.spec, self._section(faces), tolerance)
 
     def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.
@@ -244,10 +219,6 @@ class Grasp:
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.kind.planar)
-
-    def _of(self, spec: GraspSpec) -> Self:
-        """A grasp of the same class."""
-        return type(self)(spec)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what was asked."""
@@ -262,8 +233,6 @@ class Grasp:
 
 def as_asked(spec: GraspSpec, effects: Any) -> GraspSpec:
     """The specification with the effects that a user asks for by name, besides those it has. Raises InputError."""
-    if isinstance(effects, tuple) and not effects:
-        return spec
     return spec.replace(effects=(*validate.effects(effects, spec), *spec.effects))
 
 
@@ -271,25 +240,11 @@ def replaced(spec: GraspSpec, wrench: Any, flexibility: Any, offset: Any, preloa
     """See `Grasp.replace`."""
     n, changes = spec.of_fingers, dict[str, Array]()
     if wrench is not None:
-        lift = validate.lift(spec.positions, spec.reference, spec.plane)
-        changes["wrench"] = validate.wrench(wrench, spec.plane, lift)
+        height = validate.lift(spec.positions, spec.reference, spec.plane)
+        changes["wrench"] = validate.wrench(wrench, spec.plane, height)
     if flexibility is not None:
-        E = validate.flexibility(flexibility, n, spec.planar)
-        changes["flexibility"] = beside(E, spec.flexibility[3 * n :, 3 * n :]) if n < spec.n else E
+        around = spec.flexibility[3 * n :, 3 * n :]
+        changes["flexibility"] = beside(validate.flexibility(flexibility, n, spec.planar), around)
     if offset is not None or preload is not None:
-        squeeze = 0.0 if preload is None else preload
-        around = n < spec.n
-        changes["offset"] = (
-            offset_beside(offset, squeeze, n, spec.offset[n:]) if around else validate.offset(offset, squeeze, n)
-        )
+        changes["offset"] = offset_beside(offset, 0.0 if preload is None else preload, n, spec.offset[n:])
     return spec.replace(**changes)
-
-
-def _placed(contacts: Any, plane: Any, environment: Any) -> tuple[Any, ...]:
-    """Contacts with those of the environment, where they are, and the environment."""
-    cs = validate.contacts(contacts)
-    k, around = len(cs), None if environment is None else joined(environment)
-    if around is not None:
-        cs = validate.contacts((*cs, *around.contacts))
-    positions, frames, normal = validate.placed(plane, cs)
-    return cs, read_only(positions), read_only(frames), normal, None if around is None else k, around

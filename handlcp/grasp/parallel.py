@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any, overload
 
 import numpy as np
@@ -121,13 +122,11 @@ def _first_stage(
     grasps: Sequence[Grasp], sections: Sequence[Section], chain: Auto, part: range, found: list[Any]
 ) -> int:
     """Put what the first stage answers in its places; returns how many those are."""
-    kinds: dict[int, tuple[CompiledKind, list[int]]] = {}
+    kinds: dict[CompiledKind, list[int]] = {}
     for k in part:
         if not any(e.stamps or e.depends_on_forces for e in grasps[k].spec.effects):
-            kind = compiled_kind(grasps[k].scene, sections[k])
-            kinds.setdefault(id(kind), (kind, []))[1].append(k)
-    solved = 0
-    for kind, members in kinds.values():
+            kinds.setdefault(compiled_kind(grasps[k].scene, sections[k]), []).append(k)
+    for kind, members in kinds.items():
         scenes = np.empty((len(members), kind.scene_width))
         for row, k in zip(scenes, members, strict=True):
             pack(grasps[k].scene, sections[k], row)
@@ -136,8 +135,7 @@ def _first_stage(
         for row, k in zip(read_only(rows), members, strict=True):
             if (answer := CompiledAnswer(kind, row)).passes:
                 found[k] = answer
-                solved += 1
-    return solved
+    return sum(found[k] is not None for k in part)
 
 
 def _one_by_one(
@@ -156,23 +154,12 @@ def _one_by_one(
 
     batches = [slice(at, at + _BATCH) for at in range(k, len(grasps), _BATCH)]
     run = Parallel(n_jobs=workers, return_as="generator", batch_size=1)
-    jobs = (delayed(_batch)(grasps[b], sections[b], solver) for b in batches)
-    for batch, answers in zip(batches, run(jobs), strict=True):
-        for grasp, solution in zip(grasps[batch], answers, strict=True):
-            yield replace(_read_only(solution), scene=grasp.scene)
+    answers = run(delayed(_batch)(grasps[b], sections[b], solver) for b in batches)
+    for grasp, solution in zip(grasps[k:], itertools.chain.from_iterable(answers), strict=True):
+        yield replace(solution, scene=grasp.scene)
 
 
 def _batch(grasps: Sequence[Grasp], sections: Sequence[Section], solver: AnySolver) -> list[GraspSolution]:
     """In another process; scenes stay at home."""
     pairs = zip(grasps, sections, strict=True)
     return [replace(solve_with_advice(g.spec, s, solver, scene=g.scene), scene=None) for g, s in pairs]
-
-
-def _read_only(solution: GraspSolution) -> GraspSolution:
-    """Arrays that have travelled can be written to."""
-    for f in fields(solution):
-        value = getattr(solution, f.name)
-        for array in value.values() if isinstance(value, dict) else (value,):
-            if isinstance(array, np.ndarray):
-                array.flags.writeable = False
-    return solution

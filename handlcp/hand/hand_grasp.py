@@ -86,8 +86,8 @@ class HandGrasp(Grasp):
         balance. The scene's offset has what that does to the tips, `tip_sag`, added.
         """
         weight = self._of_kind(FingerWeight)
-        held = np.zeros(self.state.hand.nv) if weight is None or not weight.sags else weight.torque
-        return read_only(self.mechanism.deflection(held))
+        sags = weight is not None and weight.sags
+        return read_only(self.mechanism.deflection(weight.torque if sags else np.zeros(self.state.hand.nv)))
 
     @property
     def tip_sag(self) -> Array:
@@ -119,14 +119,9 @@ class HandGrasp(Grasp):
         return self.spec.offset
 
     def replace(
-        self,
-        *,
-        wrench: Any = None,
-        flexibility: Any = None,
-        offset: Any = None,
-        preload: Any = None,
+        self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
         joint_offset: Any = None,
-    ) -> Self:
+    ) -> Self:  # fmt: skip
         """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
         what the joints' command and the fingers' weight add comes on top, here as there. Where joints also turn soft
         fingertips, or bend under forces, a flexibility has at least what the joints have; for soft ones it may be 0.
@@ -137,20 +132,15 @@ class HandGrasp(Grasp):
             command = read_joint_offset(joint_offset, self.state.hand.joint_names)
             spec = spec.replace(effects=(*others, JointOffset(command)) if command.any() else others)
         if flexibility is not None:
-            if force_dependent(spec):
-                _of_the_joints(spec, "GeometricStiffness")
-            elif self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any():
-                _of_the_joints(spec, "soft fingers")
+            bent = force_dependent(spec)
+            if bent or (self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any()):
+                _of_the_joints(spec, "GeometricStiffness" if bent else "soft fingers")
         return type(self)(spec)
 
     def solve(
-        self,
-        faces: int | str | Pyramid | None = None,
-        solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True,
-        accuracy: float | None = None,
-        start: GraspSolution | None = None,
-    ) -> HandGraspSolution:
+        self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
+        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None,
+    ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
         if accuracy is not None and force_dependent(self.spec):
             raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
@@ -171,9 +161,8 @@ class HandGrasp(Grasp):
         derivatives. Raises InputError.
         """
         if not getattr(solution, "held", False):
-            raise InputError(
-                "solution", "an answer of this grasp", "one without forces" if solution else repr(solution)
-            )
+            got = "one without forces" if solution else repr(solution)
+            raise InputError("solution", "an answer of this grasp", got)
         GeometricStiffness().check("grasp", self.spec, self.spec.effects)
         section = as_section(faces, planar=self.scene.kind.planar)
         return read_only(force_change(self.spec, section, solution, GeometricStiffness()))

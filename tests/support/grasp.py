@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 import handlcp as hl
 from handlcp.grasp.analysis import required as _required
 from handlcp.grasp.analysis.force_error import force_error
-from handlcp.grasp.answer.diagnosis import describe_motion, diagnose
+from handlcp.grasp.answer.diagnosis import Sentences
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.assembly.problem import assemble
@@ -201,6 +201,28 @@ def claimed_force_error(grasp: hl.Grasp, solution: hl.GraspSolution) -> float:
 
 
 # ---------------------------------------------------------------- words, and the search for what is required
+def describe_motion(twist: Any, positions: Any, reference: Any, names: Any, slide: str, turn: str) -> str:
+    """A twist (6,) about the reference in words, of a grasp with contacts of these names at these places."""
+    return Sentences(names, positions, reference).motion(twist, slide, turn)
+
+
+def diagnose(
+    status: hl.Status, names: Any, positions: Any, *, reference: Any, forces: Any = None, states: Any = (),
+    offset: Any = None, loose: Any = (), forces_determined: bool = True, **more: Any,
+) -> str:  # fmt: skip
+    """The sentence about a solution with these parts, of a grasp that is not built."""
+    n = len(names)
+    given = {f.name: None for f in fields(hl.GraspSolution)} | {
+        "status": status, "names": names, "contact_state": states, "cause": "", "reference": reference,
+        "forces": np.ones((n, 3)) if forces is None else forces,
+        "uniqueness": hl.Uniqueness(len(loose), np.reshape(loose, (-1, 6)), forces_determined),
+        "scene": SimpleNamespace(
+            n=n, positions=positions, environment=0, offset=np.ravel(np.zeros((n, 3)) if offset is None else offset)
+        ),
+    }  # fmt: skip
+    return hl.GraspSolution(**(given | more)).diagnosis
+
+
 def diagnosed(grasp: hl.Grasp, solution: hl.GraspSolution, **more: Any) -> str:
     """The sentence about a solution, from what the solution says itself."""
     return replace(solution, **more).diagnosis
@@ -240,9 +262,5 @@ def required_friction(
 
 
 def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
-    own = section_of(grasp, faces)
-
-    def holds(spec: Any) -> bool:
-        return _required.holds(spec, own) if check is None else check(type(grasp)(spec))
-
-    return find(grasp.spec, own, holds, tolerance, limit)
+    test = _required.holds if check is None else lambda spec, section: check(type(grasp)(spec))
+    return find(grasp.spec, section_of(grasp, faces), tolerance, limit, test)

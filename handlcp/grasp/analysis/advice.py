@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from handlcp.check import Array
-from handlcp.grasp.analysis.required import holds, required_preload
+from handlcp.grasp.analysis.required import required_preload
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
@@ -19,15 +19,10 @@ __all__ = ["solve_with_advice"]
 
 
 def solve_with_advice(
-    spec: GraspSpec,
-    section: Section,
-    solver: AnySolver = None,
-    start: Array = NOWHERE,
-    scene: Scene | None = None,
+    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None
 ) -> GraspSolution:
     """As `solve_spec`; NO_EQUILIBRIUM comes with the `required_preload` that would hold, where one is found."""
     solution = solve_spec(spec, section, solver, start, scene)
     if solution.status is not Status.NO_EQUILIBRIUM or solution.certificate is not None:  # no squeeze moves a limit
         return solution
-    squeeze = required_preload(spec, section, lambda other: holds(other, section)).value
-    return replace(solution, required_preload=squeeze)
+    return replace(solution, required_preload=required_preload(spec, section).value)

@@ -14,14 +14,14 @@ off the compiled first stage) each show it only as far as leaving that one out w
 
 from __future__ import annotations
 
-import gc
 import time
+import timeit
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import read_only
 from handlcp.grasp.analysis.explanation import ENVIRONMENT, Explanation, effects_on
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
@@ -31,9 +31,9 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.search.nearby import passes
 from handlcp.grasp.solve.compiled_answer import solve_scene, start_from
 from handlcp.grasp.solve.force_iteration import force_dependent, under_forces
-from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import proposals
 
 __all__ = ["best_times", "measured", "without"]
@@ -66,31 +66,34 @@ def measured(
         return explanation
     if force_dependent(spec) and not isinstance(bent := under_forces(spec, solution.forces), str):
         spec = bent
-    waiting, runs = list(without(spec, section)), {-1: _run(spec, build(spec), section, solution)}
-    for k, line in enumerate(explanation.effects):
+    runs = {-1: _run(spec, build(spec), section, solution)}
+    if not runs[-1]():
+        return explanation
+    lines, waiting = list(explanation.effects), list(without(spec, section))
+    for k, line in enumerate(lines):
         at = next((i for i, (title, _) in enumerate(waiting) if line.on and title == line.title), None)
         if at is not None:
             less = waiting.pop(at)[1]
-            run = _run(less, _with_the_same_answer(less, solution), section, solution)
+            torsion = None if solution.torsion is None else solution.torsion[: less.n]
+            own = replace(solution, forces=solution.forces[: less.n], torsion=torsion)  # its contacts are the first
+            run = _run(less, _with_the_same_answer(less, own), section, own)
             if run():
                 runs[k] = run
-    if not runs[-1]():
-        return explanation
     times = (clock or best_times)(runs)
     whole = times.pop(-1)
-    lines = tuple(
-        replace(line, share=1.0 - times[k] / whole if k in times else None)
-        for k, line in enumerate(explanation.effects)
-    )
-    return replace(explanation, effects=lines, seconds=whole)
+    for k, seconds in times.items():
+        lines[k] = replace(lines[k], share=1.0 - seconds / whole)
+    return replace(explanation, effects=tuple(lines), seconds=whole)
 
 
 def _with_the_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
-    """The scene of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u and v,
-    those of the contacts that it has: the first.
-    """
+    """The scene of `less` under the load w = -G r and with the offsets d = v - Gᵀu - E r of the solution's r, u, v."""
     scene = build(less)
-    r, u = _forces(scene, solution), candidate_of(scene, _first(solution, scene.n)).twist
+    answer = candidate_of(scene, solution)
+    r, u = answer.components.copy(), answer.twist
+    for own, free, t in zip(scene.kind.contact_components, scene.governed, scene.kind.tangents, strict=True):
+        if free and t == 0:  # it bears no friction
+            r[own[0] - 2 : own[0]] = 0.0
     v = np.column_stack([solution.slip, solution.gap])[: scene.n].reshape(-1)
     if scene.soft:
         assert solution.spin is not None  # soft in `less`, soft in the grasp
@@ -102,24 +105,9 @@ def _with_the_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
     return replace(scene, force=read_only(load[:3]), moment=read_only(moment), offset=read_only(d))
 
 
-def _first(solution: GraspSolution, n: int) -> GraspSolution:
-    """With the forces of its first n contacts alone."""
-    torsion = None if solution.torsion is None else solution.torsion[:n]
-    return replace(solution, forces=solution.forces[:n], torsion=torsion)
-
-
-def _forces(scene: Scene, solution: GraspSolution) -> Array:
-    """(c,) the solution's forces as this scene bears them: without friction, where it has none."""
-    r = candidate_of(scene, _first(solution, scene.n)).components.copy()
-    for own, free, t in zip(scene.kind.contact_components, scene.governed, scene.kind.tangents, strict=True):
-        if free and t == 0:
-            r[own[0] - 2 : own[0]] = 0.0
-    return r
-
-
 def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolution) -> Run:
     """The work that is timed, ending with the solve of `answered`; whether it ends in an answer."""
-    asked, start = stamped(spec.effects), start_from(_first(solution, spec.n), answered)
+    asked, start = stamped(spec.effects), start_from(solution, answered)
 
     def run() -> bool:
         build(spec)
@@ -127,30 +115,20 @@ def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolu
         if not asked:
             return solve_scene(scene, section, 0, start).passes
         problem = GraspContact(scene, section, asked)
-        begin = problem.natural(candidate_of(scene, _first(solution, spec.n)))
-        for _, proposal in proposals(problem, None, begin):
-            if judge(scene, problem.effects, section, problem.candidate(proposal.z)).residuals.passes:
-                return True
-        return False
+        begin = problem.natural(candidate_of(scene, solution))
+        return any(passes(problem, problem.candidate(p.z)) for _, p in proposals(problem, None, begin))
 
     return run
 
 
 def best_times(runs: dict[int, Run]) -> dict[int, float]:
     """Best time of each run [s], in turns, the collector off meanwhile."""
-    best, clock, on = dict.fromkeys(runs, np.inf), time.perf_counter, gc.isenabled()
+    best, clock = dict.fromkeys(runs, np.inf), time.perf_counter
+    timers = {k: timeit.Timer(run, timer=clock) for k, run in runs.items()}  # they switch the collector off
     end = clock() + _MOST
-    gc.disable()
-    try:
-        for turn in range(_TURNS):
-            for k, run in runs.items():
-                for _ in range(_BURST):
-                    start = clock()
-                    run()
-                    best[k] = min(best[k], clock() - start)
-            if turn and clock() > end:
-                break
-    finally:
-        if on:
-            gc.enable()
+    for turn in range(_TURNS):
+        for k, timer in timers.items():
+            best[k] = min(best[k], *timer.repeat(_BURST, number=1))
+        if turn and clock() > end:
+            break
     return best

@@ -23,7 +23,7 @@ from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
-from handlcp.grasp.search.nearby import first_certified, only_limits_move
+from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
@@ -72,10 +72,10 @@ class Equilibria:
         if k == 1:
             head = "one equilibrium and no other" if self.complete else "one equilibrium found; others may exist"
             return f"{head} ({proof})\n  {_line(self.found[0])}"
-        head = f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"
-        lines = [f"  {i}. {_line(s)}" for i, s in enumerate(self.found, 1)]
-        which = "  in which of them the hand ends up depends on how it gets there: friction remembers the way"
-        return "\n".join([head, *lines, which])
+        lines = [f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"]
+        lines += [f"  {i}. {_line(s)}" for i, s in enumerate(self.found, 1)]
+        lines.append("  in which of them the hand ends up depends on how it gets there: friction remembers the way")
+        return "\n".join(lines)
 
 
 def _line(s: GraspSolution) -> str:
@@ -121,7 +121,7 @@ class _Listing:
     """Equilibria of one grasp, as they are found."""
 
     def __init__(self, spec: GraspSpec, section: Section, start: float) -> None:
-        self.spec, self.section, self.start, self.scene = spec, section, start, build(spec)
+        self.spec, self.start, self.scene = spec, start, build(spec)
         self.problem = GraspContact(self.scene, section, stamped(spec.effects))
         self.found: list[GraspSolution] = []
         self.noise = _APART * self.scene.units.force
@@ -131,10 +131,8 @@ class _Listing:
         for seed in range(1, _RUNS + 1):
             if time.monotonic() > end:
                 return
-            for _, p in proposals(self.problem, Auto(seed=seed)):
-                candidate = self.problem.candidate(p.z)
-                if judge(self.scene, self.problem.effects, self.section, candidate).residuals.passes:
-                    self.add([candidate])
+            ended = (self.problem.candidate(p.z) for _, p in proposals(self.problem, Auto(seed=seed)))
+            self.add(c for c in ended if passes(self.problem, c))
 
     def has_the_first(self, candidates: list[Candidate]) -> bool:
         """Whether the answer that is known is among them, as it must be; of a family any member may be."""
@@ -146,12 +144,12 @@ class _Listing:
         """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
         there is an equilibrium as well (what one choice of modes allows is convex).
         """
+        scene, section, effects = self.scene, self.problem.section, self.problem.effects
         for c in candidates:
             if any(self._close(self._forces(c), s.forces) for s in self.found):
                 continue
-            effects = self.problem.effects
-            judged = Judged(c, judge(self.scene, effects, self.section, c), 0)
-            made = make_solution(self.spec, self.scene, self.section, effects, judged, ("another equilibrium",))
+            judged = Judged(c, judge(scene, effects, section, c), 0)
+            made = make_solution(self.spec, scene, section, effects, judged, ("another equilibrium",))
             if not any(self._close(made.forces, s.forces) or self._one_family(made, s) for s in self.found):
                 self.found.append(made)
 
@@ -168,7 +166,7 @@ class _Listing:
 
     def _close(self, a: Array, b: Array) -> bool:
         """Within the noise, too: where no force is needed, what rounding leaves of it differs by all of its size."""
-        return float(abs(a - b).max()) <= max(_APART * float(abs(a).max()), _APART * float(abs(b).max()), self.noise)
+        return float(abs(a - b).max()) <= max(_APART * max(float(abs(a).max()), float(abs(b).max())), self.noise)
 
     def _one_family(self, a: GraspSolution, b: GraspSolution) -> bool:
         if _determined(a) and _determined(b):
@@ -176,8 +174,7 @@ class _Listing:
         one, other = candidate_of(self.scene, a), candidate_of(self.scene, b)
         extra = {name: 0.5 * (a.extra[name] + b.extra[name]) for name in a.extra}
         middle = 0.5 * (one.components + other.components), 0.5 * (one.twist + other.twist)
-        between = Candidate(*middle, extra, one.soft)
-        return judge(self.scene, self.problem.effects, self.section, between).residuals.passes
+        return passes(self.problem, Candidate(*middle, extra, one.soft))
 
 
 def _determined(s: GraspSolution) -> bool:

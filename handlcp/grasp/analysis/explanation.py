@@ -112,12 +112,10 @@ class Explanation:
     def __str__(self) -> str:
         lines = []
         for e in self.effects:
-            brings = (
-                ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
-                or "no unknowns"
-            )
+            brings = ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
             takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
-            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}" + (f" [{brings}{takes}]" if e.on else ""))
+            cost = f" [{brings or 'no unknowns'}{takes}]" if e.on else ""
+            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}{cost}")
         what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
         if self.rcond is not None:
             what += f" (rcond of their block {self.rcond:.1e})"
@@ -136,40 +134,33 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     """What is on comes first; the sizes are those of the assembled problem."""
     on, problem = effects_on(spec, scene, section), assemble(scene, section, stamped(spec.effects))
     counted = {g.name: g for g in problem.groups}
-    lines = []
+    lines, k = [], 3 * spec.of_fingers
+    own, m = spec.flexibility[:k, :k], spec.n - spec.of_fingers
     for e in on:
         names = [name for u in e.unknowns(scene) for name in (u.name, MULTIPLIERS.get(u.name))]
         brought = tuple([(name, counted[name].count, counted[name].free) for name in names if name in counted])
-        lines.append(EffectLine(e.title, e.equation, True, e.why(scene), brought))
+        line = EffectLine(e.title, e.equation, True, e.why(scene), brought)
+        if e.title == FingerFlexibility.title:  # told apart from what compliances asked for add to E
+            line = replace(line, why=f"E is not zero (mean {own.trace() / k:.3g} m/N)")
+            if not own.any():
+                line = replace(line, on=False, why="E of the fingers is zero: rigid fingers", unknowns=())
+        lines.append(line)
     present = {type(e) for e in on}
     for kind in effect_kinds():
         if kind not in present and (why := kind.absent(scene, section)) is not None:
             lines.append(EffectLine(kind.title, kind.equation, False, why))
-    lines = [_fingers_own(line, spec) if line.title == FingerFlexibility.title else line for line in lines]
-    lines.append(_environment_line(spec))
+    # The unknowns of the environment are counted with contact and friction
+    lines.append(EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, m > 0, _surroundings(spec, m)))
     lines += [EffectLine(*line) for line in (() if spec.mechanism is None else spec.mechanism.lines())]
     total = sum(g.count for g in problem.groups)
     rcond = problem.rcond if isinstance(problem, GraspProblem) else None
     return Explanation(tuple(sorted(lines, key=lambda line: not line.on)), total, total - problem.n, rcond)
 
 
-def _fingers_own(line: EffectLine, spec: GraspSpec) -> EffectLine:
-    """That of fingers is told apart from what compliances asked for add to E."""
-    k = 3 * spec.of_fingers
-    own = spec.flexibility[:k, :k]
-    if not line.on:
-        return line
-    if not own.any():
-        return replace(line, on=False, why="E of the fingers is zero: rigid fingers", unknowns=())
-    return replace(line, why=f"E is not zero (mean {own.trace() / k:.3g} m/N)")
-
-
-def _environment_line(spec: GraspSpec) -> EffectLine:
-    """Its unknowns are counted with contact and friction."""
-    m = spec.n - spec.of_fingers
+def _surroundings(spec: GraspSpec, m: int) -> str:
+    """What the m contacts of the environment are."""
     if not m:
-        return EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, False, "none given")
+        return "none given"
     block = spec.flexibility[-3 * m :, -3 * m :]
     soft = f"{block.trace() / (3 * m):.3g} m/N in the mean" if block.any() else "rigid"
-    why = f"{m} of the {spec.n} contacts: {listed(spec.names[-m:])}; {soft}"
-    return EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, True, why)
+    return f"{m} of the {spec.n} contacts: {listed(spec.names[-m:])}; {soft}"

@@ -19,15 +19,14 @@ these contacts is a piece of its own, and the largest bound counts.
 from __future__ import annotations
 
 import itertools
-from typing import NamedTuple
+from collections.abc import Iterator
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints
+from handlcp.check import Array, Bools
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.contact_form import GraspContact
-from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact_rows import row_scales
 from handlcp.tolerances import ACTIVE, RANK
 
@@ -39,31 +38,6 @@ _MOST_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; 
 _REGULAR = 1e-9  # 1 / condition above which J is inverted; below, its rank is looked at
 
 
-class _Problem(NamedTuple):
-    """M (n, n), role (n,), blocks (k, 4), limits (k,) of a contact problem on the cone, and x (n,)."""
-
-    M: Array
-    role: Ints
-    blocks: Ints
-    limits: Array
-    x: Array
-
-
-class _Look(NamedTuple):
-    """What the rows are at x: y = M x + q (n,), what rounding can have done to it (n,), ρ (n,); which pairs touch (n,),
-    which blocks stick (k,); of x_T - ρ y_T the length (k,) and direction (k, 2), and the limit μ x_N (k,).
-    """
-
-    y: Array
-    noise: Array
-    rho: Array
-    touch: Bools
-    stick: Bools
-    size: Array
-    along: Array
-    radius: Array
-
-
 def force_error(problem: GraspContact, solution: GraspSolution) -> float:
     """The largest error of a contact force, over the largest contact force, that the answer to `problem` may have.
 
@@ -72,14 +46,10 @@ def force_error(problem: GraspContact, solution: GraspSolution) -> float:
     problem : with the cone or the planar interval as its section, without soft contacts. solution : certified for it.
     """
     scene, at = problem.scene, problem.system.at
-    x = problem.natural(candidate_of(scene, solution))
-    p = _Problem(problem.M, problem.role, problem.blocks, problem.limits, x)
-    look = _look(p, problem.q, _reach(problem), at["u"].start, scene.dof)
-    bound = _bound(p, look, look.touch, look.stick)
-    pairs, blocks = _doubtful(p, look, bound)
-    if pairs.any() or blocks.any():
-        for flip, turn in _choices(pairs, blocks):
-            bound = np.maximum(bound, _bound(p, look, look.touch ^ flip, look.stick ^ turn))
+    laws = _Laws(problem, problem.natural(candidate_of(scene, solution)))
+    bound = laws.bound(laws.piece)
+    for piece in _others(laws.piece, laws.doubtful(bound)):
+        bound = np.maximum(bound, laws.bound(piece))
     off = np.zeros(3 * scene.n)
     for name, index in (("r_N", scene.kind.normal_index), ("r_T", scene.kind.tangent_index)):
         if name in at:
@@ -92,162 +62,91 @@ def force_error(problem: GraspContact, solution: GraspSolution) -> float:
     return most / (size - most) if most < size else np.inf
 
 
-@kernel
-def _look(p: _Problem, q: Array, reach: Array, u: int, dof: int) -> _Look:
-    """Reach (2,): sizes, in natural units, of what levers and the load's moment are differences of; u: where the
-    object's motion begins, of dof unknowns.
+class _Laws:
+    """The rows at x (n,): y, what rounding can have done to it, ρ and s = x - ρ y, (n,) each; of each block's s_T the
+    length and direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
     """
-    n, k = len(p.x), len(p.blocks)
-    turns, end = u + (3 if dof == 6 else 2), u + dof
-    y, noise, rho = np.empty(n), np.empty(n), row_scales(p.M, p.blocks)
-    touch, stick = np.zeros(n, np.bool_), np.zeros(k, np.bool_)
-    for i in range(n):
-        total, terms = q[i], abs(q[i])
-        for j in range(n):
-            total += p.M[i, j] * p.x[j]
-            terms += abs(p.M[i, j] * p.x[j])
-            if (turns <= i < end) != (turns <= j < end):
-                terms += reach[0] * abs(p.x[j])
-        if turns <= i < end:
-            terms += reach[1]
-        y[i], noise[i] = total, _ROUNDING * terms
-        touch[i] = p.role[i] == 1 and p.x[i] > rho[i] * total
-    size, along, radius = np.empty(k), np.zeros((k, 2)), np.empty(k)
-    for b in range(k):
-        for a in range(2):
-            t = p.blocks[b, a + 1]
-            if t >= 0:
-                along[b, a] = p.x[t] - rho[t] * y[t]
-        size[b] = np.hypot(along[b, 0], along[b, 1])
-        if size[b] > 0.0:
-            along[b] /= size[b]
-        radius[b] = p.limits[b] * max(p.x[p.blocks[b, 0]], 0.0)
-        stick[b] = size[b] <= radius[b]
-    return _Look(y, noise, rho, touch, stick, size, along, radius)
+
+    def __init__(self, problem: GraspContact, x: Array) -> None:
+        self.M, self.x, self.blocks, self.limits = problem.M, x, problem.blocks, problem.limits
+        self.y, self.noise, self.rho = self.M @ x + problem.q, _noise(problem, x), row_scales(self.M, self.blocks)
+        self.s, self.pair = x - self.rho * self.y, problem.role == 1
+        tangential = self._of_tangents(self.s)
+        self.size = np.hypot(*tangential.T)
+        self.along = tangential / np.where(self.size > 0.0, self.size, 1.0)[:, None]
+        self.radius = self.limits * np.maximum(x[self.blocks[:, 0]], 0.0)
+        self.piece: Bools = np.concatenate([self.pair & (self.s > 0.0), self.size <= self.radius])
+
+    def _of_tangents(self, values: Array) -> Array:
+        """(k, 2) those of each block's tangents, 0 for the one that is missing in a plane."""
+        tangents = self.blocks[:, 1:3]
+        return np.where(tangents >= 0, values[tangents], 0.0)
+
+    def bound(self, piece: Bools) -> Array:
+        """(n,) |J⁻¹ F| + |J⁻¹| δ, the largest error of every unknown in this piece."""
+        J, F, off = self._rows(piece)
+        largest = abs(J).max(axis=1)
+        largest[largest == 0.0] = 1.0
+        inverse = _inverse(J / largest[:, None])
+        return np.asarray(abs(inverse @ (F / largest)) + abs(inverse) @ (off / largest))
+
+    def _rows(self, piece: Bools) -> tuple[Array, Array, Array]:
+        """J (n, n), F (n,) and the rounding of F (n,)."""
+        n, x, M = len(self.x), self.x, self.M
+        J, F, off = M.copy(), self.y.copy(), self.noise.copy()
+        apart = self.pair & ~piece[:n]
+        J[apart], F[apart], off[apart] = np.eye(n)[apart], x[apart], 0.0
+        for b in np.flatnonzero(~piece[n:]):
+            N, T = self.blocks[b, 0], self.blocks[b, 1:][self.blocks[b, 1:] >= 0]
+            e, rho, radius, one = self.along[b, : len(T)], self.rho[T[0]], self.radius[b], np.eye(len(T))
+            # The projection's derivative turns e by what lies across it; nothing does in a plane
+            share = radius / max(self.size[b], radius) if radius > 0.0 and len(T) > 1 else 0.0
+            across = share * (one - np.outer(e, e))
+            J[T] = rho * across @ M[T]
+            J[np.ix_(T, T)] += one - across
+            J[T, N] -= self.limits[b] * e
+            F[T] = x[T] - self.limits[b] * x[N] * e
+            off[T] = _ROUNDING * abs(x[T]) + rho * abs(across) @ self.noise[T]
+        return J, F, off
+
+    def doubtful(self, bound: Array) -> Bools:
+        """(n + k,) pairs and blocks that may be on the other side of their border, for all the bound (n,) says."""
+        moved = bound + self.rho * (self.noise + abs(self.M) @ bound)
+        slack = np.hypot(*self._of_tangents(moved).T) + self.limits * bound[self.blocks[:, 0]]
+        return np.concatenate([self.pair & (abs(self.s) <= moved), abs(self.size - self.radius) <= slack])
 
 
-def _bound(p: _Problem, look: _Look, touch: Bools, stick: Bools) -> Array:
-    """(n,) largest error of every unknown in the piece where these pairs touch and these blocks stick."""
-    J, F, off = _piece(p, look, touch, stick)
-    return _step(_inverse(J), F, off)
-
-
-@kernel
-def _piece(p: _Problem, look: _Look, touch: Bools, stick: Bools) -> tuple[Array, Array, Array]:
-    """J (n, n), F (n,) and the rounding of F (n,), each row over the largest entry of its row of J."""
-    n, x = len(p.x), p.x
-    J, F, off = p.M.copy(), look.y.copy(), look.noise.copy()
-    for i in range(n):
-        if p.role[i] == 1 and not touch[i]:
-            J[i] = 0.0
-            J[i, i], F[i], off[i] = 1.0, x[i], 0.0
-    for b in range(len(p.blocks)):
-        if stick[b]:
-            continue
-        N, r, radius, along = p.blocks[b, 0], look.rho[p.blocks[b, 1]], look.radius[b], look.along[b]
-        # F = x_T - μ x_N e(x_T - ρ y_T): the projection's derivative, `across`, turns e by what lies across it
-        share = radius / max(look.size[b], radius) if radius > 0.0 else 0.0
-        for a in range(2):
-            t = p.blocks[b, a + 1]
-            if t < 0:
-                continue
-            J[t] = 0.0
-            off[t] = _ROUNDING * abs(x[t])
-            for c in range(2):
-                s = p.blocks[b, c + 1]
-                if s < 0:
-                    continue
-                across = share * ((1.0 if a == c else 0.0) - along[a] * along[c])
-                if p.blocks[b, 2] < 0:
-                    across = 0.0  # nothing lies across in a plane
-                for j in range(n):
-                    J[t, j] += across * r * p.M[s, j]
-                J[t, s] += (1.0 if a == c else 0.0) - across
-                off[t] += abs(across) * r * look.noise[s]
-            J[t, N] -= p.limits[b] * along[a]
-            F[t] = x[t] - p.limits[b] * x[N] * along[a]
-    for i in range(n):
-        largest = np.max(np.abs(J[i]))
-        if largest > 0.0:
-            J[i] /= largest
-            F[i] /= largest
-            off[i] /= largest
-    return J, F, off
-
-
-@kernel
-def _step(inverse: Array, F: Array, off: Array) -> Array:
-    """|J⁻¹ F| + |J⁻¹| off."""
-    n = len(F)
-    bound = np.empty(n)
-    for i in range(n):
-        step, spread = 0.0, 0.0
-        for j in range(n):
-            step += inverse[i, j] * F[j]
-            spread += abs(inverse[i, j]) * off[j]
-        bound[i] = abs(step) + spread
-    return bound
-
-
-@kernel
-def _doubtful(p: _Problem, look: _Look, bound: Array) -> tuple[Bools, Bools]:
-    """Pairs (n,) and blocks (k,) that may be on the other side of their border, for all the bound (n,) says."""
-    n, k = len(p.x), len(p.blocks)
-    moved = np.empty(n)
-    pairs, sides = np.zeros(n, np.bool_), np.zeros(k, np.bool_)
-    for i in range(n):
-        total = look.noise[i]
-        for j in range(n):
-            total += abs(p.M[i, j]) * bound[j]
-        moved[i] = bound[i] + look.rho[i] * total
-        pairs[i] = p.role[i] == 1 and abs(p.x[i] - look.rho[i] * look.y[i]) <= moved[i]
-    for b in range(k):
-        t, o = p.blocks[b, 1], p.blocks[b, 2]
-        slack = np.hypot(moved[t], moved[o] if o >= 0 else 0.0) + p.limits[b] * bound[p.blocks[b, 0]]
-        sides[b] = abs(look.size[b] - look.radius[b]) <= slack
-    return pairs, sides
-
-
-def _reach(problem: GraspContact) -> Array:
-    """(2,) see `_look`: levers are differences of positions, moments those of the load's about the origin."""
-    scene = problem.scene
+def _noise(problem: GraspContact, x: Array) -> Array:
+    """(n,) what rounding can have done to M x + q. Levers are differences of positions, moments those of the load's
+    about the origin: what they are differences of counts.
+    """
+    scene, u = problem.scene, problem.system.at["u"].start
     far = float(abs(scene.positions).max()) / scene.units.length
-    return np.array([far, far * float(abs(scene.natural.w).max())])
+    turns = np.zeros(len(x), dtype=bool)
+    turns[u + (3 if scene.dof == 6 else 2) : u + scene.dof] = True
+    terms = abs(problem.q) + abs(problem.M) @ abs(x) + (turns[:, None] != turns) @ (far * abs(x))
+    terms[turns] += far * float(abs(scene.natural.w).max())
+    return np.asarray(_ROUNDING * terms)
 
 
 def _inverse(A: Array) -> Array:
     """Inverse of a matrix of rows of size one, or what the rank tolerance leaves of it."""
     try:
-        inverse: Array = np.asarray(np.linalg.inv(A), dtype=float)
-        if _largest_sum(inverse) * _largest_sum(A) < 1.0 / _REGULAR:
-            return inverse
+        inverse = np.linalg.inv(A)
+        if np.linalg.norm(inverse, np.inf) * np.linalg.norm(A, np.inf) < 1.0 / _REGULAR:
+            return np.asarray(inverse)
     except np.linalg.LinAlgError:
         pass  # singular to the last bit
-    return np.asarray(np.linalg.pinv(A, rcond=RANK), dtype=float)
+    return np.asarray(np.linalg.pinv(A, rcond=RANK))
 
 
-@kernel
-def _largest_sum(A: Array) -> float:
-    """The norm that goes with the largest component, ‖A‖_∞; NaN where an entry is."""
-    largest = 0.0
-    for i in range(len(A)):
-        total = np.sum(np.abs(A[i]))
-        if not total <= largest:
-            largest = total
-    return largest
-
-
-def _choices(pairs: Bools, blocks: Bools) -> list[tuple[Bools, Bools]]:
-    """Which doubtful pairs and blocks to take on their other side, in every way but none at all."""
-    doubt = np.flatnonzero(np.concatenate([pairs, blocks]))
-    k = len(doubt)
-    if k <= _MOST_DOUBTFUL:
-        patterns = [p for p in itertools.product((False, True), repeat=k) if any(p)]
-    else:
-        patterns = [*map(tuple, np.eye(k, dtype=bool).tolist()), (True,) * k]
-    out = []
+def _others(piece: Bools, doubtful: Bools) -> Iterator[Bools]:
+    """The pieces with doubtful pairs and blocks on their other side, in every way but none at all."""
+    at = np.flatnonzero(doubtful)
+    patterns = np.vstack([np.eye(len(at), dtype=bool), np.ones(len(at), dtype=bool)])
+    if len(at) <= _MOST_DOUBTFUL:
+        patterns = np.array(list(itertools.product((False, True), repeat=len(at)))[1:], dtype=bool)
     for pattern in patterns:
-        flip = np.zeros(len(pairs) + len(blocks), dtype=bool)
-        flip[doubt[list(pattern)]] = True
-        out.append((flip[: len(pairs)], flip[len(pairs) :]))
-    return out
+        other = piece.copy()
+        other[at[pattern]] ^= True
+        yield other

@@ -18,20 +18,20 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.search.nearby import passes
 from handlcp.grasp.solve.compiled_answer import solve_scene
 from handlcp.grasp.solve.force_iteration import force_dependent
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.holdable import escaping_twist
-from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp import Auto, proposals
 
-__all__ = ["Holds", "Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
+__all__ = ["Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
 
-Holds = Callable[[GraspSpec], bool]
+Holds = Callable[[GraspSpec, Section], bool]
 
 _FIRST = 2.0**-10  # of the natural size: the first step upwards
-_LIMIT_FRICTION = 10.0
+_FRICTION = 10.0  # the largest coefficient that is tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,13 +69,28 @@ class Required:
         return f"{self.value:.4g}{unit} holds{less}"
 
 
+def holds(spec: GraspSpec, section: Section) -> bool:
+    """Whether the solver chain finds an equilibrium that the certifier passes; no exhaustive search is made."""
+    if force_dependent(spec):
+        return solve_spec(spec, section, Auto(search_seconds=0.0)).held
+    # A third less time than a solve, which has an answer to describe, and a proof to look for where there is none
+    scene, asked, first = build(spec), stamped(spec.effects), None
+    if not asked:
+        found = solve_scene(scene, section, 0)
+        if found.passes:
+            return True
+        first = found.proposal
+    problem = GraspContact(scene, section, asked)
+    return any(passes(problem, problem.candidate(p.z)) for _, p in proposals(problem, Auto(), None, first))
+
+
 def required_preload(
-    spec: GraspSpec, section: Section, holds: Holds, tolerance: float = 1e-3, limit: float | None = None
+    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: Holds = holds
 ) -> Required:
     """The smallest squeeze [m] that, added to every finger whose force is not prescribed, makes the grasp hold.
 
-    holds : whether a grasp holds. limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean
-        deflection under the load (rigid fingers: the size of the grasp).
+    limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean deflection under the load (rigid
+        fingers: the size of the grasp). test : whether a grasp holds.
 
     Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
     """
@@ -83,35 +98,32 @@ def required_preload(
     most = 1e4 * size if limit is None else number("limit", limit, above=0.0)
     if _escapes(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
-    return smallest(lambda x: holds(spec.squeezed(x)), 0.0, _FIRST * size, most, tolerance, "m")
+    return smallest(lambda x: test(spec.squeezed(x), section), 0.0, _FIRST * size, most, tolerance, "m")
 
 
 def required_friction(
-    spec: GraspSpec, section: Section, holds: Holds, tolerance: float = 1e-3, limit: float | None = None
+    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: Holds = holds
 ) -> Required:
     """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds.
 
-    holds : whether a grasp holds. limit : largest coefficient tried, 10 when None.
+    limit : largest coefficient tried, 10 when None. test : whether a grasp holds.
 
     Friction cones grow with μ, so whether some force balances the load is monotone: bisection on that gives a lower
     bound that is proven, and the search for an equilibrium starts there.
     """
-    tolerance = _tolerance(tolerance)
-    most = _LIMIT_FRICTION if limit is None else number("limit", limit, above=0.0)
+    tolerance, most = _tolerance(tolerance), number("limit", _FRICTION if limit is None else limit, above=0.0)
     if _escapes(with_friction(spec, most), section):
         return Required(None, None, True, "", most, tolerance, ())
-    low, high = 0.0, most
-    if not _escapes(with_friction(spec, 0.0), section):
-        high = 0.0
+    low, high = 0.0, most if _escapes(with_friction(spec, 0.0), section) else 0.0
     while high - low > 0.25 * tolerance * high:
         middle = math.sqrt(low * high) if low > 0.0 else (high / 16 if high > 1e-9 else 0.0)
         if not low < middle < high:  # a tolerance finer than floats can be halved
             break
         low, high = (middle, high) if _escapes(with_friction(spec, middle), section) else (low, middle)
     step = max(0.25 * tolerance * high, 1e-6)
-    found = smallest(lambda x: holds(with_friction(spec, x)), high, step, most, tolerance, "")
+    found = smallest(lambda x: test(with_friction(spec, x), section), high, step, most, tolerance, "")
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
-        return Required(high, low, True, "", most, tolerance, found.checked)
+        return replace(found, fails=low, proven=True)
     if found.value is None and (build(spec).offset[2 : 3 * spec.n : 3][spec.free_fingers] >= 0.0).all():
         return replace(found, hint="no finger carries preload; required_preload() says how much would do")
     return found
@@ -130,38 +142,24 @@ def smallest(
         checked.append((x, bool(test(x))))
         return checked[-1][1]
 
-    if ok(start):  # nothing below it was tried
-        return Required(start, None, False, unit, limit, tolerance, tuple(checked))
+    def found(value: float | None, fails: float | None) -> Required:
+        return Required(value, fails, False, unit, limit, tolerance, tuple(checked))
+
     low, high = start, start
-    while True:
-        if high >= limit:
-            return Required(None, high, False, unit, limit, tolerance, tuple(checked))
+    if ok(start):  # nothing below it was tried
+        return found(start, None)
+    while high < limit:
         low, high, step = high, min(high + step, limit), 2.0 * step
         if ok(high):
             break
+    else:
+        return found(None, high)
     while high - low > tolerance * high:
         middle = 0.5 * (low + high)
         if not low < middle < high:  # neighbouring floats: a finer tolerance would never be met
             break
         low, high = (low, middle) if ok(middle) else (middle, high)
-    return Required(high, low, False, unit, limit, tolerance, tuple(checked))
-
-
-def holds(spec: GraspSpec, section: Section) -> bool:
-    """Whether the solver chain finds an equilibrium that the certifier passes; no exhaustive search is made."""
-    if force_dependent(spec):
-        return solve_spec(spec, section, Auto(search_seconds=0.0)).held
-    scene, asked, first = build(spec), stamped(spec.effects), None
-    if not asked:
-        found = solve_scene(scene, section, 0)
-        if found.passes:
-            return True
-        first = found.proposal
-    problem = GraspContact(scene, section, asked)
-    return any(
-        judge(scene, problem.effects, section, problem.candidate(p.z)).residuals.passes
-        for _, p in proposals(problem, Auto(), None, first)
-    )
+    return found(high, low)
 
 
 def with_friction(spec: GraspSpec, mu: float) -> GraspSpec:

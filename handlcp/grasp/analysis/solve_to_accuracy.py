@@ -48,8 +48,7 @@ def solve_to_accuracy(spec: GraspSpec, accuracy: float, solver: AnySolver, start
         solution, solves, words = _through_pyramids(spec, scene, solver, solution)
     error = _error(spec, scene, solution)
     if solution.held and not error <= accuracy and scene.frictional:
-        cone = Interval() if scene.kind.planar else Cone()
-        finer, solves = solve_with_advice(spec, cone, _FINEST, start_from(solution, scene), scene), solves + 1
+        finer, solves = solve_with_advice(spec, _true(scene), _FINEST, start_from(solution, scene), scene), solves + 1
         if (better := _error(spec, scene, finer)) < error:
             solution, error, words = finer, better, f"{words}, more Newton steps"
     reached = Accuracy(accuracy, error, words, solves, time.perf_counter() - begun)
@@ -60,16 +59,18 @@ def _exact(scene: Scene, solver: AnySolver) -> tuple[Section, str]:
     """The section that stands for the exact one with this solver, and its name."""
     # A class, or anything that is no solver, is refused where it is used
     plain = not isinstance(solver, (Auto, ContactSolver, type)) and isinstance(solver, Solver)
+    exact = _true(scene)
     if not scene.frictional:
-        return (Interval() if scene.kind.planar else Pyramid(4)) if plain else Cone(), "exact, no friction"
-    if scene.kind.planar:
-        return Interval(), Interval().name
-    if plain:
-        raise Unsupported(
-            f"{type(solver).__name__} knows no cones, and pyramids seldom get below 1e-3: leave the solver to "
-            "accuracy=, or ask for faces"
-        )
-    return Cone(), Cone().name
+        return Pyramid(4) if plain and not scene.kind.planar else exact, "exact, no friction"
+    if plain and not scene.kind.planar:
+        known = f"{type(solver).__name__} knows no cones, and pyramids seldom get below 1e-3"
+        raise Unsupported(f"{known}: leave the solver to accuracy=, or ask for faces")
+    return exact, exact.name
+
+
+def _true(scene: Scene) -> Section:
+    """Friction as it is."""
+    return Interval() if scene.kind.planar else Cone()
 
 
 def _through_pyramids(
@@ -90,5 +91,4 @@ def _error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> float:
     """Of an answer on the exact section; NaN without one."""
     if not solution.held:
         return math.nan
-    section: Section = Interval() if scene.kind.planar else Cone()
-    return force_error(GraspContact(scene, section, stamped(spec.effects)), solution)
+    return force_error(GraspContact(scene, _true(scene), stamped(spec.effects)), solution)

@@ -75,11 +75,13 @@ class Suggestions:
 def suggest(spec: GraspSpec, section: Section, solution: GraspSolution, least: float) -> Suggestions:
     """Which effects that are left out would change the solution, an answer with this section, by more than `least`."""
     every = sorted(_every(spec, section, solution), key=lambda s: -s.change)
-    found = tuple(s for s in every if s.change >= least)
-    small = tuple((s.effect, s.change) for s in every if s.change < least)
     done = {e.title for e in spec.effects} | {s.effect for s in every}
-    unjudged = tuple(kind.title for kind in effect_kinds() if kind.file_key is not None and kind.title not in done)
-    return Suggestions(found, small, unjudged, least)
+    return Suggestions(
+        tuple(s for s in every if s.change >= least),
+        tuple((s.effect, s.change) for s in every if s.change < least),
+        tuple(kind.title for kind in effect_kinds() if kind.file_key is not None and kind.title not in done),
+        least,
+    )
 
 
 def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterator[Suggestion]:
@@ -92,42 +94,38 @@ def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterat
         trial = None if kind in on else kind.trial(spec, spec.effects, solution.forces, torque)
         if trial is None:
             continue
-        ask = kind.in_python
+        told = Suggestion(kind.title, trial.change, trial.words, kind.in_python)
         if trial.effect is None:
-            yield Suggestion(kind.title, trial.change, trial.words, ask)
+            yield told
             continue
-        s = _changed_by(_with(spec, trial.effect), section, solution, kind.title, ask)
+        s = _changed_by(spec.replace(effects=(*spec.effects, trial.effect)), section, solution, told.effect, told.ask)
         if trial.instead:
-            yield s if trial.change <= s.change else replace(s, change=trial.change, words=trial.words)
-        elif trial.change:
-            yield replace(s, change=max(s.change, trial.change), words=f"{trial.words}: {s.words}")
+            yield s if told.change <= s.change else told
+        elif told.change:
+            yield replace(s, change=max(s.change, told.change), words=f"{told.words}: {s.words}")
         else:
-            yield replace(s, words=trial.words) if math.isinf(s.change) else s
-
-
-def _with(spec: GraspSpec, effect: Effect) -> GraspSpec:
-    return spec.replace(effects=(*spec.effects, effect))
+            yield replace(s, words=told.words) if math.isinf(s.change) else s
 
 
 def _changed_by(other: GraspSpec, section: Section, solution: GraspSolution, effect: str, ask: str) -> Suggestion:
     """What the other grasp's answer, from this one's on, is different by."""
     share = _shares(other, section, solution)
-    if share is None:
-        return Suggestion(effect, math.inf, "no equilibrium is found with it", ask)
     k = int(share.argmax())
+    if math.isinf(share[k]):
+        return Suggestion(effect, math.inf, "no equilibrium is found with it", ask)
     name = other.names[k]
     whose = f"{name}'" if name.endswith("s") else f"{name}'s"
     return Suggestion(effect, float(share[k]), f"{_percent(share[k])} of {whose} force", ask)
 
 
-def _shares(other: GraspSpec, section: Section, solution: GraspSolution) -> Array | None:
-    """(n,) |Δr_i| over the largest |r|, of the other grasp solved once from the solution on; None: no answer."""
+def _shares(other: GraspSpec, section: Section, solution: GraspSolution) -> Array:
+    """(n,) |Δr_i| over the largest |r|, of the other grasp solved once from the solution on; infinite: no answer."""
     scene = build(other)
     again = solve_built(other, scene, section, Auto(search_seconds=0.0), start_from(solution, scene))
     if not again.held:
-        return None
-    size = float(np.sqrt((solution.forces**2).sum(axis=1)).max()) or 1.0
-    return np.asarray(np.sqrt(((again.forces - solution.forces) ** 2).sum(axis=1)) / size)
+        return np.full(other.n, np.inf)
+    size = float(np.linalg.norm(solution.forces, axis=1).max()) or 1.0
+    return np.asarray(np.linalg.norm(again.forces - solution.forces, axis=1) / size)
 
 
 def force_change(spec: GraspSpec, section: Section, solution: GraspSolution, effect: Effect) -> Array:
@@ -136,8 +134,9 @@ def force_change(spec: GraspSpec, section: Section, solution: GraspSolution, eff
     """
     others = tuple(e for e in spec.effects if type(e) is not type(effect))
     there = effect.under(spec, solution.forces, others)
-    share = None if isinstance(there, str) else _shares(spec.replace(effects=(*others, there)), section, solution)
-    return np.full(spec.n, np.inf) if share is None else share
+    if isinstance(there, str):
+        return np.full(spec.n, np.inf)
+    return _shares(spec.replace(effects=(*others, there)), section, solution)
 
 
 def _percent(share: float) -> str:

@@ -82,15 +82,10 @@ def free_branches(
 
 def _choices(scene: Scene, kind: Ints) -> list[Ints]:
     """The states with contacts at rest closed or open, in every way."""
-    resting = np.flatnonzero(kind == RESTING)
-    if not len(resting):
-        return [kind]
+    resting, out = np.flatnonzero(kind == RESTING), []
     closed = np.where(np.array(scene.kind.tangents) > 0, STICKING, GLIDING)
-    patterns = list(itertools.product((False, True), repeat=len(resting)))
-    if len(resting) > _MOST_RESTING:
-        patterns = [(False,) * len(resting), (True,) * len(resting)]
-    out = []
-    for pattern in patterns:
+    every = resting if len(resting) <= _MOST_RESTING else resting[:1]  # or all alike
+    for pattern in itertools.product((False, True), repeat=len(every)):
         choice = kind.copy()
         choice[resting] = np.where(pattern, closed[resting], SEPARATED)
         out.append(choice)
@@ -115,17 +110,10 @@ def _span(D: Array) -> Array:
 
     D = D[abs(D).max(axis=1) > 1e-9]
     rows, k = D.shape
-    found = linprog(
-        np.append(np.zeros(k), -np.ones(rows)),
-        A_ub=np.hstack([-D, np.eye(rows)]),
-        b_ub=np.zeros(rows),
-        bounds=[(-_FAR, _FAR)] * k + [(0.0, 1.0)] * rows,
-        method="highs",
-    )
-    tight = D[:0] if found.x is None else D[found.x[k:] < 0.5]
-    if not len(tight):
-        return np.eye(k)
-    _, sv, Vt = np.linalg.svd(tight)
+    bounds = [(-_FAR, _FAR)] * k + [(0.0, 1.0)] * rows
+    most, within = np.append(np.zeros(k), -np.ones(rows)), np.hstack([-D, np.eye(rows)])
+    found = linprog(most, within, np.zeros(rows), bounds=bounds, method="highs").x
+    _, sv, Vt = np.linalg.svd(D[:0] if found is None else D[found[k:] < 0.5])
     return Vt[int((sv > 1e-9).sum()) :].T
 
 
@@ -144,12 +132,10 @@ def inequalities(
         t = own[: scene.kind.tangents[i]]
         if z < 0:
             continue
+        rows.append((move if kind[i] == SEPARATED else force)[[z]])
+        now.append((motion if kind[i] == SEPARATED else forces)[[z]])
         if kind[i] == SEPARATED:
-            rows.append(move[[z]])
-            now.append(motion[[z]])
             continue
-        rows.append(force[[z]])
-        now.append(forces[[z]])
         if kind[i] != GLIDING and t:
             outward = limit_set(section, len(t)).normals.T
             rows.append(limits[i] * force[z] - outward @ force[t])
@@ -179,12 +165,11 @@ def active_system(
     for e in range(extra):
         V[:, c + dof + e] = coupling[e]
         A[dof + c + e, :c] = coupling[e]
-    tangent = np.zeros(c, np.bool_)
     across = np.zeros((3, 3))
     for i in range(len(contacts)):
         z, d, kind = 3 * i + 2, 0, states.kind[i]
+        A[dof + z - 2, z - 2] = A[dof + z - 1, z - 1] = 1.0  # what is no tangent carries nothing
         while d < 3 and contacts[i, d + 1] >= 0:
-            tangent[contacts[i, d + 1]] = True
             d += 1
         held = contacts[i, 0] < 0 or kind == SEPARATED
         if held:
@@ -205,13 +190,11 @@ def active_system(
                 for b in range(d):
                     A[dof + j, contacts[i, b + 1]] = states.faces[i, a, b]
             else:
+                A[dof + j, j] = 0.0
                 for b in range(d):
                     A[dof + j] += across[a - count, b] * V[contacts[i, b + 1]]
                 for b in range(d):
                     A[dof + j, contacts[i, b + 1]] += states.turn[i] * softness * across[a - count, b]
-    for j in range(c):
-        if (j % 3 != 2 or j >= 3 * len(contacts)) and not tangent[j]:  # what is no tangent carries nothing
-            A[dof + j, j] = 1.0
     for r in range(k):
         largest = np.max(np.abs(A[r]))
         if largest > 0.0:

@@ -10,217 +10,128 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from handlcp.check import Array
-from handlcp.lcp.status import Status
+from handlcp.check import Array, Bools
+from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["describe_motion", "diagnose"]
+__all__ = ["UNDECIDED", "Sentences"]
+
+UNDECIDED = "the solver spent its budget without an answer, which says nothing about the grasp"
 
 _SHARE = 1e-3  # a shift or a swing below this share of the other goes unmentioned
 _NEAR = 1e-3  # of the grasp's size: a contact this near to an axis is on it
 _MOST = 4  # names listed
 
 
-def diagnose(
-    status: Status,
-    names: Sequence[str],
-    positions: Array,
-    *,
-    reference: Array,
-    forces: Array | None = None,
-    states: Sequence[str] = (),
-    offset: Array | None = None,
-    escape: Array | None = None,
-    loose: Array | None = None,
-    forces_determined: bool = True,
-    others: bool = False,
-    required_preload: float | None = None,
-    bounds: tuple[float, float] | None = None,
-    cause: str = "",
-    environment: int = 0,
-) -> str:
-    """One sentence, without a full stop.
+class Sentences:
+    """What there is to say of one grasp's answers, without full stops.
 
-    names (n,), positions (n, 3) m of the contacts. reference (3,) m: the point that twists refer to.
-    forces (n, 3) N in contact axes, states (n,) of a SOLVED solution ("sticking", "sliding", "separated").
-    offset (n, 3) m, contact axes: says which contacts carry no preload. escape (6,): the certificate of NOT_HOLDABLE.
-    loose (k, 6), forces_determined: what a SOLVED solution leaves free; others: whether other equilibria are known.
-    required_preload: squeeze [m] on every contact that would hold (NO_EQUILIBRIUM), if known. bounds: forces [N] and
-    motions [m] within which NO_EQUILIBRIUM was proven; cause: of it, where known. environment: how many contacts, the
-    last ones, are no finger's.
+    names (n,), positions (n, 3) m of the contacts, of which the last ones, `environment` in number, are no finger's.
+    reference (3,) m: the point that twists refer to.
     """
-    names = _distinct(names)
-    p, c = np.asarray(positions, dtype=float).reshape(-1, 3), np.asarray(reference, dtype=float)
-    who = "contact" if environment else "finger"
-    if status is Status.SOLVED:
-        return _solved(names, p, c, forces, states, loose, forces_determined, others, who)
-    if status is Status.NOT_HOLDABLE:
-        way = (
-            "" if escape is None else f": the object {describe_motion(escape, p, c, names, 'slides out', 'turns out')}"
-        )
-        return f"no {who} forces within friction balance the load{way}"
-    if status is Status.NO_EQUILIBRIUM:
-        k = len(names) - environment  # preload is the fingers'
-        squeeze = None if offset is None else np.asarray(offset, dtype=float)[:k, 2]
-        return _no_equilibrium(names[:k], squeeze, required_preload, cause, _within(who, bounds))
-    if status is Status.INFEASIBLE:
-        return "the conditions contradict each other, whatever the complementarity"
-    return "the solver spent its budget without an answer, which says nothing about the grasp"
 
+    def __init__(self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0) -> None:
+        if len(set(names)) < len(names):  # with each one's number: "finger 1 (a)"
+            names = [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
+        self._names, self._fingers = names, names[: len(names) - environment]
+        self._who = "contact" if environment else "finger"
+        self._arms, self._reference = positions - reference, reference
+        spread = positions - positions.mean(axis=0)
+        rms = float(np.sqrt((spread**2).sum(axis=1).mean()))  # as the grasp measures itself [m]
+        self._size = rms or float(np.linalg.norm(positions[0])) or 1.0
 
-def describe_motion(
-    twist: Array, positions: Array, reference: Array, names: Sequence[str], slide: str, turn: str
-) -> str:
-    """E.g. "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or both (a screw).
+    def held(self, forces: Array, states: Sequence[str], free: Uniqueness | None) -> str:
+        """Of a SOLVED solution: forces (n, 3) N in contact axes, states (n,), what it leaves free."""
+        apart, slides = (np.array([state == s for state in states]) for s in ("separated", "sliding"))
+        # What has friction slides only against a force on its limit; what has none is called sliding even at rest, as
+        # nothing keeps it from it
+        smooth = slides & (np.hypot(forces[:, 0], forces[:, 1]) <= ACTIVE * forces[:, 2])
+        parts = self._those(slides & ~smooth, "slides", "slide")
+        parts += self._those(smooth, "pushes without friction", "push without friction")
+        parts += [f"no {self._who} pushes"] if apart.all() else self._those(apart, "does not push", "do not push")
+        parts = parts or [f"all {self._who}s stick"]
+        if free is not None:
+            parts += self._loose(free.directions)
+            if not free.forces_determined:
+                parts.append("other forces satisfy the same conditions (the smallest are given)")
+            if free.others:
+                parts.append("it can also be held in other ways (grasp.equilibria() lists them)")
+        # What rounding leaves of a force that is nothing beside the scene's counts for nothing
+        at_rest = (apart | ~forces.any(axis=1)).all()
+        return "; ".join(["in balance without any contact force" if at_rest else "held", *parts])
 
-    twist (6,) m, rad about `reference` (3,) m. A motion is a translation when no contact notices its turn, and a turn
-    about an axis when the points of that axis stay where they are, both within a thousandth.
-    """
-    names = _distinct(names)
-    u, omega = np.asarray(twist[:3], dtype=float), np.asarray(twist[3:], dtype=float)
-    arms = positions - reference
-    centre = arms.mean(axis=0) if len(arms) else np.zeros(3)
-    size = _size(positions)
-    rate = float(np.linalg.norm(omega))
-    at_centre = u + np.cross(omega, centre)
-    if rate * size <= _SHARE * float(np.linalg.norm(at_centre)):
-        return f"{slide} along {_vector(_unit(at_centre))}"
-    axis = omega / rate
-    pitch = float(u @ axis)  # translation along the axis: the same at every point
-    foot = np.cross(axis, u) / rate  # nearest point of the axis to the reference
-    foot = foot + axis * float(axis @ (centre - foot))  # … and then to the contacts' centre
-    along = "" if abs(pitch) <= _SHARE * rate * size else f" and {slide} along {_vector(axis * np.sign(pitch))}"
-    on = [
-        name
-        for name, a in zip(names, arms, strict=True)
-        if float(np.linalg.norm(np.cross(axis, a - foot))) <= _NEAR * size
-    ]
-    if len(on) >= 2:
-        return f"{turn} about the line through {_listed(on)}{along}"
-    through = on[0] if on else f"{_vector(foot + reference, size)} m"
-    return f"{turn} about {_vector(axis)} through {through}{along}"
+    def not_holdable(self, escape: Array) -> str:
+        """With the motion (6,) in which the object escapes."""
+        way = self.motion(escape, "slides out", "turns out")
+        return f"no {self._who} forces within friction balance the load: the object {way}"
 
+    def no_equilibrium(
+        self, offset: Array, required: float | None, known: str, bounds: tuple[float, float] | None
+    ) -> str:
+        """With the cause, and what would help.
 
-def _solved(
-    names: Sequence[str],
-    p: Array,
-    c: Array,
-    forces: Array | None,
-    states: Sequence[str],
-    loose: Array | None,
-    forces_determined: bool,
-    others: bool,
-    who: str,
-) -> str:
-    groups = {s: [n for n, state in zip(names, states, strict=True) if state == s] for s in dict.fromkeys(states)}
-    idle = set(groups.get("separated", ()))
-    parts = []
-    slippery = _slippery(names, forces, states)
-    if sliding := [n for n in groups.get("sliding", ()) if n not in slippery]:
-        every = len(sliding) == len(names) > 1
-        parts.append(f"all {who}s slide" if every else f"{_listed(sliding)} {_plural(sliding, 'slides', 'slide')}")
-    if slippery:
-        some = f"all {who}s" if len(slippery) == len(names) > 1 else _listed(slippery)
-        parts.append(f"{some} {_plural(slippery, 'pushes', 'push')} without friction")
-    if idle:
-        apart = [n for n in names if n in idle]
-        few = f"{_listed(apart)} {_plural(apart, 'does', 'do')} not push"
-        parts.append(f"no {who} pushes" if len(apart) == len(names) else few)
-    if not parts and len(names):
-        parts.append(f"all {who}s stick")
-    if loose is not None and len(loose):
-        parts.append(_loose(np.asarray(loose, dtype=float), p, c, names))
-    if not forces_determined:
-        parts.append("other forces satisfy the same conditions (the smallest are given)")
-    if others:
-        parts.append("it can also be held in other ways (grasp.equilibria() lists them)")
-    if forces is not None and len(names) and _at_rest(np.asarray(forces), states):
-        return "; ".join(["in balance without any contact force", *parts])
-    return "; ".join(["held", *parts])
-
-
-def _slippery(names: Sequence[str], forces: Array | None, states: Sequence[str]) -> list[str]:
-    """Who pushes without friction: what has friction slides only against a force on its limit. Such a contact is called
-    sliding even at rest, as nothing keeps it from it.
-    """
-    if forces is None:
-        return []
-    f = np.asarray(forces, dtype=float)
-    smooth = np.hypot(f[:, 0], f[:, 1]) <= ACTIVE * f[:, 2]
-    return [n for n, state, s in zip(names, states, smooth.tolist(), strict=True) if state == "sliding" and s]
-
-
-def _at_rest(forces: Array, states: Sequence[str]) -> bool:
-    """Whether no contact has a force. A contact is "separated" when it has none beside the scene's natural force: what
-    rounding left of it counts for nothing.
-    """
-    return all(state == "separated" or not f.any() for f, state in zip(forces, states, strict=True))
-
-
-def _loose(loose: Array, p: Array, c: Array, names: Sequence[str]) -> str:
-    """One direction in words, several as a number and what kind they are."""
-    if len(loose) == 1:
-        way = describe_motion(loose[0], p, c, names, "slide", "spin")
-        return f"the object can still {way}"
-    size = _size(p)
-    shifts = [np.linalg.norm(t[3:]) * size <= _SHARE * np.linalg.norm(t[:3]) for t in loose]
-    if len(loose) >= 6:
-        return "the object is loose in every direction"
-    kind = "slide" if all(shifts) else "move"
-    return f"the object can still {kind} in {len(loose)} directions"
-
-
-def _within(who: str, bounds: tuple[float, float] | None) -> str:
-    """That there is no equilibrium, and how far it was looked for."""
-    within = "" if bounds is None else f" (none up to {_number(bounds[0])} N and motions of {_number(bounds[1])} m)"
-    return f"forces within friction could balance the load, but these {who}s do not create them{within}"
-
-
-def _no_equilibrium(
-    names: Sequence[str], squeeze: Array | None, required: float | None, known: str, cannot: str
-) -> str:
-    """With the cause, and what would help; squeeze (n,) [m]: offset along the normals."""
-    bare: list[str] = []
-    if squeeze is not None:
-        noise = ACTIVE * float(abs(squeeze).max(initial=0.0))
+        offset (n,) m along the normals: says which contacts carry no preload. required: squeeze [m] on every finger
+        that would hold; known: a cause, if one is. bounds: forces [N] and motions [m] within which that was proven.
+        """
+        within = "" if bounds is None else f" (none up to {_number(bounds[0])} N and motions of {_number(bounds[1])} m)"
+        cannot = f"forces within friction could balance the load, but these {self._who}s do not create them{within}"
+        names, squeeze = self._fingers, offset[: len(self._fingers)]
+        noise = ACTIVE * float(abs(squeeze).max())
         bare = [name for name, gap in zip(names, squeeze, strict=True) if gap >= -noise]
-    if len(bare) == len(names) > 1:
-        cause = "no finger carries preload"
-    elif bare:
-        cause = f"{_listed(bare)} {_plural(bare, 'carries', 'carry')} no preload"
-    else:
-        cause = "the preload is too small" if required is not None else ""
-    if required is not None:
-        more = "" if len(bare) == len(names) else " more"
-        return f"{cannot}: {cause}; {_enough(required)} m{more} on each finger would hold it"
-    if cause or known:
-        return f"{cannot}: {'; '.join(c for c in (cause, known) if c)}"
-    return cannot if squeeze is None else f"{cannot}, although {_every(names)} carries preload"
+        everyone = len(bare) == len(names)
+        if everyone and len(names) > 1:
+            cause = "no finger carries preload"
+        elif bare:
+            cause = f"{_listed(bare)} {'carries' if len(bare) == 1 else 'carry'} no preload"
+        else:
+            cause = "" if required is None else "the preload is too small"
+        if required is not None:
+            more = "" if everyone else " more"
+            return f"{cannot}: {cause}; {_enough(required)} m{more} on each finger would hold it"
+        if cause or known:
+            return f"{cannot}: {'; '.join(c for c in (cause, known) if c)}"
+        return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} carries preload"
 
+    def motion(self, twist: Array, slide: str, turn: str) -> str:
+        """E.g. "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or both (a screw).
 
-def _every(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else "every finger"
+        twist (6,) m, rad. A motion is a translation when no contact notices its turn, and a turn about an axis when the
+        points of that axis stay where they are, both within a thousandth.
+        """
+        u, omega, centre, size = twist[:3], twist[3:], self._arms.mean(axis=0), self._size
+        rate, at_centre = float(np.linalg.norm(omega)), u + np.cross(omega, centre)
+        speed = float(np.linalg.norm(at_centre))
+        if rate * size <= _SHARE * speed:
+            return f"{slide} along {_vector(at_centre / (speed or 1.0))}"
+        axis = omega / rate
+        pitch = float(u @ axis)  # translation along the axis: the same at every point
+        foot = np.cross(axis, u) / rate  # nearest point of the axis to the reference
+        foot = foot + axis * float(axis @ (centre - foot))  # … and then to the contacts' centre
+        along = "" if abs(pitch) <= _SHARE * rate * size else f" and {slide} along {_vector(axis * np.sign(pitch))}"
+        near = np.linalg.norm(np.cross(axis, self._arms - foot), axis=1) <= _NEAR * size
+        on = [name for name, is_on in zip(self._names, near, strict=True) if is_on]
+        if len(on) >= 2:
+            return f"{turn} about the line through {_listed(on)}{along}"
+        through = on[0] if on else f"{_vector(foot + self._reference, size)} m"
+        return f"{turn} about {_vector(axis)} through {through}{along}"
 
+    def _those(self, which: Bools, one: str, many: str) -> list[str]:
+        """What those do, if there are any."""
+        names = [name for name, does in zip(self._names, which, strict=True) if does]
+        if not names:
+            return []
+        subject = f"all {self._who}s" if len(names) == len(self._names) > 1 else _listed(names)
+        return [f"{subject} {one if len(names) == 1 else many}"]
 
-def _distinct(names: Sequence[str]) -> Sequence[str]:
-    """Names that several fingers have, with each one's number: "finger 1 (a)"."""
-    if len(set(names)) == len(names):
-        return names
-    return [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
-
-
-def _size(p: Array) -> float:
-    """Rms distance of the contacts from their centre, as the grasp measures itself [m]."""
-    if not len(p):
-        return 1.0
-    arms = p - p.mean(axis=0)
-    size = float(np.sqrt((arms**2).sum(axis=1).mean()))
-    return size or float(np.linalg.norm(p[0])) or 1.0
-
-
-def _unit(v: Array) -> Array:
-    length = float(np.linalg.norm(v))
-    return v / length if length > 0.0 else v
+    def _loose(self, directions: Array) -> list[str]:
+        """One direction in words, several as a number and what kind they are."""
+        if len(directions) >= 6:
+            return ["the object is loose in every direction"]
+        if len(directions) == 1:
+            return [f"the object can still {self.motion(directions[0], 'slide', 'spin')}"]
+        u, omega = np.linalg.norm(directions[:, :3], axis=1), np.linalg.norm(directions[:, 3:], axis=1)
+        kind = "slide" if (omega * self._size <= _SHARE * u).all() else "move"
+        return [f"the object can still {kind} in {len(directions)} directions"] if len(directions) else []
 
 
 def _vector(v: Array, size: float = 1.0) -> str:
@@ -250,7 +161,3 @@ def _listed(names: Sequence[str]) -> str:
     if rest > 0:
         return f"{', '.join(few)} and {rest} more"
     return few[0] if len(few) == 1 else f"{', '.join(few[:-1])} and {few[-1]}"
-
-
-def _plural(names: Sequence[str], one: str, many: str) -> str:
-    return one if len(names) == 1 else many

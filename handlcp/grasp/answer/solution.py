@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
-from handlcp.check import Array
+from handlcp.check import Array, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
-from handlcp.grasp.answer.diagnosis import diagnose
+from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.judge import Residuals
@@ -70,6 +71,10 @@ class GraspSolution:
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """After pickling, read-only again."""
+        self.__dict__.update(sealed(state), extra=sealed(state["extra"]), yielding=sealed(state["yielding"]))
+
     @property
     def held(self) -> bool:
         """Whether a certified equilibrium exists. A hand's joints may not bear it: `torque_check` says so."""
@@ -80,24 +85,13 @@ class GraspSolution:
         """One sentence with the fingers' names: what slides, what is loose, how the object escapes, what would help."""
         if self.scene is None or self.reference is None:
             return self.status.meaning
-        free = self.uniqueness
-        return diagnose(
-            self.status,
-            self.names,
-            self.scene.positions,
-            reference=self.reference,
-            forces=self.forces,
-            states=self.contact_state,
-            offset=self.scene.offset[: 3 * self.scene.n].reshape(-1, 3),
-            escape=self.certificate,
-            loose=None if free is None else free.directions,
-            forces_determined=free is None or free.forces_determined,
-            others=free is not None and free.others is True,
-            required_preload=self.required_preload,
-            bounds=self.bounds,
-            cause=self.cause,
-            environment=self.scene.environment,
-        )
+        say = Sentences(self.names, self.scene.positions, self.reference, self.scene.environment)
+        if self.held:
+            return say.held(self.forces, self.contact_state, self.uniqueness)
+        if self.status is Status.NO_EQUILIBRIUM:
+            squeeze = self.scene.offset[2 : 3 * self.scene.n : 3]
+            return say.no_equilibrium(squeeze, self.required_preload, self.cause, self.bounds)
+        return UNDECIDED if self.certificate is None else say.not_holdable(self.certificate)
 
     @property
     def normal_force(self) -> Array:

@@ -42,13 +42,9 @@ class Uniqueness:
     others: bool | None = None
 
     def __str__(self) -> str:
-        forces = f"forces {'' if self.forces_determined else 'NOT '}determined"
-        several = "s" if self.loose_motions > 1 else ""
-        motion = (
-            f"object motion free in {self.loose_motions} direction{several} (the smallest motion is given)"
-            if self.loose_motions
-            else "object motion determined"
-        )
+        forces, motion = f"forces {'' if self.forces_determined else 'NOT '}determined", "object motion determined"
+        if k := self.loose_motions:
+            motion = f"object motion free in {k} direction{'s' if k > 1 else ''} (the smallest motion is given)"
         return f"{forces}, {motion}, {_OTHERS[self.others]}"
 
 
@@ -88,27 +84,23 @@ def minimum_norm(
     c, units = scene.components, scene.units
     forces, moved = candidate.components / units.force, verdict.motion / units.motion
     x0 = np.concatenate([forces, scene.natural_twist(candidate.twist)])
-    best, least, extra = x0, float(x0 @ x0), candidate.extra
-    limited = limits_at_answer(scene, effects, candidate)
+    best, extra, limited = x0, candidate.extra, limits_at_answer(scene, effects, candidate)
     for branch in branches:
         B = branch.basis
         rows, now = inequalities(scene, section, branch.kind, states, forces, moved, np.arange(scene.n))
         # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h. Rounding must neither shut out the present member (now ≥ 0)
         # nor make a condition of a row that these directions do not touch.
-        A = rows @ B
-        touched = abs(A).max(axis=1) > 1e-10 * abs(rows).max(axis=1)
-        A, now = A[touched], now[touched]
-        if len(limited.rows):
-            D, slack = limited.conditions(B, branch.active, branch.multipliers)
-            touched = abs(D).max(axis=1) > 1e-10
-            A, now = np.vstack([A, D[touched]]), np.append(now, slack[touched])
-        y = _least(A, A @ (B.T @ x0) - np.maximum(now, 0.0))
+        D, slack = limited.conditions(B, branch.active, branch.multipliers)
+        A, size = np.vstack([rows @ B, D]), np.append(abs(rows).max(axis=1), np.ones(len(D)))
+        touched = abs(A).max(axis=1) > 1e-10 * size
+        A, h = A[touched], np.maximum(np.append(now, slack)[touched], 0.0)
+        y = _least(A, A @ (B.T @ x0) - h)
         if y is None:
             continue
-        x = x0 + B @ (y - B.T @ x0)
-        if float(x @ x) < least:
-            best, least = x, float(x @ x)
-            extra = limited.moved(scene, branch.active, branch.multipliers @ (y - B.T @ x0))
+        change = y - B.T @ x0
+        x = x0 + B @ change
+        if x @ x < best @ best:
+            best, extra = x, limited.moved(scene, branch.active, branch.multipliers @ change)
     return Candidate(best[:c] * units.force, scene.twist(best[c:]), extra, candidate.soft)
 
 

@@ -53,12 +53,9 @@ def new_walk(P: Array, c: Array) -> Walk:
     """Room for a walk over the table x = c + P y."""
     N = len(c)
     n = N // 3
-    Ps, cs = np.zeros((n, N, N)), np.zeros((n, N))
+    Ps, cs, h, H, W = np.zeros((n, N, N)), np.zeros((n, N)), np.zeros((n, 3)), np.zeros((n, 3, N)), np.zeros((3, 4 + N))
     Ps[0], cs[0] = P, c
-    size_c, size_p = max(1.0, np.max(np.abs(c))), np.max(np.abs(P))
-    return Walk(
-        Ps, cs, np.zeros((n, 3)), np.zeros((n, 3, N)), np.zeros((3, 4 + N)), np.zeros(3, np.int64), size_c, size_p
-    )
+    return Walk(Ps, cs, h, H, W, np.zeros(3, np.int64), max(1.0, np.max(np.abs(c))), np.max(np.abs(P)))
 
 
 @kernel
@@ -177,15 +174,11 @@ def last(w: Walk, i: int, k: int, m: Modes, x: Array, y: Array) -> bool:
 @kernel
 def fits(P: Array, c: Array, mode: Ints, m: Modes, x: Array, y: Array) -> bool:
     """Whether the signs of all contacts are right; x becomes c + P y."""
-    N, fx, fy = len(c), 1.0, 1.0
-    for r in range(N):
-        x[r] = c[r]
-        for j in range(N):
-            x[r] += P[r, j] * y[j]
-        fx, fy = max(fx, abs(x[r])), max(fy, abs(y[r]))
+    x[:] = c + P @ y
+    force, motion = SIGNS * max(1.0, np.max(np.abs(x))), SIGNS * max(1.0, np.max(np.abs(y)))
     right = True
     for i in range(len(mode)):
-        right = right and _signs(i, mode[i], m, x, y, SIGNS * fx, SIGNS * fy)
+        right = right and _signs(i, mode[i], m, x, y, force, motion)
     return right
 
 

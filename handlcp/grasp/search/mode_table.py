@@ -69,37 +69,30 @@ class Table:
         """
         from scipy.optimize import linprog  # half a second of import that only loose scenes should pay
 
-        N, m = len(self.c), self.modes
-        A, B, X, Y = (np.zeros((0, N)),) * 4
-        for i, k in enumerate(mode.tolist()):
-            p, q = m.rank[i, k], m.signs[i, k]
-            A, B = _append(A, i, m.A[i, k, :p]), _append(B, i, m.B[i, k, :, :p].T)
-            X, Y = _append(X, i, m.X[i, k, :q]), _append(Y, i, m.Y[i, k, :q])
+        m, at = self.modes, (np.arange(len(mode)), mode)
+        A, B = _stacked(m.A[at], m.rank[at]), _stacked(m.B[at].transpose(0, 2, 1), m.rank[at])
+        X, Y = _stacked(m.X[at], m.signs[at]), _stacked(m.Y[at], m.signs[at])
         S, b = A @ self.P @ B.T, -A @ self.c
         signs, now = X @ self.P @ B.T + Y @ B.T, X @ self.c
         U, size, Vt = np.linalg.svd(S)
         rank = int((size > RANK * size[0]).sum())
         s = Vt[:rank].T @ ((U[:, :rank].T @ b) / size[:rank])
-        fixed = abs(signs @ Vt[rank:].T).max(axis=1) <= _SAME * abs(signs).max(axis=1)
+        free = Vt[rank:].T
+        fixed = abs(signs @ free).max(axis=1) <= _SAME * abs(signs).max(axis=1)
         value, allowed = signs @ s + now, 1e-6 * max(1.0, float(abs(s).max()))
         if (value[fixed] < -allowed).any():
             return None
-        free = Vt[rank:].T
-        rows = (signs @ free)[~fixed]
-        lp = linprog(
-            np.zeros(free.shape[1]),
-            A_ub=-rows,
-            b_ub=value[~fixed] + _SAME * allowed,
-            bounds=(None, None),
-            method="highs",
-        )
-        return None if lp.x is None else np.asarray(B.T @ (s + free @ lp.x))
+        rows, room = -(signs @ free)[~fixed], value[~fixed] + _SAME * allowed
+        found = linprog(np.zeros(free.shape[1]), rows, room, bounds=(None, None), method="highs").x
+        return None if found is None else np.asarray(B.T @ (s + free @ found))
 
 
-def _append(rows: Array, contact: int, block: Array) -> Array:
-    more = np.zeros((len(block), rows.shape[1]))
-    more[:, 3 * contact : 3 * contact + 3] = block
-    return np.vstack([rows, more])
+def _stacked(blocks: Array, counts: Ints) -> Array:
+    """(Σ counts, 3n) the first rows of each contact's block (n, rows, 3), as many as it counts."""
+    n, rows, _ = blocks.shape
+    each, out = np.arange(n), np.zeros((n, rows, n, 3))
+    out[each, :, each] = blocks
+    return out[np.arange(rows) < counts[:, None]].reshape(-1, 3 * n)
 
 
 def mode_table(problem: GraspContact) -> Table | None:
@@ -167,7 +160,8 @@ def _paired(problem: GraspContact) -> list[Ints]:
         i = left.pop(0)
         against = [j for j in left if not (problem.M[i] + problem.M[j]).any() and problem.q[i] + problem.q[j] > 0.0]
         out.append(np.array([i, *against[:1], -1, -1])[:3])
-        left = [j for j in left if j not in against[:1]]
+        if against:
+            left.remove(against[0])
     return out
 
 

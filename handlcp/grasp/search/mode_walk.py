@@ -78,10 +78,10 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
                 return found[:many], frees[: min(free, most)], False
             if not (ok and unique):
                 continue
-        else:
-            if not last(w, i, k, m, x, y):
-                continue
+        elif last(w, i, k, m, x, y):
             _others(w, mode, m, y)
+        else:
+            continue
         if fits(P, c, mode, m, x, y) and _fresh(forces[:many], x):
             if many == most:
                 return found[:many], frees[:free], False
@@ -93,14 +93,10 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
 @kernel
 def _others(w: Walk, mode: Ints, m: Modes, y: Array) -> None:
     """Motions of the contacts before the last, from the last's: back through the eliminations."""
-    n, N = len(mode), len(y)
-    for j in range(n - 2, -1, -1):
-        for r in range(3 * j, 3 * j + 3):
-            y[r] = 0.0
+    for j in range(len(mode) - 2, -1, -1):
+        y[3 * j : 3 * j + 3] = 0.0
         for q in range(m.rank[j, mode[j]]):
-            s = -w.h[j, q]
-            for r in range(3 * j + 3, N):
-                s -= w.H[j, q, r] * y[r]
+            s = -w.h[j, q] - w.H[j, q, 3 * j + 3 :] @ y[3 * j + 3 :]
             for r in range(3 * j, 3 * j + 3):
                 y[r] += m.B[j, mode[j], r - 3 * j, q] * s
 
@@ -118,13 +114,13 @@ def _fresh(forces: Array, x: Array) -> bool:
 @kernel
 def whole(P: Array, c: Array, mode: Ints, m: Modes, y: Array) -> tuple[bool, bool]:
     """One choice of modes without the tree: (whether its conditions have a solution, one only); y (N,) is one."""
-    n, N = len(mode), len(c)
-    AA, BB, p = np.zeros((N, N)), np.zeros((N, N)), 0
-    for i in range(n):
+    N, p = len(c), 0
+    A, B = np.zeros((N, N)), np.zeros((N, N))
+    for i in range(len(mode)):
         for a in range(m.rank[i, mode[i]]):
             for d in range(3):
-                AA[p, 3 * i + d] = m.A[i, mode[i], a, d]
-                BB[3 * i + d, p] = m.B[i, mode[i], d, a]
+                A[p, 3 * i + d] = m.A[i, mode[i], a, d]
+                B[3 * i + d, p] = m.B[i, mode[i], d, a]
             p += 1
     y[:] = 0.0
     if p == 0:
@@ -132,12 +128,12 @@ def whole(P: Array, c: Array, mode: Ints, m: Modes, y: Array) -> tuple[bool, boo
     S, b, s = np.zeros((p, p)), np.zeros(p), np.zeros(p)
     for r in range(p):
         for j in range(N):
-            if AA[r, j] != 0.0:
-                b[r] -= AA[r, j] * c[j]
+            if A[r, j] != 0.0:
+                b[r] -= A[r, j] * c[j]
                 for q in range(N):
-                    t = AA[r, j] * P[j, q]
+                    t = A[r, j] * P[j, q]
                     for col in range(p):
-                        S[r, col] += t * BB[q, col]
+                        S[r, col] += t * B[q, col]
     unique = solve_ranked(S.copy(), b.copy(), s, np.zeros(p, np.int64), RANK) == p
     missed, size = 0.0, max(1.0, np.max(np.abs(s)))
     for r in range(p):
@@ -147,5 +143,5 @@ def whole(P: Array, c: Array, mode: Ints, m: Modes, y: Array) -> tuple[bool, boo
         missed = max(missed, abs(t))
     for q in range(N):
         for col in range(p):
-            y[q] += BB[q, col] * s[col]
+            y[q] += B[q, col] * s[col]
     return missed <= SIGNS * size, unique

@@ -10,7 +10,7 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import SemismoothNewton
 
-__all__ = ["first_certified", "only_limits_move"]
+__all__ = ["first_certified", "only_limits_move", "passes"]
 
 _NEWTON = SemismoothNewton()
 
@@ -18,14 +18,17 @@ _NEWTON = SemismoothNewton()
 def first_certified(problem: GraspContact, candidates: Iterable[Candidate]) -> Candidate | None:
     """The first that the certifier passes, as it is or after Newton's method from there."""
     for candidate in candidates:
-        for c in (candidate, _refined(problem, candidate)):
-            if judge(problem.scene, problem.effects, problem.section, c).residuals.passes:
-                return c
+        if passes(problem, candidate):
+            return candidate
+        refined = problem.candidate(_NEWTON.propose_contact(problem, problem.natural(candidate)).z)
+        if passes(problem, refined):
+            return refined
     return None
 
 
-def _refined(problem: GraspContact, candidate: Candidate) -> Candidate:
-    return problem.candidate(_NEWTON.propose_contact(problem, problem.natural(candidate)).z)
+def passes(problem: GraspContact, candidate: Candidate) -> bool:
+    """Whether the certifier calls it an answer."""
+    return judge(problem.scene, problem.effects, problem.section, candidate).residuals.passes
 
 
 def only_limits_move(problem: GraspContact) -> bool:

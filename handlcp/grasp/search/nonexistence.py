@@ -23,9 +23,8 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
-from handlcp.grasp.search.nearby import first_certified, only_limits_move
+from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.verify.holdable import jammed, least_total
-from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp.mode_program import ModeProgram
 from handlcp.lcp.search import search
@@ -72,7 +71,11 @@ def _wide(scene: Scene) -> tuple[float, float]:
     """Bounds [N, m] that are stated of proofs, which for some of them is as far beyond any answer as rounding could
     hide one.
     """
-    size = _WIDE * (1.0 + float(abs(scene.offset).max(initial=0.0)) / scene.units.motion)
+    return _si(scene, _WIDE * (1.0 + float(abs(scene.offset).max(initial=0.0)) / scene.units.motion))
+
+
+def _si(scene: Scene, size: float) -> tuple[float, float]:
+    """So many natural units of force [N] and of motion [m]."""
     return size * scene.units.force, size * scene.units.motion
 
 
@@ -118,19 +121,13 @@ def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
 
 def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
     """By the active sets of the LCP with a multiplier a face."""
-    scene, effects, section = problem.scene, problem.effects, problem.section
     lcp = GraspProblem(problem)
-
-    def passes(z: Array) -> bool:
-        return judge(scene, effects, section, lcp.candidate(z)).residuals.passes
-
-    result = search(lcp, seconds=seconds, accept=passes)
+    result = search(lcp, seconds=seconds, accept=lambda z: passes(problem, lcp.candidate(z)))
     words = f"over active sets, {result.outcome}"
     if result.z is not None:
         return Outcome(words, lcp.candidate(result.z))
     size = float(result.bound_z[~lcp.free].max(initial=0.0))
-    bounds = size * scene.units.force, size * scene.units.motion
-    return Outcome(words, bounds=bounds if result.none_exists else None)
+    return Outcome(words, bounds=_si(problem.scene, size) if result.none_exists else None)
 
 
 def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
@@ -148,18 +145,16 @@ def over_modes(problem: GraspContact, end: float, bound: float | None = None) ->
     """
     if problem.faces and problem.scene.soft:  # it knows no polyhedra
         return _on_active_sets(problem, max(end - time.monotonic(), 1e-9))
-    bounds, cuts, units = _wide(problem.scene), 0, problem.scene.units
-    if bound is not None:
-        bounds = bound * units.force, bound * units.motion
-    b = bounds[0] / units.force
-    most_x, most_y = np.full(problem.n, b), np.full(problem.n, b)
+    bounds, none = _wide(problem.scene) if bound is None else _si(problem.scene, bound), True
+    b = bounds[0] / problem.scene.units.force
+    most_x, most_y = np.full((2, problem.n), b)
     most_y[problem.limited] = _slack(problem, b)
     program = ModeProgram(problem, most_x, most_y)
     for points in program.visit(end, _CUTS):
         if (candidate := first_certified(problem, (problem.candidate(x) for x in points))) is not None:
             return Outcome("over contact modes, solution", candidate)
-        cuts += 1
-    none = program.exhausted and not cuts
+        none = False
+    none = none and program.exhausted
     return Outcome(f"over contact modes, {'none' if none else 'unknown'}", bounds=bounds if none else None)
 
 
