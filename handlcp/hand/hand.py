@@ -88,9 +88,7 @@ class Hand(HandModel):
 
     @property
     def joint_stiffness(self) -> Array:
-        """(nv, nv) stiffness of the independent joints [N·m/rad]; inf on the diagonal: rigid. Raises Unsupported where
-        `Synergies` leave a compliance that has no inverse.
-        """
+        """(nv, nv) K of the joints [N·m/rad]; inf: rigid. Raises Unsupported where `Synergies` leave C singular."""
         return self.stiffness.matrix
 
     @property
@@ -113,11 +111,9 @@ class Hand(HandModel):
         return Audit(self.source, doubts)
 
     def at(self, q: Any) -> HandState:
-        """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names every one of
-        them.
+        """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names all of them.
 
-        Positions outside the joint ranges are allowed. Raises InputError (wrong size, not finite, joints left out),
-        UnknownName.
+        Positions outside the joint ranges are allowed. Raises InputError, UnknownName.
         """
         return HandState(self, self.kinematics.posture("q", q))
 

@@ -47,9 +47,7 @@ class HandGraspSolution(GraspSolution):
 
     @property
     def tendon_tension(self) -> Array | None:
-        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls for these torques (below 0: less); None without
-        `Tendons`.
-        """
+        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls (below 0: less); None without `Tendons`."""
         return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
 
     @property

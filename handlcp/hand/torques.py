@@ -69,8 +69,8 @@ class TorqueCheck:
 
     def __iter__(self) -> Iterator[TorqueRow]:
         """Row by row."""
-        for row in zip(self.joints, self.torque, self.limit, self.utilisation, self.known, strict=True):
-            yield TorqueRow(row[0], float(row[1]), float(row[2]), float(row[3]), row[4])
+        columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
+        return map(TorqueRow, self.joints, *columns, self.known)
 
     def __len__(self) -> int:
         """The number of joints."""
@@ -78,9 +78,9 @@ class TorqueCheck:
 
     def __getitem__(self, joint: str) -> TorqueRow:
         """The row of a joint, by name."""
-        return (
-            next(row for row in self if row.joint == joint) if joint in self.joints else _no_joint(joint, self.joints)
-        )
+        if joint not in self.joints:
+            raise UnknownName("joint", "a joint", [str(joint)], self.joints)
+        return next(row for row in self if row.joint == joint)
 
     def __str__(self) -> str:
         """A plain table."""
@@ -123,10 +123,6 @@ def torque_check(
 ) -> TorqueCheck:
     """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding : names."""
     return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding)
-
-
-def _no_joint(joint: str, joints: Sequence[str]) -> TorqueRow:
-    raise UnknownName("joint", "a joint", [str(joint)], joints)
 
 
 def _limit(row: TorqueRow) -> str:

@@ -85,9 +85,7 @@ class Object:
         return cast(Object, make(*self._args, placement, self.mass))
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
-        """Signed distance of a point (3,) from the surface [m], the nearest surface point, and the outward normal
-        there; world axes. None: the shape has no formula of its own, and coal computes them.
-        """
+        """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: ask coal."""
         return None
 
     def __setattr__(self, name: str, value: object) -> None:

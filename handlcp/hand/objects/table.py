@@ -101,9 +101,7 @@ class Table:
 
 
 def surrounding(value: Any, obj: Object | None) -> Environment:
-    """The environment that `state.grasp(obj, environment=...)` means by an `Environment`, a `Table`, or a sequence of
-    them. Raises InputError, NotReached.
-    """
+    """The environment meant by an `Environment`, a `Table`, or a sequence of them. Raises InputError, NotReached."""
     if isinstance(value, (str, bytes)) or not isinstance(value, (Environment, Table, Iterable)):
         raise InputError("environment", "a Table, an Environment, or a sequence of them", repr(value)[:80])
     parts = []

@@ -83,9 +83,7 @@ def audit_urdf(path: Any, base: str | None = None) -> Audit:
 
 
 def doubts_of(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> tuple[Doubt, ...]:
-    """The doubts about joints as written. limits_given : joints whose torque limit the user passed; their efforts do
-    not count.
-    """
+    """The doubts about joints as written. limits_given : joints whose torque limit was passed; efforts don't count."""
     given = set(limits_given)
     asked = [f for f in facts if f.mimic is None and f.name not in given]
     return (*_efforts(asked), *_ranges(facts), *_couplings(facts), *_bodies(facts))

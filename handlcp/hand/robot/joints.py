@@ -19,9 +19,7 @@ __all__ = ["Coupling", "JointFacts", "Mimic", "couple", "joint_facts", "model_fa
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """q = multiplier · q[master] + offset. written : the name in the tag. master : the joint that it means; None: there
-    is none.
-    """
+    """q = multiplier · q[master] + offset. written : the name in the tag. master : the joint meant; None: no joint."""
 
     written: str
     master: str | None
@@ -98,9 +96,7 @@ def model_facts(model: Any) -> tuple[JointFacts, ...]:
 
 
 def movable_joints(model: Any) -> tuple[str, ...]:
-    """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one
-    degree of freedom.
-    """
+    """Joint names in Pinocchio's order of velocities. Raises URDFError for none, or for several degrees of freedom."""
     joints = [(model.names[i], joint) for i, joint in enumerate(model.joints) if i and joint.nv]
     wrong = [f"{name!r} ({joint.shortname()}, {joint.nv})" for name, joint in joints if joint.nv != 1]
     if wrong:

@@ -42,9 +42,7 @@ class Kinematics:
         self._local = threading.local()
 
     def posture(self, argument: str, q: Any) -> Array:
-        """(nv,) positions from a vector or a mapping that names every joint; read-only. Raises InputError,
-        UnknownName.
-        """
+        """(nv,) positions, read-only, from a vector or a mapping of all joints. Raises InputError, UnknownName."""
         if isinstance(q, Mapping):
             values = per_name(argument, q, self.joint_names, "a joint")
             if missing := [name for name in self.joint_names if name not in values]:

@@ -102,9 +102,7 @@ class HandModel:
         return tuple(name for k, name in enumerate(self.joint_names) if moves[i, k] and moves[:, k].sum() == 1)
 
     def tip_shapes(self, tip: int) -> tuple[TipShape, ...]:
-        """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError if there is
-        none.
-        """
+        """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError for none."""
         return self._geometry.shapes(tip)
 
     def __setattr__(self, name: str, value: object) -> None:

@@ -10,6 +10,8 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
+from handlcp.grasp.model.contact import frame
+from handlcp.hand.objects.meshes import triangles_of
 
 __all__ = ["box", "capsule", "cylinder", "ellipsoid", "hull", "of_coal", "placed", "revolved"]
 
@@ -61,11 +63,8 @@ def capsule(start: Any, end: Any, radius: float) -> Array:
     low = [(radius * np.sin(x), -radius * np.cos(x)) for x in t]
     up = [(radius * np.cos(x), length + radius * np.sin(x)) for x in t]
     shape = revolved([*low, *up], 20)
-    z = (b - a) / length if length > 0 else np.array([0.0, 0.0, 1.0])
-    x = np.eye(3)[int(np.argmin(abs(z)))]
-    x = x - z * (z @ x)
-    x /= np.linalg.norm(x)
-    return np.asarray(shape @ np.column_stack([x, np.cross(z, x), z]).T + a)
+    axis = (b - a) / length if length > 0 else np.array([0.0, 0.0, 1.0])
+    return np.asarray(shape @ frame(axis).T + a)
 
 
 def hull(points: Array, thickness: float) -> Array | None:
@@ -104,9 +103,8 @@ def of_coal(geometry: Any) -> Array | None:
     if isinstance(g, coal.Cone):
         return revolved([(0, -g.halfLength), (g.radius, -g.halfLength), (0, g.halfLength)])
     if isinstance(g, coal.BVHModelBase):
-        corners = np.array(g.vertices(), dtype=float)
-        index = np.array([[t[0], t[1], t[2]] for t in (g.tri_indices(i) for i in range(g.num_tris))], dtype=int)
-        return corners[index] if len(index) else None
+        triangles = triangles_of(g)
+        return triangles if len(triangles) else None
     return hull(np.array(g.points()), 0.0) if isinstance(g, coal.ConvexBase) else None
 
 

@@ -178,9 +178,7 @@ class AccuracyCost:
         return tuple(sorted(found.items()))
 
     def law(self, section: str = "inscribed") -> FaceLaw | None:
-        """How the error falls with the faces; None with fewer than three pyramids whose errors exceed rounding, or
-        where the scene does not determine its forces.
-        """
+        """How the error falls with the faces; None for undetermined forces, or fewer than three errors to fit."""
         points = [(m, e) for m, e in self.pyramids(section) if e > ROUNDING]
         if len(points) < 3 or not self.reference.forces_determined:
             return None
@@ -225,9 +223,7 @@ class AccuracyCost:
             raise InputError("text", "JSON that AccuracyCost.to_json wrote", f"{where}: {first['msg']}") from None
 
     def to_csv(self, path: Any) -> Path:
-        """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot
-        be written.
-        """
+        """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot be written."""
         file = Path(path)
         try:
             with file.open("w", newline="", encoding="utf-8") as out:
