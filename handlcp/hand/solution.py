@@ -56,6 +56,5 @@ class HandGraspSolution(GraspSolution):
         return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
 
     def __str__(self) -> str:
-        """The grasp, then the joints, then what is behind them."""
         parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
         return "\n".join(str(part) for part in parts if part is not None)

@@ -26,10 +26,7 @@ __all__ = ["SceneTables"]
 
 
 class SceneTables(Table):
-    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve.
-
-    folder : where relative paths start.
-    """
+    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve."""
 
     title: k.Text = ""
     """one line for tables and pictures"""

@@ -81,10 +81,9 @@ def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
     forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])
     moment = np.zeros(scene.n)
     moment[soft] = turning
-    out = []
-    for (x, y, z), m, mu in zip(forces.reshape(-1, 3), moment, scene.mu, strict=True):
-        out.append(float(np.hypot(np.hypot(x, y), m) / (mu * z)) if mu * z > 0 else float("nan"))
-    return out
+    x, y, z = forces.reshape(-1, 3).T
+    limit = np.where(scene.mu * z > 0, scene.mu * z, np.nan)
+    return list((np.hypot(np.hypot(x, y), moment) / limit).tolist())
 
 
 def torque_table(check: Any) -> Table:

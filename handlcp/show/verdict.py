@@ -41,7 +41,6 @@ class Verdict:
         return {"HELD": "green", "UNDECIDED": "yellow"}.get(self.word, "red")
 
     def __str__(self) -> str:
-        """One sentence, then the notes."""
         return "\n".join([f"{self.word}: {self.text}.", *(f"Note: {n}." for n in self.notes)])
 
 

@@ -89,17 +89,14 @@ class Object:
         return None
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Every attribute is set once."""
         if hasattr(self, name):
             raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set (moved_to makes another)")
         object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (type(self), (*self._args, self._placement, self.mass))
 
     def __repr__(self) -> str:
-        """The call, its placement shortened to the position."""
         args = ", ".join(repr(a.tolist() if isinstance(a, np.ndarray) else a) for a in self._args)
         return f"{type(self).__name__}({args}, placement={self._placement.translation.tolist()}, mass={self.mass:g})"
 

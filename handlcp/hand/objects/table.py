@@ -88,15 +88,12 @@ class Table:
         return Environment(contacts, self.flexibility, gaps)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Nothing may change."""
         raise AttributeError(f"a Table is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (Table, (self.point, self.normal, self.friction, self.flexibility, self.max_gap, self.name))
 
     def __repr__(self) -> str:
-        """The call, without flexibility, max_gap and name."""
         return f"Table({self.point.tolist()}, normal={self.normal.tolist()}, friction={self.friction!r})"
 
 

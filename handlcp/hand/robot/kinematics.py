@@ -95,7 +95,6 @@ class Kinematics:
         return {name: value for name, value in self.__dict__.items() if name != "_local"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """The same, arrays read-only again."""
         self.__dict__.update(sealed(state))
         self._local = threading.local()
 

@@ -106,7 +106,6 @@ class HandModel:
         return self._geometry.shapes(tip)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Nothing may change."""
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -114,6 +113,5 @@ class HandModel:
         self.__dict__.update(sealed(state))
 
     def __repr__(self) -> str:
-        """Name, fingertips and joints."""
         named = f"fingertips={list(self.fingertips)}, joints={list(self.joint_names)}"
         return f"{type(self).__name__}({self.name!r}, {named})"

@@ -39,7 +39,6 @@ class Posture:
     _spread: Array
 
     def __init__(self, hand: HandModel, q: Array) -> None:
-        """From a hand and finite q (nv,), which becomes read-only."""
         placements, columns = hand.kinematics.frames_at(q, hand.tips.frames)
         placements.flags.writeable = False
         self.__dict__.update(
@@ -84,13 +83,10 @@ class Posture:
         return J if coupling is None else np.asarray(J @ coupling)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Nothing may change."""
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (type(self), (self.hand, self.q))
 
     def __repr__(self) -> str:
-        """Name and positions of the joints."""
         return f"{type(self).__name__}({self.hand.name!r}, q={np.round(self.q, 4).tolist()})"

@@ -29,12 +29,9 @@ def box(size: Any) -> Array:
 
 def revolved(profile: Any, around: int = AROUND) -> Array:
     """The surface that a profile sweeps about z. profile : points (radius, z) from the lower pole to the upper."""
-    p = np.asarray(profile, dtype=float)
+    r, z = np.asarray(profile, dtype=float).T[..., None]
     a = 2 * np.pi * np.arange(around + 1) / around
-    ring = np.stack([np.cos(a), np.sin(a)], axis=1)
-    points = np.empty((len(p), around + 1, 3))
-    points[..., :2] = p[:, None, :1] * ring[None]
-    points[..., 2] = p[:, 1:]
+    points = np.stack(np.broadcast_arrays(r * np.cos(a), r * np.sin(a), z), axis=-1)
     q00, q01, q10, q11 = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
     both = np.concatenate([np.stack([q00, q01, q11], axis=2), np.stack([q00, q11, q10], axis=2)])
     t = both.reshape(-1, 3, 3)

@@ -43,7 +43,6 @@ class AsPrinted:
     stride: int = 0
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
         for name in ("max_iterations", "seed", "stride"):
             object.__setattr__(self, name, integer(name, getattr(self, name), 0))
