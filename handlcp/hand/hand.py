@@ -26,12 +26,10 @@ __all__ = ["Hand"]
 
 
 class Hand(HandModel):
-    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`. Immutable, safe to share between threads,
-    picklable.
+    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`; what it promises is said at `HandModel`.
 
-    A mimic joint is not a joint of its own: vectors over joints have one entry for each of the nv independent joints.
-    Data as in `HandModel`: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts
-    kinematics, tips, stiffness, pads, torques.
+    Data: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts kinematics, tips,
+    stiffness, pads, torques.
     """
 
     @classmethod
@@ -76,15 +74,11 @@ class Hand(HandModel):
             model = build_model(root, str(path))
         kinematics = Kinematics(model, facts)
         joints, tips = kinematics.joint_names, find_tips(model, fingertips)
-        return cls(
-            kinematics,
-            tips,
-            read_stiffness(joint_stiffness, joints),
-            read_pads(pad_flexibility, tips.names),
-            read_torque_limits(torque_limits, joints, {f.name: f for f in facts}),
-            TipGeometry(model, root, tips, read_radii(tip_radius, tips.names), package_folders(package_dirs, path)),
-            path.name if path else str(model.name),
-        )
+        stiffness, pads = read_stiffness(joint_stiffness, joints), read_pads(pad_flexibility, tips.names)
+        torques = read_torque_limits(torque_limits, joints, {f.name: f for f in facts})
+        radii, folders = read_radii(tip_radius, tips.names), package_folders(package_dirs, path)
+        geometry, name = TipGeometry(model, root, tips, radii, folders), path.name if path else str(model.name)
+        return cls(kinematics, tips, stiffness, pads, torques, geometry, name)
 
     @property
     def joint_stiffness(self) -> Array:

@@ -47,11 +47,8 @@ class Verdict:
 def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
     """The verdict on a solution: its certified status, its joint torques and its motions."""
     if solution.status is Status.UNDECIDED:
-        return Verdict(
-            "UNDECIDED",
-            "the solver stopped before it found an answer, which says nothing about the grasp; "
-            "try another seed or number of faces, or more preload",
-        )
+        why = "the solver stopped before it found an answer, which says nothing about the grasp"
+        return Verdict("UNDECIDED", f"{why}; try another seed or number of faces, or more preload")
     if not solution.held:
         return Verdict("NOT HELD", solution.diagnosis)
     word, parts, notes = _joints(getattr(solution, "torque_check", None))

@@ -53,10 +53,9 @@ def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_sti
     diagonal = springs(argument, value, joints, _stiffness)
     if diagonal is not None:
         return JointStiffness(diagonal, uniform=dimensions(value) == 0)
-    n = len(joints)
-    return JointStiffness(
-        spd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
-    )
+    square = (len(joints), len(joints))
+    matrix = array(argument, value, square, what="N·m/rad, finite, one row for each joint,")
+    return JointStiffness(spd(argument, matrix))
 
 
 def springs(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float]) -> Array | None:

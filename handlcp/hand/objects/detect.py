@@ -66,8 +66,7 @@ def touching(
     hand = state.hand
     names = [hand.fingertips[i] for i in tips]
     near = [nearest(hand.tip_shapes(i), state.tip_positions[i], state.tip_rotations[i], obj) for i in tips]
-    far = {name: p.gap for name, p in zip(names, near, strict=True) if not p.gap <= max_gap}
-    if far:
+    if far := {name: p.gap for name, p in zip(names, near, strict=True) if not p.gap <= max_gap}:
         raise NotReached("fingers", f"fingertips within max_gap = {max_gap * 1e3:g} mm of the object", far)
     positions, normals = np.array([p.position for p in near]), np.array([p.normal for p in near])
     return _contacts(positions, normals, laws, names), np.array([p.gap for p in near])

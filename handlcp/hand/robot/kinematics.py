@@ -127,8 +127,7 @@ def find_tips(model: Any, fingertips: Any) -> TipFrames:
         if isinstance(fingertips, str) or not isinstance(fingertips, Sequence):
             raise InputError("fingertips", "a sequence of frame names", repr(fingertips))
         names = list(fingertips)
-        unknown = [str(name) for name in names if not isinstance(name, str) or name not in known]
-        if unknown:
+        if unknown := [str(name) for name in names if not isinstance(name, str) or name not in known]:
             raise UnknownName("fingertips", "a frame", unknown, known)
     if len(set(names)) != len(names) or not names:
         raise InputError("fingertips", "different frame names, at least one", repr(names))

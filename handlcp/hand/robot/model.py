@@ -88,8 +88,7 @@ class HandModel:
             return self.tips.every
         if isinstance(fingers, str) or not isinstance(fingers, Sequence):
             raise InputError(argument, "a sequence of fingertip names", repr(fingers))
-        unknown = [str(name) for name in fingers if name not in self.fingertips]
-        if unknown:
+        if unknown := [str(name) for name in fingers if name not in self.fingertips]:
             raise UnknownName(argument, "a fingertip", unknown, self.fingertips)
         if not fingers or len(set(fingers)) != len(fingers):
             raise InputError(argument, "different fingertip names, at least one", repr(list(fingers)))

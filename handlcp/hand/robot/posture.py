@@ -41,13 +41,8 @@ class Posture:
     def __init__(self, hand: HandModel, q: Array) -> None:
         placements, columns = hand.kinematics.frames_at(q, hand.tips.frames)
         placements.flags.writeable = False
-        self.__dict__.update(
-            hand=hand,
-            q=read_only(q),
-            tip_positions=placements[:, :3, 3],
-            tip_rotations=placements[:, :3, :3],
-            _spread=np.dot(_SPREAD, columns).reshape(4, -1),
-        )
+        self.__dict__.update(hand=hand, q=read_only(q), _spread=np.dot(_SPREAD, columns).reshape(4, -1))
+        self.__dict__.update(tip_positions=placements[:, :3, 3], tip_rotations=placements[:, :3, :3])
 
     @lazy
     def jacobian(self) -> Array:

@@ -153,13 +153,9 @@ class AccuracyCost:
 
         Times that differ by less than a tenth count as equal.
         """
-
-        def error_and_time(r: Row) -> tuple[float, float]:
-            time, error = r.cost
-            return (error if error > ROUNDING else 0.0), time
-
         out: list[Row] = []
-        for r in sorted((r for r in self.of(method) if r.comparable), key=error_and_time):
+        rows = [r for r in self.of(method) if r.comparable]
+        for r in sorted(rows, key=lambda r: (r.cost[1] if r.cost[1] > ROUNDING else 0.0, r.cost[0])):
             if not out or r.cost[0] < _DISTINCT * out[-1].cost[0]:
                 out.append(r)
         return tuple(reversed(out))

@@ -99,13 +99,8 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
     size = float(abs(elastic[rows]).max())
     A = np.column_stack([scene.geometry.grasp_matrix.T, slides.reshape(len(at), 3 * scene.n).T])[rows]
     b, k, one = -elastic[rows] / size, A.shape[1], -np.ones((len(A), 1))
-    lp = linprog(
-        np.append(np.zeros(k), 1.0),
-        A_ub=np.block([[A, one], [-A, one]]),
-        b_ub=np.concatenate([b, -b]),
-        bounds=[(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1),
-        method="highs",
-    )
+    bounds = [(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1)  # of u, of λ and of the worst residual, which is least
+    lp = linprog(np.append(np.zeros(k), 1.0), np.block([[A, one], [-A, one]]), np.append(b, -b), bounds=bounds)
     return float(lp.fun) * size, size
 
 
