@@ -17,17 +17,9 @@ from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
 
 __all__ = [
-    "catalogue_table",
-    "contact_table",
-    "effect_table",
-    "effort_table",
-    "empty",
-    "friction_used",
-    "hand_table",
-    "key_table",
-    "numbers",
-    "torque_table",
-]
+    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "friction_used", "hand_table",
+    "key_table", "numbers", "torque_table",
+]  # fmt: skip
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar

@@ -52,7 +52,9 @@ def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
     if not solution.held:
         return Verdict("NOT HELD", solution.diagnosis)
     word, parts, notes = _joints(getattr(solution, "torque_check", None))
-    parts += [*_effects(grasp, solution), *_sliding(grasp, solution), _motion(grasp, solution)]
+    for e in grasp.spec.effects:  # which bounds are reached, and how far they give way
+        parts += e.words(grasp.scene, solution.names, solution.extra)
+    parts += [*_sliding(grasp, solution), _motion(grasp, solution)]
     notes += [*_not_unique(solution), *_too_far(grasp, solution)]
     return Verdict(word, "; ".join(parts), tuple(notes))
 
@@ -110,11 +112,6 @@ def _too_far(grasp: Grasp, s: GraspSolution) -> list[str]:
     if named := [words for words, too_far in large if too_far]:
         far.append(" and ".join(named))
     return [f"{what}: more than a model of small motions covers" for what in far]
-
-
-def _effects(grasp: Grasp, s: GraspSolution) -> list[str]:
-    """What the effects say: which bounds are reached, and how far they give way."""
-    return [part for e in grasp.spec.effects for part in e.words(grasp.scene, s.names, s.extra)]
 
 
 def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:

@@ -59,7 +59,7 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
 def touching(
     state: Posture, tips: tuple[int, ...], obj: Object, laws: Sequence[FrictionLaw], max_gap: float
 ) -> tuple[tuple[Contact, ...], Array]:
-    """A contact and a signed gap [m] for each of the tips numbered `tips`; `laws` are their frictions.
+    """A contact and a signed gap [m] for each of the tips numbered `tips`, whose frictions are `laws`.
 
     Raises NotReached, naming all fingertips that are farther than `max_gap` [m] from the object.
     """

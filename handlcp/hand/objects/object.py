@@ -55,12 +55,6 @@ class Object:
 
     __slots__ = ("_args", "_centre", "_placement", "geometry", "mass", "transform", "triangles", "volume")
 
-    geometry: Any
-    transform: Any
-    mass: float
-    volume: float
-    triangles: Array | None
-
     def __init__(self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...]) -> None:
         """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`."""
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles

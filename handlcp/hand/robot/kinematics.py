@@ -18,8 +18,7 @@ __all__ = ["Kinematics", "TipFrames", "find_tips"]
 
 
 class Kinematics:
-    """A Pinocchio model and its independent joints. Picklable; safe to share between threads, which have a copy of the
-    model each.
+    """A Pinocchio model and its independent joints. Picklable; threads may share it, and have a copy of the model each.
 
     joint_names : nv of them, in Pinocchio's order. lower, upper : (nv,) ranges [rad, m], ±inf where there are none.
     neutral : (nv,) the posture nearest to zero in the ranges.
@@ -50,7 +49,7 @@ class Kinematics:
                 raise InputError(argument, expected, f"only {sorted(values)}")
             q = [values[name] for name in self.joint_names]
         try:
-            return array(argument, q, (self.nv,), what="finite numbers")
+            return array(argument, q, (self.nv,))
         except InputError as error:
             expected = f"finite positions of the {self.nv} joints [{', '.join(self.joint_names)}]"
             raise InputError(argument, expected, error.got) from None
@@ -61,8 +60,7 @@ class Kinematics:
         return full if len(full) == len(self._zero) else np.asarray(pin.integrate(self.model, self._zero, full))
 
     def frames_at(self, q: Array, frames: Sequence[int]) -> tuple[Array, Array]:
-        """Placements (n, 4, 4) of frames, and the world Jacobian (6, joints), linear part (of the world's origin)
-        first.
+        """Placements (n, 4, 4) of frames, and the Jacobian (6, joints) of the world's origin, linear part first.
 
         The Jacobian is a view into this thread's Data, which the next call overwrites.
         """

@@ -75,10 +75,9 @@ def read_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
 
 
 def urdf_tip(model: Any, root: ET.Element, tip: int, folders: Sequence[Path]) -> tuple[TipShape, ...]:
-    """The collision geometry of the link of the frame numbered `tip`; if that link has none, of all links fixed to it.
-    Meshes become their convex hulls.
+    """The collision geometry of the frame's link or, if it has none, of the links fixed to it; meshes become hulls.
 
-    Raises URDFError when there is none, or a mesh file is not found.
+    tip : number of the frame. Raises URDFError when there is none, or a mesh file is not found.
     """
     frame = model.frames[tip]
     links = _colliding_links(model, root, tip)

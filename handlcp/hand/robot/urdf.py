@@ -21,14 +21,8 @@ import pinocchio as pin
 from handlcp.errors import InputError, UnknownName, URDFError
 
 __all__ = [
-    "LARGEST_NUMBER",
-    "build_model",
-    "captured_stderr",
-    "link_of",
-    "package_folders",
-    "read_urdf",
-    "resolve_meshes",
-]
+    "LARGEST_NUMBER", "build_model", "captured_stderr", "link_of", "package_folders", "read_urdf", "resolve_meshes",
+]  # fmt: skip
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
 

@@ -88,8 +88,7 @@ class LeftOut:
 class Reference:
     """The certified equilibrium on the exact cone that errors are measured against.
 
-    forces (n, 3) N and slip (n, 2) m in contact axes; torques (nv,) N·m, None without a hand; motion_scale [m]: slip
-    errors are shares of it.
+    forces (n, 3) N and slip (n, 2) m, contact axes. torques (nv,) N·m, None without a hand. motion_scale [m] : of slips.
     """
 
     names: tuple[str, ...]
@@ -149,10 +148,7 @@ class AccuracyCost:
         return tuple(r for r in self.rows if r.method == method)
 
     def front(self, method: str) -> tuple[Row, ...]:
-        """The method's best settings, fastest first: no other is as fast and nearer to the exact forces.
-
-        Times that differ by less than a tenth count as equal.
-        """
+        """The method's best settings, fastest first: no other is as fast (to a tenth) and nearer to the exact one."""
         out: list[Row] = []
         rows = [r for r in self.of(method) if r.comparable]
         for r in sorted(rows, key=lambda r: (r.cost[1] if r.cost[1] > ROUNDING else 0.0, r.cost[0])):

@@ -7,14 +7,6 @@ from handlcp.study.paper.report import PaperReport, run
 from handlcp.study.paper.tables import Comparison, compare, compare_all
 
 __all__ = [
-    "Comparison",
-    "Example",
-    "PaperReport",
-    "PaperTable",
-    "compare",
-    "compare_all",
-    "example",
-    "paper_command",
-    "run",
+    "Comparison", "Example", "PaperReport", "PaperTable", "compare", "compare_all", "example", "paper_command", "run",
     "table",
-]
+]  # fmt: skip

@@ -37,10 +37,9 @@ class Mark(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A printed magnitude and ours.
+    """A printed magnitude and ours, which has its sign. SI.
 
     column : "force" [N] | "slip" [m] | "fingertip" [m] | "object" [m, rad]. place : "1 n", "3 t", "u_x", …
-    ours : with its sign, SI.
     """
 
     column: str
