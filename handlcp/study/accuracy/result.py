@@ -88,7 +88,7 @@ class LeftOut:
 class Reference:
     """The certified equilibrium on the exact cone that errors are measured against.
 
-    forces (n, 3) N and slip (n, 2) m, contact axes. torques (nv,) N·m, None without a hand. motion_scale [m] : of slips.
+    forces (n, 3) N and slip (n, 2) m, contact axes; torques (nv,) N·m, None without a hand; motion_scale [m] of slips.
     """
 
     names: tuple[str, ...]
