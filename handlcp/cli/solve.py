@@ -94,10 +94,9 @@ def _print_numbers(out: Console, grasp: Grasp, solution: GraspSolution, sides: A
     if not solution.held:
         return out.print()
     out.print(tables.contact_table(grasp, solution, sides))
-    if (check := getattr(solution, "torque_check", None)) is not None:
-        out.print(tables.torque_table(check))
-    if (effort := getattr(solution, "effort", None)) is not None:
-        out.print(tables.effort_table(effort))
+    for part, table in (("torque_check", tables.torque_table), ("effort", tables.effort_table)):
+        if (found := getattr(solution, part, None)) is not None:
+            out.print(table(found))
 
 
 def _print_words(out: Console, solution: GraspSolution, judged: Verdict) -> None:

@@ -16,26 +16,7 @@ from handlcp.hand.torques import TorqueCheck, TorqueRow
 from handlcp.hand.update import GraspUpdate
 
 __all__ = [
-    "HANDS",
-    "Audit",
-    "Box",
-    "Cylinder",
-    "Doubt",
-    "Ellipsoid",
-    "GraspStream",
-    "GraspUpdate",
-    "Hand",
-    "HandGrasp",
-    "HandGraspSolution",
-    "HandState",
-    "Mesh",
-    "Object",
-    "Sphere",
-    "Synergies",
-    "Table",
-    "Tendons",
-    "TorqueCheck",
-    "TorqueRow",
-    "audit_urdf",
-    "example_hand",
-]
+    "HANDS", "Audit", "Box", "Cylinder", "Doubt", "Ellipsoid", "GraspStream", "GraspUpdate", "Hand", "HandGrasp",
+    "HandGraspSolution", "HandState", "Mesh", "Object", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
+    "TorqueRow", "audit_urdf", "example_hand",
+]  # fmt: skip

@@ -13,10 +13,7 @@ __all__ = ["read_joint_offset"]
 
 
 def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
-    """(nv,) δq [rad, m] from as many numbers or a mapping by joint name, 0 for those left out; None: all 0.
-
-    Raises InputError, UnknownName.
-    """
+    """(nv,) δq [rad, m] from numbers or a mapping by joint name (others 0); None: 0. Raises InputError, UnknownName."""
     if value is None:
         return read_only(np.zeros(len(joints)))
     if isinstance(value, Mapping):

@@ -26,12 +26,10 @@ __all__ = ["Hand"]
 
 
 class Hand(HandModel):
-    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`. Immutable, safe to share between threads,
-    picklable.
+    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`; what it promises is said at `HandModel`.
 
-    A mimic joint is not a joint of its own: vectors over joints have one entry for each of the nv independent joints.
-    Data as in `HandModel`: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts
-    kinematics, tips, stiffness, pads, torques.
+    Data: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts kinematics, tips,
+    stiffness, pads, torques.
     """
 
     @classmethod
@@ -76,21 +74,15 @@ class Hand(HandModel):
             model = build_model(root, str(path))
         kinematics = Kinematics(model, facts)
         joints, tips = kinematics.joint_names, find_tips(model, fingertips)
-        return cls(
-            kinematics,
-            tips,
-            read_stiffness(joint_stiffness, joints),
-            read_pads(pad_flexibility, tips.names),
-            read_torque_limits(torque_limits, joints, {f.name: f for f in facts}),
-            TipGeometry(model, root, tips, read_radii(tip_radius, tips.names), package_folders(package_dirs, path)),
-            path.name if path else str(model.name),
-        )
+        stiffness, pads = read_stiffness(joint_stiffness, joints), read_pads(pad_flexibility, tips.names)
+        torques = read_torque_limits(torque_limits, joints, {f.name: f for f in facts})
+        radii, folders = read_radii(tip_radius, tips.names), package_folders(package_dirs, path)
+        geometry, name = TipGeometry(model, root, tips, radii, folders), path.name if path else str(model.name)
+        return cls(kinematics, tips, stiffness, pads, torques, geometry, name)
 
     @property
     def joint_stiffness(self) -> Array:
-        """(nv, nv) stiffness of the independent joints [N·m/rad]; inf on the diagonal: rigid. Raises Unsupported where
-        `Synergies` leave a compliance that has no inverse.
-        """
+        """(nv, nv) K of the joints [N·m/rad]; inf: rigid. Raises Unsupported where `Synergies` leave C singular."""
         return self.stiffness.matrix
 
     @property
@@ -113,11 +105,9 @@ class Hand(HandModel):
         return Audit(self.source, doubts)
 
     def at(self, q: Any) -> HandState:
-        """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names every one of
-        them.
+        """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names all of them.
 
-        Positions outside the joint ranges are allowed. Raises InputError (wrong size, not finite, joints left out),
-        UnknownName.
+        Positions outside the joint ranges are allowed. Raises InputError, UnknownName.
         """
         return HandState(self, self.kinematics.posture("q", q))
 

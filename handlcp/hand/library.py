@@ -69,9 +69,7 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
 
 
 def psyonic() -> tuple[Path, Path]:
-    """URDF file and package folder of the Alex robot, which has two psyonic hands: their `base` is
-    "LeftPsyonicAbilityBaseLink" or "RightPsyonicAbilityBaseLink". Raises URDFError.
-    """
+    """URDF file and package folder of a robot with two psyonic hands, "Left" and "Right". Raises URDFError."""
     return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
 
 

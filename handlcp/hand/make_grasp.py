@@ -18,6 +18,7 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand.command import read_joint_offset
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import finger_flexibility, mechanism_of
@@ -74,15 +75,14 @@ def make_grasp(
 
     Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
     """
-    hand, heavy = state.hand, _weight_given(finger_weight)
-    obj = target if isinstance(target, Object) else None
-    gaps: Array | None = None
-    if obj is not None:
-        tips = hand.tip_numbers("fingers", fingers)
-        laws = _frictions(friction, [hand.fingertips[i] for i in tips])
-        contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
-    else:
+    weighed, obj = _weight_given(finger_weight), target if isinstance(target, Object) else None
+    if obj is None:
         tips, contacts = _given(state, target, fingers, friction)
+        gaps = np.zeros(len(tips))
+    else:
+        tips = state.hand.tip_numbers("fingers", fingers)
+        laws = _frictions(friction, [state.hand.fingertips[i] for i in tips])
+        contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
     k, around = len(contacts), None if environment is None else surrounding(environment, obj)
     if around is not None:
         contacts = validate.contacts((*contacts, *around.contacts))
@@ -90,26 +90,14 @@ def make_grasp(
     positions, frames, g = read_only(positions), read_only(frames), array("gravity", gravity, (3,))
     mechanism = mechanism_of(state, tips, positions[:k], frames[:k], obj, g)
     flexibility, shift = finger_flexibility(mechanism), validate.offset(offset, preload, k)
-    if gaps is not None:
-        shift = shift + np.concatenate([np.zeros((k, 2)), gaps[:, None]], axis=1)
+    shift = shift + np.outer(gaps, (0.0, 0.0, 1.0))
     if around is not None:
         mechanism = mechanism.beside(len(around.contacts))
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
-    if reference is None:
-        point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
-    else:
-        point = validate.reference(reference, normal, positions)
-    load = validate.wrench(wrench, normal, validate.lift(positions, point, normal))
-    load = _with_weight(load, obj, g, point, positions, normal)
-    own: list[Effect] = []
-    if heavy:
-        own.append(FingerWeight(read_only(hand.kinematics.gravity_torque(state.q, g)), heavy is True))
-    command = read_joint_offset(joint_offset, hand.joint_names)
-    if command.any():
-        own.append(JointOffset(command))
+    load, point = _load(wrench, reference, obj, g, positions, normal)
     spec = GraspSpec(
         contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, flexibility,
-        read_only(shift), tuple(own),
+        read_only(shift), _own_effects(state, weighed, g, joint_offset),
     )  # fmt: skip
     return HandGrasp(as_asked(spec, effects))
 
@@ -146,9 +134,8 @@ def _given(state: Posture, target: Any, fingers: Any, friction: Any) -> tuple[tu
             raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
         contacts = validate.contacts(target[name] for name in fingers)
     elif not isinstance(target, Iterable) or isinstance(target, (str, bytes)):
-        raise InputError(
-            "target", "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts", repr(target)
-        )
+        expected = "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts"
+        raise InputError("target", expected, repr(target))
     else:
         tips, contacts = hand.tip_numbers("fingers", fingers), validate.contacts(target)
     if len(contacts) != len(tips):
@@ -157,18 +144,32 @@ def _given(state: Posture, target: Any, fingers: Any, friction: Any) -> tuple[tu
     return tips, tuple([c.named(hand.fingertips[i]) for c, i in zip(contacts, tips, strict=True)])
 
 
-def _with_weight(
-    wrench: Array, obj: Object | None, gravity: Array, point: Array, positions: Array, normal: Array | None
-) -> Array:
-    """(6,) the load and the object's weight at its centre of mass, both about `point`."""
+def _load(
+    wrench: Any, reference: Any, obj: Object | None, gravity: Array, positions: Array, normal: Array | None
+) -> tuple[Array, Array]:
+    """(6,) the wrench on the object, its weight at its centre of mass included; and the point (3,) that it is about."""
+    if reference is None:
+        point = read_only(np.zeros(3)) if obj is None else obj.center_of_mass
+    else:
+        point = validate.reference(reference, normal, positions)
+    load = validate.wrench(wrench, normal, validate.lift(positions, point, normal))
     if obj is None or obj.mass == 0.0:
-        return wrench
+        return load, point
     weight = obj.mass * gravity
     if normal is not None and abs(float(weight @ normal)) > 1e-9 * float(abs(weight).max()):
         raise InputError("gravity", "gravity in the plane of a planar scene", gravity.tolist())
     if weight.any() and (off := validate.lift(positions, obj.center_of_mass, normal)):
         expected = "an object whose centre of mass lies in the plane of a planar scene"
         raise InputError("target", expected, f"one {abs(off):.3g} m off it")
-    x, y, z = obj.center_of_mass - point
-    fx, fy, fz = weight
-    return read_only(wrench + np.array([fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx]))
+    return read_only(load + np.append(weight, cross_rows(obj.center_of_mass - point, weight))), point
+
+
+def _own_effects(state: Posture, weighed: WeightGiven, gravity: Array, joint_offset: Any) -> tuple[Effect, ...]:
+    """What the hand itself brings: its fingers' weight, and how far its joints are commanded beyond the posture."""
+    own: list[Effect] = []
+    if weighed:
+        own.append(FingerWeight(read_only(state.gravity_torque(gravity)), weighed is True))
+    command = read_joint_offset(joint_offset, state.hand.joint_names)
+    if command.any():
+        own.append(JointOffset(command))
+    return tuple(own)

@@ -47,9 +47,7 @@ class HandGraspSolution(GraspSolution):
 
     @property
     def tendon_tension(self) -> Array | None:
-        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls for these torques (below 0: less); None without
-        `Tendons`.
-        """
+        """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls (below 0: less); None without `Tendons`."""
         return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
 
     @property
@@ -58,6 +56,5 @@ class HandGraspSolution(GraspSolution):
         return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
 
     def __str__(self) -> str:
-        """The grasp, then the joints, then what is behind them."""
         parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
         return "\n".join(str(part) for part in parts if part is not None)

@@ -109,12 +109,8 @@ class GraspStream:
             command = read_joint_offset(joint_offset, self._joints("joint_offset", joint_offset).hand.joint_names)
         load = None if wrench is None else validate.wrench(wrench, self._at.plane, self._lift)
         shift = None if offset is None else array("offset", offset, *self._shapes(3))
-        points = (
-            None if positions is None else self._spatial("positions", array("positions", positions, *self._shapes(3)))
-        )
-        axes = None
-        if frames is not None:
-            axes = self._spatial("frames", array("frames", frames, *self._shapes(3, 3)))
+        points, axes = self._spatial("positions", positions, 3), self._spatial("frames", frames, 3, 3)
+        if axes is not None:
             axes = validate.frames(axes, len(axes))
         if load is not None:
             self._force[:] = load[:3]
@@ -192,7 +188,8 @@ class GraspStream:
             raise InputError(argument, "None for a grasp without a hand", repr(value)[:80])
         return self._hand
 
-    def _spatial(self, argument: str, value: Array) -> Array:
-        if self._at.planar:
-            raise InputError(argument, "None in a planar scene, whose contacts stay", f"shape {value.shape}")
-        return value
+    def _spatial(self, argument: str, value: Any, *rest: int) -> Array | None:
+        given = None if value is None else array(argument, value, *self._shapes(*rest))
+        if given is not None and self._at.planar:
+            raise InputError(argument, "None in a planar scene, whose contacts stay", f"shape {given.shape}")
+        return given

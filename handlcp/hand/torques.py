@@ -31,11 +31,8 @@ class TorqueCheck:
     joints : nv names. torque : (nv,) [N·m]. limit : (nv,) [N·m], inf where there is none or none is known.
     utilisation : (nv,) |torque| / limit, a finite number always (NaN if the torque is): 0 where the limit is infinite
         or unknown.
-    known : nv booleans. unknown : names of the joints without a known limit.
+    known : nv booleans.
     yielding : names of the joints at their limit that give way there (`TorqueSaturation`); their utilisation is 1.
-    binding : the joint with the highest utilisation among the known limits; None when no limit is known.
-    ok : every joint is within its limit. A joint whose limit is unknown is not ok: pass `torque_limits` (numpy.inf
-        for none).
     """
 
     joints: tuple[str, ...]
@@ -52,7 +49,7 @@ class TorqueCheck:
 
     @property
     def binding(self) -> str | None:
-        """The joint that is nearest to its limit."""
+        """The joint with the highest utilisation among the known limits; None when no limit is known."""
         shares = np.where(self.known & np.isfinite(self.utilisation), self.utilisation, -1.0)
         i = int(np.argmax(shares >= shares.max() - 1e-9 * abs(shares.max())))  # the first of equals
         return self.joints[i] if shares[i] >= 0 else None
@@ -64,26 +61,22 @@ class TorqueCheck:
 
     @property
     def ok(self) -> bool:
-        """All limits known, and none exceeded."""
+        """All limits known (pass `torque_limits`, numpy.inf for none), and none exceeded."""
         return all(self.known) and bool((self.utilisation <= 1.0).all())
 
     def __iter__(self) -> Iterator[TorqueRow]:
-        """Row by row."""
-        for row in zip(self.joints, self.torque, self.limit, self.utilisation, self.known, strict=True):
-            yield TorqueRow(row[0], float(row[1]), float(row[2]), float(row[3]), row[4])
+        columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
+        return map(TorqueRow, self.joints, *columns, self.known)
 
     def __len__(self) -> int:
-        """The number of joints."""
         return len(self.joints)
 
     def __getitem__(self, joint: str) -> TorqueRow:
-        """The row of a joint, by name."""
-        return (
-            next(row for row in self if row.joint == joint) if joint in self.joints else _no_joint(joint, self.joints)
-        )
+        if joint not in self.joints:
+            raise UnknownName("joint", "a joint", [str(joint)], self.joints)
+        return next(row for row in self if row.joint == joint)
 
     def __str__(self) -> str:
-        """A plain table."""
         width = max(5, *(len(name) for name in self.joints))
         lines = [f"{'joint':<{width}}  torque [N·m]  limit [N·m]  utilisation"]
         for r in self:
@@ -105,7 +98,6 @@ class TorqueCheck:
         return f"All joints hold; {self.binding} is nearest to its limit."
 
     def __rich__(self) -> Any:
-        """A table for rich."""
         from rich.table import Table
 
         table = Table(caption=self.verdict, caption_justify="left")
@@ -123,10 +115,6 @@ def torque_check(
 ) -> TorqueCheck:
     """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding : names."""
     return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding)
-
-
-def _no_joint(joint: str, joints: Sequence[str]) -> TorqueRow:
-    raise UnknownName("joint", "a joint", [str(joint)], joints)
 
 
 def _limit(row: TorqueRow) -> str:

@@ -27,8 +27,6 @@ class GraspUpdate:
 
     __slots__ = ("_found", "_frames", "_grasp", "_torques", "held")
 
-    held: bool
-
     def __init__(self, grasp: Grasp, found: CompiledAnswer, held: bool, frames: Array, torques: Array | None) -> None:
         self._grasp, self._found, self.held, self._frames, self._torques = grasp, found, held, frames, torques
 

@@ -20,10 +20,7 @@ __all__ = ["SceneFile", "load", "read"]
 
 
 class SceneFile(SceneTables):
-    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve.
-
-    Immutable. `folder` is where relative paths start.
-    """
+    """The tables of a scene file, and the grasp that they describe. Immutable."""
 
     def build(self) -> Grasp:
         """The grasp: a `HandGrasp` when there is a [hand], else a `Grasp`. Raises InputError, naming the key."""

@@ -10,33 +10,10 @@ from handlcp.grasp.friction import friction_laws
 from handlcp.scene.table import Expected
 
 __all__ = [
-    "SHAPES",
-    "Arms",
-    "Faces",
-    "FingerWeight",
-    "Flexibility",
-    "Friction",
-    "FrictionByFinger",
-    "Lengths",
-    "Names",
-    "NotNegative",
-    "Number",
-    "PadFlexibility",
-    "PlanarVector",
-    "Positive",
-    "Posture",
-    "Preload",
-    "Radius",
-    "Seed",
-    "Size",
-    "Softness",
-    "Springs",
-    "Stiffness",
-    "Switch",
-    "Text",
-    "TorqueLimits",
-    "Vector",
-]
+    "SHAPES", "Arms", "Faces", "FingerWeight", "Flexibility", "Friction", "FrictionByFinger", "Lengths", "Names",
+    "NotNegative", "Number", "PadFlexibility", "PlanarVector", "Positive", "Posture", "Preload", "Radius", "Seed",
+    "Size", "Softness", "Springs", "Stiffness", "Switch", "Text", "TorqueLimits", "Vector",
+]  # fmt: skip
 
 
 SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh")
@@ -49,6 +26,8 @@ _From0OrInf = Annotated[float, Field(ge=0)]
 _Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
 _ThreeAbove0 = Annotated[list[_Above0], Field(min_length=3, max_length=3)]
 _ThreeFrom0 = Annotated[list[_From0], Field(min_length=3, max_length=3)]
+_Diagonal = _From0 | _ThreeFrom0
+_PerJoint = _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf]
 
 Text = Annotated[str, Expected("a string")]
 Names = Annotated[list[str], Field(min_length=1), Expected("a list of names")]
@@ -65,10 +44,7 @@ PlanarVector = Annotated[
 Lengths = Annotated[_ThreeAbove0, Expected("three numbers > 0")]
 Size = Annotated[_Above0 | _ThreeAbove0, Expected("a number > 0 or three of them")]
 
-Stiffness = Annotated[
-    _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
-    Expected("a number > 0 (inf: rigid), one for each joint, or a table by joint name"),
-]
+Stiffness = Annotated[_PerJoint, Expected("a number > 0 (inf: rigid), one for each joint, or a table by joint name")]
 Springs = Annotated[
     _From0OrInf | list[_From0OrInf] | dict[str, _From0OrInf],
     Expected("a number ≥ 0 (inf: rigid), one for each, or a table by name"),
@@ -78,12 +54,10 @@ Arms = Annotated[
     Expected("a table by name of tables by joint name, or a list with one number for each joint for each"),
 ]
 TorqueLimits = Annotated[
-    _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf],
-    Expected("a number > 0 (inf: no limit), one for each joint, or a table by joint name"),
+    _PerJoint, Expected("a number > 0 (inf: no limit), one for each joint, or a table by joint name")
 ]
 PadFlexibility = Annotated[
-    _From0 | _ThreeFrom0 | dict[str, _From0 | _ThreeFrom0],
-    Expected("a number ≥ 0, three of them, or a table by fingertip"),
+    _Diagonal | dict[str, _Diagonal], Expected("a number ≥ 0, three of them, or a table by fingertip")
 ]
 Radius = Annotated[_Above0 | dict[str, _Above0], Expected("a number > 0, or a table by fingertip")]
 Posture = Annotated[
@@ -126,18 +100,16 @@ def _law_words() -> str:
 
 _LAW_WORDS = _law_words()
 Friction = Annotated[_Law, Expected(_LAW_WORDS)]
-FrictionByFinger = Annotated[
-    _Law | Annotated[dict[str, _Law], AfterValidator(_fingers)],
-    Expected(f"{_LAW_WORDS}, or a table of these by finger"),
-]
+_ByFinger = Annotated[dict[str, _Law], AfterValidator(_fingers)]
+FrictionByFinger = Annotated[_Law | _ByFinger, Expected(f"{_LAW_WORDS}, or a table of these by finger")]
 Preload = Annotated[
     _Finite | list[_Finite] | dict[str, _Finite],
     Expected("a finite number, one for each contact, or a table by finger"),
 ]
 Flexibility = Annotated[
-    _From0 | _ThreeFrom0 | list[list[_Finite]] | list[list[list[_Finite]]],
+    _Diagonal | list[list[_Finite]] | list[list[list[_Finite]]],
     Expected("a number ≥ 0, three of them, (n, 3, 3) blocks or a (3n, 3n) matrix"),
 ]
-Softness = Annotated[_From0 | _ThreeFrom0, Expected("a number ≥ 0 or three of them")]
+Softness = Annotated[_Diagonal, Expected("a number ≥ 0 or three of them")]
 Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], Expected('an integer ≥ 3 or "cone"')]
 Seed = Annotated[int, Field(ge=0), Expected("an integer ≥ 0")]

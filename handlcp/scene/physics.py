@@ -30,9 +30,7 @@ def is_by_finger(value: Any) -> bool:
 
 
 def effects_of(table: Table, fingers: Sequence[str]) -> tuple[list[Effect], dict[str, str]]:
-    """What [effects] asks for; and by argument, such as "effects[1]", the key that the effect is from. fingers (n,)
-    names.
-    """
+    """What [effects] asks for; and by argument, such as "effects[1]", the key that it is from. fingers : (n,) names."""
     effects: list[Effect] = []
     keys: dict[str, str] = {}
     said = asked(table)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -12,7 +12,7 @@ from handlcp.errors import InputError, SceneFileError
 from handlcp.scene.keys import Key, keys
 from handlcp.scene.kinds import SHAPES
 
-__all__ = ["SceneFileErrors", "joined", "refused"]
+__all__ = ["SceneFileErrors", "refused"]
 
 
 class SceneFileErrors(SceneFileError):
@@ -25,18 +25,13 @@ class SceneFileErrors(SceneFileError):
         self.args = ("\n  ".join([f"{label}: {len(each)} errors", *(str(e) for e in each)]),)
 
 
-def joined(label: str, errors: Iterable[SceneFileError]) -> SceneFileError:
-    """One error for all of them, with the file's name in front."""
-    found = list(errors)
+def refused(label: str, error: ValidationError) -> SceneFileError:
+    """One error to raise for all that does not follow the schema, with the file's name in front."""
+    found = list(_each(error, ()))
     if len(found) > 1:
         return SceneFileErrors(label, found)
     found[0].args = (f"{label}: {found[0]}",)
     return found[0]
-
-
-def refused(label: str, error: ValidationError) -> SceneFileError:
-    """The error to raise for a file that does not follow the schema."""
-    return joined(label, _each(error, ()))
 
 
 def _each(error: ValidationError, above: tuple[Any, ...]) -> Iterator[SceneFileError]:
@@ -51,13 +46,14 @@ def _each(error: ValidationError, above: tuple[Any, ...]) -> Iterator[SceneFileE
 
 
 def _one(e: dict[str, Any]) -> SceneFileError:
-    loc = tuple(part for i, part in enumerate(e["loc"]) if not (part in SHAPES and i == 1 and e["loc"][0] == "object"))
-    shape = e["loc"][1] if len(e["loc"]) > 1 and e["loc"][1] in SHAPES and e["loc"][0] == "object" else ""
+    loc, shape = e["loc"], ""
+    if len(loc) > 1 and loc[0] == "object" and loc[1] in SHAPES:  # pydantic takes the shape for a table
+        loc, shape = ("object", *loc[2:]), loc[1]
     path, kind, came = _path(loc), e["type"], e.get("input")
     if kind == "extra_forbidden":
-        return _unknown(loc, str(shape))
+        return _unknown(loc, shape)
     if kind == "missing":
-        return SceneFileError(path, _words(loc, str(shape)), "nothing: the key is missing")
+        return SceneFileError(path, _words(loc, shape), "nothing: the key is missing")
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = came.get("shape") if isinstance(came, dict) else None
         return SceneFileError(f"{path}.shape", "one of " + ", ".join(SHAPES), _show(given))

@@ -9,41 +9,29 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from handlcp.errors import InputError
 from handlcp.scene import kinds as k
+from handlcp.scene import schema as s
 from handlcp.scene.effects_table import asked, effects_table, kinds_with_keys
-from handlcp.scene.schema import (
-    ContactTable,
-    EnvironmentTable,
-    GraspTable,
-    HandTable,
-    LoadTable,
-    ObjectTable,
-    PostureTable,
-    SolveTable,
-)
 from handlcp.scene.table import MadeWhenRead, Table
 
 __all__ = ["SceneTables"]
 
 
 class SceneTables(Table):
-    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve.
-
-    folder : where relative paths start.
-    """
+    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve."""
 
     title: k.Text = ""
     """one line for tables and pictures"""
     description: k.Text = ""
     """for readers of the file"""
-    hand: HandTable | None = None
-    posture: PostureTable = Field(default_factory=PostureTable)
-    object: ObjectTable | None = None
-    contact: list[ContactTable] = Field(default_factory=list)
-    environment: list[EnvironmentTable] = Field(default_factory=list)
-    grasp: GraspTable = Field(default_factory=GraspTable)
-    load: LoadTable = Field(default_factory=LoadTable)
+    hand: s.HandTable | None = None
+    posture: s.PostureTable = Field(default_factory=s.PostureTable)
+    object: s.ObjectTable | None = None
+    contact: list[s.ContactTable] = Field(default_factory=list)
+    environment: list[s.EnvironmentTable] = Field(default_factory=list)
+    grasp: s.GraspTable = Field(default_factory=s.GraspTable)
+    load: s.LoadTable = Field(default_factory=s.LoadTable)
     effects: Annotated[Table, MadeWhenRead(effects_table)] = Field(default_factory=lambda: effects_table()())
-    solve_with: SolveTable = Field(default_factory=SolveTable, alias="solve")
+    solve_with: s.SolveTable = Field(default_factory=s.SolveTable, alias="solve")
 
     _folder: Path = PrivateAttr(default=Path())
 

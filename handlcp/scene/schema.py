@@ -11,22 +11,10 @@ from handlcp.scene import kinds as k
 from handlcp.scene.table import Table
 
 __all__ = [
-    "BoxTable",
-    "ContactTable",
-    "CylinderTable",
-    "EllipsoidTable",
-    "EnvironmentTable",
-    "GraspTable",
-    "HandTable",
-    "LoadTable",
-    "MeshTable",
-    "ObjectTable",
-    "PostureTable",
-    "SolveTable",
-    "SphereTable",
-    "SynergiesTable",
+    "BoxTable", "ContactTable", "CylinderTable", "EllipsoidTable", "EnvironmentTable", "GraspTable", "HandTable",
+    "LoadTable", "MeshTable", "ObjectTable", "PostureTable", "SolveTable", "SphereTable", "SynergiesTable",
     "TendonsTable",
-]
+]  # fmt: skip
 
 
 class TendonsTable(Table):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-import numpy as np
 from rich.table import Table
 from rich.text import Text
 
@@ -94,11 +93,7 @@ def left_out_table(cost: AccuracyCost) -> Table | None:
 
 def _tightest(rows: Iterable[Row]) -> Row | None:
     """The first row when sorted: certified before others, then by tolerance, then by force error."""
-
-    def place(r: Row) -> tuple[bool, float, float]:
-        return r.status != CERTIFIED, r.tolerance or 0.0, np.inf if r.force_error is None else r.force_error
-
-    return min(rows, key=place, default=None)
+    return min(rows, key=lambda r: (r.status != CERTIFIED, r.tolerance or 0.0, r.cost[1]), default=None)
 
 
 def _time(row: Row | None) -> str:

@@ -72,20 +72,15 @@ def _rates(ax: Any, result: Convergence) -> None:
     _dashed(ax, greedy[0], greedy[0].bound, (0.5 * quick, last), NATURAL)
     slow = [("uniform sampling:", UNIFORM)]
     if all(r.converged for r in uniform):
-        bound = result.bound(sampling="uniform")
+        least = result.bound(sampling="uniform")
         _dashed(ax, uniform[0], 2.0 * uniform[0].bound, (0.2 * last, 0.9 * last), INK)
-        slow += [
-            (f"{_digit(result.rate(sampling='uniform'))} steps a digit;", UNIFORM),
-            (f"conditioning predicts {_digit(2.0 * bound)} (dashed),", INK),
-            (f"{_digit(bound)} at most", INK),
-        ]
+        slow.append((f"{_digit(result.rate(sampling='uniform'))} steps a digit;", UNIFORM))
+        slow.append((f"conditioning predicts {_digit(2.0 * least)} (dashed),", INK))
+        slow.append((f"{_digit(least)} at most", INK))
     else:
         slow.append(("not there after so many steps", UNIFORM))
-    fast = [
-        "greedy sampling:",
-        f"{_digit(result.rate())} steps a digit;",
-        f"its bound: {_digit(result.bound())} (dashed)",
-    ]
+    rate, bound = _digit(result.rate()), _digit(result.bound())
+    fast = ["greedy sampling:", f"{rate} steps a digit;", f"its bound: {bound} (dashed)"]
     ax.set_xlim(0.0, 1.02 * last / 1e3)
     _lines(ax, 0.985, 0.985, slow, "right")
     left = 0.03 + (quick / last if quick < 0.5 * last else 0.0)
@@ -135,9 +130,8 @@ def _values(ax: Any, result: Convergence, steps: float, printed: Mark | None) ->
             k = np.append(run.looks[run.looks < steps], steps)
             ax.plot(k, np.interp(k, run.looks, run.values[:, i]), color=colour, **LINES)
             if runs is given and run.stop is not None:
-                ax.plot(
-                    [run.stop], [run.stopped[i]], "o", markersize=4.5, color=GIVEN, markeredgecolor="white", zorder=6
-                )
+                dot = {"markersize": 4.5, "color": GIVEN, "markeredgecolor": "white", "zorder": 6}
+                ax.plot([run.stop], [run.stopped[i]], "o", **dot)
     ends = np.array([r.stopped[i] for r in given])
     answer = float(result.answer[i])
     marks = [*ends.tolist(), answer, *([] if printed is None else [printed[1]])]
@@ -147,10 +141,7 @@ def _values(ax: Any, result: Convergence, steps: float, printed: Mark | None) ->
     distance = result.spread("given")
     apart = f"seeds {percent(distance)} apart" if distance > 1e-3 else f"{np.median(ends):.3g}"
     together = f"all end at {answer:.3g}" if all(r.converged for r in natural) else f"certified: {answer:.3g}"
-    labels = [
-        (answer, f"natural units:\n{together}", NATURAL),
-        (float(np.median(ends)), f"as given:\n{apart}", GIVEN),
-    ]
+    labels = [(answer, f"natural units:\n{together}", NATURAL), (float(np.median(ends)), f"as given:\n{apart}", GIVEN)]
     if printed is not None:
         ax.plot([steps], [printed[1]], "D", markersize=5, color=INK, clip_on=False, zorder=7)
         labels.append((printed[1], f"{printed[0]}: {printed[1]:.3g}", INK))

@@ -17,8 +17,7 @@ _FORMATS = (".png", ".svg", ".pdf", ".jpg")
 def checked(path: Any) -> Path:
     """The file to draw into, checked before a long computation.
 
-    Raises InputError for an unknown format or a folder that does not exist; Unsupported when matplotlib is not
-    installed.
+    Raises InputError for an unknown format or a folder that does not exist; Unsupported without matplotlib.
     """
     new_figure()
     file = Path(path)

@@ -17,8 +17,6 @@ from handlcp.version import VERSION
 
 __all__ = ["record"]
 
-ACCURACY = ("asked", "error", "met", "setting", "solves", "seconds")
-
 
 def record(
     grasp: Grasp,
@@ -52,7 +50,7 @@ def record(
         "required_preload_m": s.required_preload,
         "proven_within": None if s.bounds is None else {"force_N": s.bounds[0], "motion_m": s.bounds[1]},
         "extra": s.extra,
-        "accuracy": None if reached is None else pick(reached, *ACCURACY),
+        "accuracy": None if reached is None else pick(reached, "asked", "error", "met", "setting", "solves", "seconds"),
         "left_out": None if left_out is None else asdict(left_out),
         "iterations": s.iterations,
         "trace": s.trace,

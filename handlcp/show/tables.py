@@ -17,17 +17,9 @@ from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
 
 __all__ = [
-    "catalogue_table",
-    "contact_table",
-    "effect_table",
-    "effort_table",
-    "empty",
-    "friction_used",
-    "hand_table",
-    "key_table",
-    "numbers",
-    "torque_table",
-]
+    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "friction_used", "hand_table",
+    "key_table", "numbers", "torque_table",
+]  # fmt: skip
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar
@@ -81,10 +73,9 @@ def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
     forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])
     moment = np.zeros(scene.n)
     moment[soft] = turning
-    out = []
-    for (x, y, z), m, mu in zip(forces.reshape(-1, 3), moment, scene.mu, strict=True):
-        out.append(float(np.hypot(np.hypot(x, y), m) / (mu * z)) if mu * z > 0 else float("nan"))
-    return out
+    x, y, z = forces.reshape(-1, 3).T
+    limit = np.where(scene.mu * z > 0, scene.mu * z, np.nan)
+    return list((np.hypot(np.hypot(x, y), moment) / limit).tolist())
 
 
 def torque_table(check: Any) -> Table:

@@ -41,22 +41,20 @@ class Verdict:
         return {"HELD": "green", "UNDECIDED": "yellow"}.get(self.word, "red")
 
     def __str__(self) -> str:
-        """One sentence, then the notes."""
         return "\n".join([f"{self.word}: {self.text}.", *(f"Note: {n}." for n in self.notes)])
 
 
 def verdict(grasp: Grasp, solution: GraspSolution) -> Verdict:
     """The verdict on a solution: its certified status, its joint torques and its motions."""
     if solution.status is Status.UNDECIDED:
-        return Verdict(
-            "UNDECIDED",
-            "the solver stopped before it found an answer, which says nothing about the grasp; "
-            "try another seed or number of faces, or more preload",
-        )
+        why = "the solver stopped before it found an answer, which says nothing about the grasp"
+        return Verdict("UNDECIDED", f"{why}; try another seed or number of faces, or more preload")
     if not solution.held:
         return Verdict("NOT HELD", solution.diagnosis)
     word, parts, notes = _joints(getattr(solution, "torque_check", None))
-    parts += [*_effects(grasp, solution), *_sliding(grasp, solution), _motion(grasp, solution)]
+    for e in grasp.spec.effects:  # which bounds are reached, and how far they give way
+        parts += e.words(grasp.scene, solution.names, solution.extra)
+    parts += [*_sliding(grasp, solution), _motion(grasp, solution)]
     notes += [*_not_unique(solution), *_too_far(grasp, solution)]
     return Verdict(word, "; ".join(parts), tuple(notes))
 
@@ -114,11 +112,6 @@ def _too_far(grasp: Grasp, s: GraspSolution) -> list[str]:
     if named := [words for words, too_far in large if too_far]:
         far.append(" and ".join(named))
     return [f"{what}: more than a model of small motions covers" for what in far]
-
-
-def _effects(grasp: Grasp, s: GraspSolution) -> list[str]:
-    """What the effects say: which bounds are reached, and how far they give way."""
-    return [part for e in grasp.spec.effects for part in e.words(grasp.scene, s.names, s.extra)]
 
 
 def _sliding(grasp: Grasp, s: GraspSolution) -> list[str]:

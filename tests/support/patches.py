@@ -136,7 +136,7 @@ def paper_command(patch: Patch, command: Callable[..., int]) -> None:
 
 def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
     """The paper's command prints this report."""
-    patch.setattr("handlcp.study.paper.command.run", made)
+    patch.setattr("handlcp.study.paper.render.run", made)
 
 
 def without_module(patch: Patch, name: str) -> None:

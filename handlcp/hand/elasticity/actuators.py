@@ -17,9 +17,7 @@ Given = Array | dict[str, dict[str, float]]
 
 
 def given_rows(argument: str, value: Any) -> Given:
-    """Rows (m, nv), or a mapping of names to mappings of joint names to numbers, checked as far as that goes before the
-    joints are known: finite numbers, at least one row. Raises InputError.
-    """
+    """Finite rows (m, nv), or as many named mappings of joint names to numbers; m ≥ 1. Raises InputError."""
     if not isinstance(value, Mapping):
         rows = array(argument, value, (-1, -1))
         if not len(rows):

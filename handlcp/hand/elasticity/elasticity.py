@@ -36,7 +36,6 @@ class Effort:
     values: Array
 
     def __str__(self) -> str:
-        """A plain table."""
         width = max(len(self.kind), *(len(name) for name in self.names))
         rows = [f"{name:<{width}}  {value:12.4f}" for name, value in zip(self.names, self.values, strict=True)]
         return "\n".join([f"{self.kind:<{width}}  [{self.unit}]", *rows])

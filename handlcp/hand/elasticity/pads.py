@@ -16,11 +16,7 @@ __all__ = ["Pads", "read_pads", "tip_flexibility"]
 
 
 class Pads:
-    """Flexibility of n pads.
-
-    blocks : (n, 3, 3) [m/N], symmetric positive semidefinite, tip axes. isotropic : whether each pad is equally
-    flexible in all directions.
-    """
+    """Flexibility of n pads: blocks (n, 3, 3) [m/N], PSD, tip axes. isotropic : each is the same in all directions."""
 
     __slots__ = ("blocks", "isotropic")
 
@@ -49,8 +45,7 @@ def tip_flexibility(jacobian: Array, root: Array, pads: Array) -> Array:
 
 
 def read_pads(value: Any, tips: Sequence[str]) -> Pads:
-    """From a number, (3,), (3, 3), (n, 3, 3), or a mapping by tip name of one of these [m/N]; tips left out are
-    rigid.
+    """From a number, (3,), (3, 3), (n, 3, 3) [m/N], or a mapping by tip name of the first three (others: rigid).
 
     Raises InputError for anything that is not positive semidefinite; UnknownName.
     """

@@ -16,11 +16,7 @@ __all__ = ["JointStiffness", "read_stiffness", "springs"]
 
 
 class JointStiffness(Elasticity):
-    """Stiffness K of the joints [N·m/rad], a symmetric positive definite matrix with inf on the diagonal of rigid
-    joints.
-
-    With K = L Lᵀ the root of the compliance is A = L⁻ᵀ.
-    """
+    """Stiffness K of the joints [N·m/rad], positive definite; inf on the diagonal: rigid. A = L⁻ᵀ for K = L Lᵀ."""
 
     def __init__(self, matrix: Array, uniform: bool = False) -> None:
         rigid = np.isinf(np.diagonal(matrix))
@@ -37,10 +33,9 @@ class JointStiffness(Elasticity):
 
 
 def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_stiffness") -> Elasticity:
-    """From a number, a mapping by joint name (all of them), (nv,) or an SPD matrix (nv, nv) [N·m/rad], where None and
-    inf are rigid; or from a transmission.
+    """From a number, a mapping by joint name, (nv,), an SPD matrix (nv, nv) [N·m/rad], or a transmission.
 
-    Raises InputError (a stiffness that is not positive, a matrix that is not SPD, a joint left out), UnknownName.
+    None and inf are rigid. Raises InputError (not positive, not SPD, a joint left out), UnknownName.
     """
     if isinstance(value, Transmission):
         return value.for_joints(joints)
@@ -53,15 +48,13 @@ def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_sti
     diagonal = springs(argument, value, joints, _stiffness)
     if diagonal is not None:
         return JointStiffness(diagonal, uniform=dimensions(value) == 0)
-    n = len(joints)
-    return JointStiffness(
-        spd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
-    )
+    square = (len(joints), len(joints))
+    matrix = array(argument, value, square, what="N·m/rad, finite, one row for each joint,")
+    return JointStiffness(spd(argument, matrix))
 
 
 def springs(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float]) -> Array | None:
-    """(m, m) diagonal of the stiffnesses of m springs, from one number for all or m numbers in the order of `names`;
-    None where the value is neither.
+    """(m, m) diagonal of m springs, from one number for all or m in the order of `names`; None for anything else.
 
     read : checks a number, from the argument's name and the value. Raises InputError.
     """

@@ -61,8 +61,7 @@ def close_on(
             near = nearest(hand.tip_shapes(tip), posture.tip_positions[tip], posture.tip_rotations[tip], obj)
             J = posture.jacobian_at(near.tip_point[None], (tip,))[0][:, finger.joints]
             finger.step(q, near.gap + squeeze, near.normal @ J, tolerance)
-    far = {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}
-    if far:
+    if far := {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}:
         expected = f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)"
         lost = NotReached("obj", expected, far)
         lost.q = read_only(q)  # type: ignore[attr-defined]

@@ -59,15 +59,14 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
 def touching(
     state: Posture, tips: tuple[int, ...], obj: Object, laws: Sequence[FrictionLaw], max_gap: float
 ) -> tuple[tuple[Contact, ...], Array]:
-    """A contact and a signed gap [m] for each of the tips numbered `tips`; `laws` are their frictions.
+    """A contact and a signed gap [m] for each of the tips numbered `tips`, whose frictions are `laws`.
 
     Raises NotReached, naming all fingertips that are farther than `max_gap` [m] from the object.
     """
     hand = state.hand
     names = [hand.fingertips[i] for i in tips]
     near = [nearest(hand.tip_shapes(i), state.tip_positions[i], state.tip_rotations[i], obj) for i in tips]
-    far = {name: p.gap for name, p in zip(names, near, strict=True) if not p.gap <= max_gap}
-    if far:
+    if far := {name: p.gap for name, p in zip(names, near, strict=True) if not p.gap <= max_gap}:
         raise NotReached("fingers", f"fingertips within max_gap = {max_gap * 1e3:g} mm of the object", far)
     positions, normals = np.array([p.position for p in near]), np.array([p.normal for p in near])
     return _contacts(positions, normals, laws, names), np.array([p.gap for p in near])
@@ -87,9 +86,7 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
 
 
 def _to_triangles(p: Array, obj: Object, triangles: Array) -> tuple[float, Array, Array]:
-    """As `Object.closest`, for a closed surface of triangles: coal's distance from a ball too small to overlap, and the
-    winding number for the sign.
-    """
+    """As `Object.closest`, for a closed surface: coal's distance of a tiny ball, with the winding number's sign."""
     tiny = 1e-9 * float(np.ptp(triangles, axis=(0, 1)).max())
     distance, _, x, normal = _distance(coal.Sphere(tiny), coal.Transform3s(_UNTURNED, p), obj)
     sign = -1.0 if abs(winding(obj.placement.actInv(p), triangles)) > 0.5 else 1.0
@@ -108,18 +105,13 @@ def _distance(geometry: Any, transform: Any, obj: Object) -> tuple[float, Array,
 
 def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]) -> tuple[Contact, ...]:
     """What `Contact(position, normal, law, None, name)` makes, with all frames at once and without its checks."""
-    rows = np.arange(len(names))
     z = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
-    nearest_axis = np.argmin(np.round(abs(z), 9), axis=1)
-    x = z * -z[rows, nearest_axis][:, None]
-    x[rows, nearest_axis] += 1.0
+    x = np.eye(3)[np.argmin(np.round(abs(z), 9), axis=1)]
+    x -= z * (x * z).sum(axis=1)[:, None]
     x /= np.sqrt((x * x).sum(axis=1))[:, None]
     frames = np.stack([x, cross_rows(z, x), z], axis=2)
     positions.flags.writeable = frames.flags.writeable = False
-    made: list[Contact] = []
-    for position, frame, law, name in zip(positions, frames, laws, names, strict=True):
-        if law.x_axis is None:
-            made.append(Contact.placed(position, frame, law, False, name))
-        else:  # the law has a say in where x lies
-            made.append(Contact(position, frame[:, 2], law, None, name))
-    return tuple(made)
+    return tuple([
+        Contact.placed(p, R, law, False, name) if law.x_axis is None else Contact(p, R[:, 2], law, None, name)
+        for p, R, law, name in zip(positions, frames, laws, names, strict=True)
+    ])  # fmt: skip

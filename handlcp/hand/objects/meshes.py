@@ -17,7 +17,7 @@ from handlcp.errors import InputError
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.tip_geometry import hull
 
-__all__ = ["closed", "load_mesh", "winding"]
+__all__ = ["closed", "load_mesh", "triangles_of", "winding"]
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 _FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
@@ -40,13 +40,13 @@ def load_mesh(path: Any, scale: Array) -> Solid:
     except (ValueError, RuntimeError) as error:
         lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
         raise InputError("path", "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
-    corners = np.array(tree.vertices(), dtype=float)
-    faces = np.array([[t[0], t[1], t[2]] for t in (tree.tri_indices(i) for i in range(tree.num_tris))], dtype=int)
-    if not len(faces) or not np.isfinite(corners).all():
-        raise InputError("path", "a mesh of triangles with finite corners", f"{str(file)!r}: {len(faces)} triangles")
-    triangles = read_only(corners[faces])
+    triangles = triangles_of(tree)
+    if not len(triangles) or not np.isfinite(triangles).all():
+        raise InputError(
+            "path", "a mesh of triangles with finite corners", f"{str(file)!r}: {len(triangles)} triangles"
+        )
     volume, moment = _enclosed(triangles)
-    if abs(volume) <= _FLAT * float(np.ptp(corners, axis=0).max()) ** 3:
+    if abs(volume) <= _FLAT * float(np.ptp(triangles, axis=(0, 1)).max()) ** 3:
         raise InputError("path", "a closed mesh that encloses a volume", f"{str(file)!r}: {volume:.3g} m³")
     around = hull(tree)
     filled = float(around.computeVolume())
@@ -58,19 +58,22 @@ def load_mesh(path: Any, scale: Array) -> Solid:
     return Solid(tree, np.nan, read_only(moment / volume), triangles)
 
 
+def triangles_of(mesh: Any) -> Array:
+    """(m, 3, 3) corners of a coal mesh's triangles."""
+    corners = np.array(mesh.vertices(), dtype=float)
+    faces = [[t[0], t[1], t[2]] for t in (mesh.tri_indices(i) for i in range(mesh.num_tris))]
+    return read_only(corners[np.array(faces, dtype=int).reshape(-1, 3)])
+
+
 def _enclosed(triangles: Array) -> tuple[float, Array]:
-    """Volume [m³] (< 0 where the triangles face inwards), and volume × centre of mass (3,) [m⁴], of the space between
-    triangles (m, 3, 3): the sum over the tetrahedra that they form with the origin.
-    """
+    """Volume [m³] (< 0: triangles face inwards) and volume × centre (3,) [m⁴]: sums of tetrahedra with the origin."""
     a, b, c = triangles.transpose(1, 0, 2)
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
     return float(volumes.sum()), (volumes[:, None] * (a + b + c) / 4).sum(axis=0)
 
 
 def closed(triangles: Array) -> bool:
-    """Whether triangles (m, 3, 3) bound a volume: each edge belongs to as many of them in one direction as in the
-    other.
-    """
+    """Whether triangles (m, 3, 3) bound a volume: each edge is passed as often in one direction as in the other."""
     corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3).astype(np.int64)
     edges = np.concatenate([corners[:, (0, 1)], corners[:, (1, 2)], corners[:, (2, 0)]])
     n = len(triangles) * 3

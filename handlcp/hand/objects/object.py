@@ -55,12 +55,6 @@ class Object:
 
     __slots__ = ("_args", "_centre", "_placement", "geometry", "mass", "transform", "triangles", "volume")
 
-    geometry: Any
-    transform: Any
-    mass: float
-    volume: float
-    triangles: Array | None
-
     def __init__(self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...]) -> None:
         """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`."""
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
@@ -85,23 +79,18 @@ class Object:
         return cast(Object, make(*self._args, placement, self.mass))
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
-        """Signed distance of a point (3,) from the surface [m], the nearest surface point, and the outward normal
-        there; world axes. None: the shape has no formula of its own, and coal computes them.
-        """
+        """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: ask coal."""
         return None
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Every attribute is set once."""
         if hasattr(self, name):
             raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set (moved_to makes another)")
         object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (type(self), (*self._args, self._placement, self.mass))
 
     def __repr__(self) -> str:
-        """The call, its placement shortened to the position."""
         args = ", ".join(repr(a.tolist() if isinstance(a, np.ndarray) else a) for a in self._args)
         return f"{type(self).__name__}({args}, placement={self._placement.translation.tolist()}, mass={self.mass:g})"
 

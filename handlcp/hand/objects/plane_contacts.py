@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError
+from handlcp.grasp.model.contact import frame
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 
@@ -69,13 +70,8 @@ def _rims(obj: Cylinder, down: Array) -> Array:
 
 
 def _needed(points: Array, heights: Array, normal: Array) -> list[int]:
-    """Numbers of the points that are not inside the hull of points at their height or below, seen along the normal;
-    the lowest first.
-    """
-    x = np.eye(3)[int(np.argmin(abs(normal)))]
-    x = x - normal * (normal @ x)
-    x /= np.sqrt(x @ x)
-    flat = (points - points[0]) @ np.column_stack([x, np.cross(normal, x)])
+    """Numbers of the points that are corners of the hull of all at their height or below, the lowest first."""
+    flat = (points - points[0]) @ frame(normal)[:, :2]
     size = float(np.ptp(points, axis=0).max())
     order = np.argsort(heights, kind="stable")
     levels = np.split(order, np.flatnonzero(np.diff(heights[order]) > _FLAT * size) + 1)
@@ -88,8 +84,8 @@ def _needed(points: Array, heights: Array, normal: Array) -> list[int]:
 
 
 def _hull(flat: Array, members: list[int], least: float) -> list[int]:
-    """The corners of the convex hull of the points of flat (k, 2) numbered `members`, counterclockwise (Andrew's
-    monotone chain). A point within `least` of a line between two others, or of another point, is no corner.
+    """Corners of the convex hull of the points of flat (k, 2) numbered `members`, by Andrew's monotone chain. A point
+    within `least` of a line between two others, or of another point, is no corner.
     """
     members = sorted(members, key=lambda i: (flat[i, 0], flat[i, 1]))
 

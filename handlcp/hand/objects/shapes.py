@@ -55,9 +55,7 @@ class Cylinder(Object):
         super().__init__(solid, placement, mass, density, (self.radius, self.length))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Of a point outside: clamped to the lateral surface and the ends. Of a point inside: straight out through the
-        nearer of the two.
-        """
+        """Outside: clamped to the lateral surface and the ends. Inside: straight out through the nearer of the two."""
         R, p = self._placement.rotation, self._placement.translation
         x, y, z = R.T @ (point - p)
         away = float(np.hypot(x, y))
@@ -90,9 +88,7 @@ class Ellipsoid(Object):
         super().__init__(solid, placement, mass, density, (self.radii,))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Of a point c: x = a² c / (t + a²) with |x / a| = 1, a the radii. Newton's method finds t; it converges from
-        the left because the function is convex.
-        """
+        """Of a point c: x = a² c / (t + a²), |x / a| = 1, radii a. Newton's method finds t from the left (convex)."""
         R, p = self._placement.rotation, self._placement.translation
         squares = self.radii * self.radii
         c = R.T @ (point - p)

@@ -88,22 +88,17 @@ class Table:
         return Environment(contacts, self.flexibility, gaps)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Nothing may change."""
         raise AttributeError(f"a Table is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (Table, (self.point, self.normal, self.friction, self.flexibility, self.max_gap, self.name))
 
     def __repr__(self) -> str:
-        """The call, without flexibility, max_gap and name."""
         return f"Table({self.point.tolist()}, normal={self.normal.tolist()}, friction={self.friction!r})"
 
 
 def surrounding(value: Any, obj: Object | None) -> Environment:
-    """The environment that `state.grasp(obj, environment=...)` means by an `Environment`, a `Table`, or a sequence of
-    them. Raises InputError, NotReached.
-    """
+    """The environment meant by an `Environment`, a `Table`, or a sequence of them. Raises InputError, NotReached."""
     if isinstance(value, (str, bytes)) or not isinstance(value, (Environment, Table, Iterable)):
         raise InputError("environment", "a Table, an Environment, or a sequence of them", repr(value)[:80])
     parts = []

@@ -25,7 +25,6 @@ class Doubt:
     advice: str
 
     def __str__(self) -> str:
-        """One line."""
         return f"{self.joint}: {self.what} → {self.advice}"
 
 
@@ -41,11 +40,9 @@ class Audit(Sequence[Doubt]):
     @overload
     def __getitem__(self, index: slice) -> tuple[Doubt, ...]: ...
     def __getitem__(self, index: int | slice) -> Doubt | tuple[Doubt, ...]:
-        """The doubt at a position."""
         return self.doubts[index]
 
     def __len__(self) -> int:
-        """How many doubts."""
         return len(self.doubts)
 
     def about(self, joint: str) -> tuple[Doubt, ...]:
@@ -53,14 +50,12 @@ class Audit(Sequence[Doubt]):
         return tuple(d for d in self.doubts if joint in d.joint.split(", "))
 
     def __str__(self) -> str:
-        """All doubts, one a line."""
         if not self.doubts:
             return f"{self.source}: no doubts"
         many = "1 doubt" if len(self) == 1 else f"{len(self)} doubts"
         return "\n".join([f"{self.source}: {many}", *(f"  {d}" for d in self.doubts)])
 
     def __rich__(self) -> Any:
-        """A table for rich."""
         from rich.table import Table
 
         table = Table(title=str(self).splitlines()[0], title_justify="left", show_lines=True)
@@ -83,9 +78,7 @@ def audit_urdf(path: Any, base: str | None = None) -> Audit:
 
 
 def doubts_of(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> tuple[Doubt, ...]:
-    """The doubts about joints as written. limits_given : joints whose torque limit the user passed; their efforts do
-    not count.
-    """
+    """The doubts about joints as written. limits_given : joints whose torque limit was passed; efforts don't count."""
     given = set(limits_given)
     asked = [f for f in facts if f.mimic is None and f.name not in given]
     return (*_efforts(asked), *_ranges(facts), *_couplings(facts), *_bodies(facts))

@@ -21,9 +21,7 @@ __all__ = ["contact_hessian"]
 
 
 def contact_hessian(state: Posture, tips: Sequence[int], positions: Array, frames: Array) -> Array:
-    """(3n, nv, nv) ∂J/∂q [m/rad²] of points (n, 3) [m] that move with the fingertips numbered `tips`, in the axes of
-    frames (n, 3, 3), which stay; symmetric in its last two.
-    """
+    """(3n, nv, nv) ∂J/∂q [m/rad²] of points (n, 3) [m] on the tips numbered `tips`, in frames (n, 3, 3) that stay."""
     hand = state.hand
     _, columns = hand.kinematics.frames_at(state.q, ())
     v, w = columns[:3].T, columns[3:].T  # (joints, 3)

@@ -16,10 +16,9 @@ __all__ = ["TorqueLimits", "read_ranges", "read_torque_limits"]
 
 
 def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling: Coupling) -> tuple[Array, Array]:
-    """(nv,) lower and upper positions of the independent joints [rad, m]; ±inf without limits.
+    """(nv,) lower and upper positions of the independent joints [rad, m], narrowed by joints that follow; ±inf: none.
 
-    names : of all movable joints, in the order of the coupling's rows. The limits of a mimic joint narrow the range of
-    the joint that it follows.
+    names : of all movable joints, in the order of the coupling's rows.
     """
     lower, upper = np.full(len(coupling.names), -np.inf), np.full(len(coupling.names), np.inf)
     for i, name in enumerate(names):

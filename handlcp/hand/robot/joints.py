@@ -19,9 +19,7 @@ __all__ = ["Coupling", "JointFacts", "Mimic", "couple", "joint_facts", "model_fa
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """q = multiplier · q[master] + offset. written : the name in the tag. master : the joint that it means; None: there
-    is none.
-    """
+    """q = multiplier · q[master] + offset. written : the name in the tag. master : the joint meant; None: no joint."""
 
     written: str
     master: str | None
@@ -68,17 +66,10 @@ def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
             written = tag.get("joint", "")
             master = _master(written, name, names, _ancestors(joint, above))
             mimic = Mimic(written, master, _number(tag, "multiplier", 1.0), _number(tag, "offset", 0.0))
-        facts = JointFacts(
-            name,
-            joint.get("type", ""),
-            _number(limit, "lower", 0.0),
-            _number(limit, "upper", 0.0),
-            _number(limit, "effort"),
-            (1.0, 0.0, 0.0) if axis is None else _vector(axis.get("xyz", "1 0 0")),
-            mimic,
-            masses.get(link_of(joint, "child"), math.nan),
-        )
-        found.append(facts)
+        lower, upper, effort = _number(limit, "lower", 0.0), _number(limit, "upper", 0.0), _number(limit, "effort")
+        way = (1.0, 0.0, 0.0) if axis is None else _vector(axis.get("xyz", "1 0 0"))
+        mass = masses.get(link_of(joint, "child"), math.nan)
+        found.append(JointFacts(name, joint.get("type", ""), lower, upper, effort, way, mimic, mass))
     return tuple(found)
 
 
@@ -98,12 +89,9 @@ def model_facts(model: Any) -> tuple[JointFacts, ...]:
 
 
 def movable_joints(model: Any) -> tuple[str, ...]:
-    """Joint names in Pinocchio's order of velocities. Raises URDFError unless there is a joint and each has one
-    degree of freedom.
-    """
+    """Joint names in Pinocchio's order of velocities. Raises URDFError for none, or for several degrees of freedom."""
     joints = [(model.names[i], joint) for i, joint in enumerate(model.joints) if i and joint.nv]
-    wrong = [f"{name!r} ({joint.shortname()}, {joint.nv})" for name, joint in joints if joint.nv != 1]
-    if wrong:
+    if wrong := [f"{name!r} ({joint.shortname()}, {joint.nv})" for name, joint in joints if joint.nv != 1]:
         raise URDFError("source", "joints of one degree of freedom (revolute, continuous, prismatic)", ", ".join(wrong))
     if not joints:
         raise URDFError("source", "a hand with movable joints", "none at all")

@@ -18,8 +18,7 @@ __all__ = ["Kinematics", "TipFrames", "find_tips"]
 
 
 class Kinematics:
-    """A Pinocchio model and its independent joints. Picklable; safe to share between threads, which have a copy of the
-    model each.
+    """A Pinocchio model and its independent joints. Picklable; threads may share it, and have a copy of the model each.
 
     joint_names : nv of them, in Pinocchio's order. lower, upper : (nv,) ranges [rad, m], ±inf where there are none.
     neutral : (nv,) the posture nearest to zero in the ranges.
@@ -42,9 +41,7 @@ class Kinematics:
         self._local = threading.local()
 
     def posture(self, argument: str, q: Any) -> Array:
-        """(nv,) positions from a vector or a mapping that names every joint; read-only. Raises InputError,
-        UnknownName.
-        """
+        """(nv,) positions, read-only, from a vector or a mapping of all joints. Raises InputError, UnknownName."""
         if isinstance(q, Mapping):
             values = per_name(argument, q, self.joint_names, "a joint")
             if missing := [name for name in self.joint_names if name not in values]:
@@ -52,7 +49,7 @@ class Kinematics:
                 raise InputError(argument, expected, f"only {sorted(values)}")
             q = [values[name] for name in self.joint_names]
         try:
-            return array(argument, q, (self.nv,), what="finite numbers")
+            return array(argument, q, (self.nv,))
         except InputError as error:
             expected = f"finite positions of the {self.nv} joints [{', '.join(self.joint_names)}]"
             raise InputError(argument, expected, error.got) from None
@@ -63,8 +60,7 @@ class Kinematics:
         return full if len(full) == len(self._zero) else np.asarray(pin.integrate(self.model, self._zero, full))
 
     def frames_at(self, q: Array, frames: Sequence[int]) -> tuple[Array, Array]:
-        """Placements (n, 4, 4) of frames, and the world Jacobian (6, joints), linear part (of the world's origin)
-        first.
+        """Placements (n, 4, 4) of frames, and the Jacobian (6, joints) of the world's origin, linear part first.
 
         The Jacobian is a view into this thread's Data, which the next call overwrites.
         """
@@ -97,7 +93,6 @@ class Kinematics:
         return {name: value for name, value in self.__dict__.items() if name != "_local"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """The same, arrays read-only again."""
         self.__dict__.update(sealed(state))
         self._local = threading.local()
 
@@ -130,8 +125,7 @@ def find_tips(model: Any, fingertips: Any) -> TipFrames:
         if isinstance(fingertips, str) or not isinstance(fingertips, Sequence):
             raise InputError("fingertips", "a sequence of frame names", repr(fingertips))
         names = list(fingertips)
-        unknown = [str(name) for name in names if not isinstance(name, str) or name not in known]
-        if unknown:
+        if unknown := [str(name) for name in names if not isinstance(name, str) or name not in known]:
             raise UnknownName("fingertips", "a frame", unknown, known)
     if len(set(names)) != len(names) or not names:
         raise InputError("fingertips", "different frame names, at least one", repr(names))

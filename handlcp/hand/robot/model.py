@@ -88,8 +88,7 @@ class HandModel:
             return self.tips.every
         if isinstance(fingers, str) or not isinstance(fingers, Sequence):
             raise InputError(argument, "a sequence of fingertip names", repr(fingers))
-        unknown = [str(name) for name in fingers if name not in self.fingertips]
-        if unknown:
+        if unknown := [str(name) for name in fingers if name not in self.fingertips]:
             raise UnknownName(argument, "a fingertip", unknown, self.fingertips)
         if not fingers or len(set(fingers)) != len(fingers):
             raise InputError(argument, "different fingertip names, at least one", repr(list(fingers)))
@@ -102,13 +101,10 @@ class HandModel:
         return tuple(name for k, name in enumerate(self.joint_names) if moves[i, k] and moves[:, k].sum() == 1)
 
     def tip_shapes(self, tip: int) -> tuple[TipShape, ...]:
-        """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError if there is
-        none.
-        """
+        """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError for none."""
         return self._geometry.shapes(tip)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Nothing may change."""
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -116,6 +112,5 @@ class HandModel:
         self.__dict__.update(sealed(state))
 
     def __repr__(self) -> str:
-        """Name, fingertips and joints."""
         named = f"fingertips={list(self.fingertips)}, joints={list(self.joint_names)}"
         return f"{type(self).__name__}({self.name!r}, {named})"

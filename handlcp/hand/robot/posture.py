@@ -39,16 +39,10 @@ class Posture:
     _spread: Array
 
     def __init__(self, hand: HandModel, q: Array) -> None:
-        """From a hand and finite q (nv,), which becomes read-only."""
         placements, columns = hand.kinematics.frames_at(q, hand.tips.frames)
         placements.flags.writeable = False
-        self.__dict__.update(
-            hand=hand,
-            q=read_only(q),
-            tip_positions=placements[:, :3, 3],
-            tip_rotations=placements[:, :3, :3],
-            _spread=np.dot(_SPREAD, columns).reshape(4, -1),
-        )
+        self.__dict__.update(hand=hand, q=read_only(q), _spread=np.dot(_SPREAD, columns).reshape(4, -1))
+        self.__dict__.update(tip_positions=placements[:, :3, 3], tip_rotations=placements[:, :3, :3])
 
     @lazy
     def jacobian(self) -> Array:
@@ -63,9 +57,7 @@ class Posture:
         return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.root, pads))
 
     def jacobian_at(self, points: Array, tips: Sequence[int]) -> Array:
-        """(m, 3, nv) Jacobian of points (m, 3) that move rigidly with the tips numbered `tips`: v + ω × p for each
-        joint, world axes.
-        """
+        """(m, 3, nv) Jacobian v + ω × p of points (m, 3) that move with the tips numbered `tips`, world axes."""
         J = np.dot(points, self._spread[1:]) + self._spread[0]
         return self._independent(J.reshape(len(points), 3, -1), tips)
 
@@ -76,27 +68,20 @@ class Posture:
         return self._independent(np.tile(omega, (len(tips), 1, 1)), tips)
 
     def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
-        """(nv,) torque g(q) that holds the fingers' own weight [N·m], over the independent joints; gravity (3,)
-        [m/s²] world axes.
-        """
+        """(nv,) torque g(q) that holds the fingers' own weight [N·m]; gravity (3,) [m/s²], world axes."""
         return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
 
     def _independent(self, J: Array, tips: Sequence[int]) -> Array:
-        """(m, 3, nv) from columns (m, 3, joints): those of joints that do not move a tip become zero, and those of
-        mimic joints are added to the joint that they follow.
-        """
+        """(m, 3, nv) from columns (m, 3, joints): 0 where a joint moves no tip; mimic joints added to their masters."""
         support, coupling = self.hand.tips.support, self.hand.kinematics.coupling
         J *= support if tips is self.hand.tips.every else support[list(tips)]
         return J if coupling is None else np.asarray(J @ coupling)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Nothing may change."""
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the call that made it."""
         return (type(self), (self.hand, self.q))
 
     def __repr__(self) -> str:
-        """Name and positions of the joints."""
         return f"{type(self).__name__}({self.hand.name!r}, q={np.round(self.q, 4).tolist()})"

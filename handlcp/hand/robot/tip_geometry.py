@@ -38,9 +38,7 @@ class TipShape:
 
 
 class TipGeometry:
-    """The shapes of the fingertips: spheres of the given radii, otherwise the URDF's collision geometry, which is read
-    when a tip is first asked for.
-    """
+    """The shapes of the fingertips: spheres of given radii, else the URDF's collision geometry, read when asked for."""
 
     __slots__ = ("_found", "_model", "_tips", "folders", "root")
 
@@ -67,9 +65,7 @@ def sphere_tip(radius: float) -> tuple[TipShape, ...]:
 
 
 def read_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
-    """Radii by tip name [m]: from None (no radii), a number > 0 (of every tip) or a mapping. Raises InputError,
-    UnknownName.
-    """
+    """Radii by tip name [m] from None (no radii), a number (all tips) or a mapping. Raises InputError, UnknownName."""
     if value is None:
         return {}
     if isinstance(value, Mapping):
@@ -79,10 +75,9 @@ def read_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
 
 
 def urdf_tip(model: Any, root: ET.Element, tip: int, folders: Sequence[Path]) -> tuple[TipShape, ...]:
-    """The collision geometry of the link of the frame numbered `tip`; if that link has none, of all links fixed to it.
-    Meshes become their convex hulls.
+    """The collision geometry of the frame's link or, if it has none, of the links fixed to it; meshes become hulls.
 
-    Raises URDFError when there is none, or a mesh file is not found.
+    tip : number of the frame. Raises URDFError when there is none, or a mesh file is not found.
     """
     frame = model.frames[tip]
     links = _colliding_links(model, root, tip)

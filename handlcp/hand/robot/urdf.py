@@ -21,14 +21,8 @@ import pinocchio as pin
 from handlcp.errors import InputError, UnknownName, URDFError
 
 __all__ = [
-    "LARGEST_NUMBER",
-    "build_model",
-    "captured_stderr",
-    "link_of",
-    "package_folders",
-    "read_urdf",
-    "resolve_meshes",
-]
+    "LARGEST_NUMBER", "build_model", "captured_stderr", "link_of", "package_folders", "read_urdf", "resolve_meshes",
+]  # fmt: skip
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
 
@@ -43,11 +37,9 @@ _stderr = threading.Lock()
 
 
 def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.Element, Path]:
-    """The <robot> element of the file `source`, cut down to the links below `base` (that link included), and the
-    file's path.
+    """The <robot> element of the file `source`, cut down to the link `base` and those below it, and the file's path.
 
-    Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for an unknown
-    base.
+    Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for the base.
     """
     if base is not None and not isinstance(base, str):
         raise InputError("base", "the name of a link, or None", repr(base))
@@ -82,16 +74,10 @@ def _below(root: ET.Element, base: str) -> ET.Element:
     links = [name for link in root.findall("link") if (name := link.get("name"))]
     if base not in links:
         raise UnknownName("base", "a link", [str(base)], links)
-    children: dict[str, list[tuple[ET.Element, str]]] = {}
-    for joint in root.findall("joint"):
-        children.setdefault(link_of(joint, "parent"), []).append((joint, link_of(joint, "child")))
-    kept, stack, joints = {base}, [base], set()
-    while stack:
-        for joint, child in children.get(stack.pop(), []):
-            joints.add(joint)
-            if child not in kept:
-                kept.add(child)
-                stack.append(child)
+    kept, joints = {base}, set[ET.Element]()
+    while more := [j for j in root.findall("joint") if j not in joints and link_of(j, "parent") in kept]:
+        joints.update(more)
+        kept.update(link_of(joint, "child") for joint in more)
     cut = ET.Element("robot", root.attrib)
     cut.extend(e for e in root if (e.tag == "link" and e.get("name") in kept) or e in joints or e.tag == "material")
     return cut
@@ -128,9 +114,7 @@ def build_model(root: ET.Element, label: str) -> Any:
 
 
 def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
-    """The folders where package:// addresses are looked up: those given, the URDF's own, ROS_PACKAGE_PATH. Raises
-    InputError.
-    """
+    """Where package:// addresses are looked up: folders given, the URDF's own, ROS_PACKAGE_PATH. Raises InputError."""
     given = () if package_dirs is None else [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
     try:
         folders = [Path(folder) for folder in given]
@@ -145,9 +129,7 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
 
 
 def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
-    """Replace the address of each mesh below `element` by its full path. Raises URDFError for a file that is not
-    there.
-    """
+    """Replace the address of each mesh below `element` by its full path. Raises URDFError for a missing file."""
     for mesh in element.iter("mesh"):
         address = mesh.get("filename", "")
         tail = address.split("://", 1)[-1]

@@ -9,6 +9,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp
+from handlcp.grasp.model.contact import frame as frame_about
 from handlcp.hand import HandGrasp
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.raster import fill
@@ -105,10 +106,7 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
 
 def _best(points: Array, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
     """The side where points (n, 3) lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
-    first = np.eye(3)[int(np.argmin(np.round(abs(up), 9)))]
-    first = first - up * (up @ first)
-    first /= np.linalg.norm(first)
-    second = np.cross(up, first)
+    first, second, _ = frame_about(up).T
     hand = np.concatenate([b.triangles for b in solids]) if solids else np.zeros((0, 3, 3))
     best, camera = -np.inf, facing(first, up)
     for elevation in ELEVATIONS:

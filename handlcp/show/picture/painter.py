@@ -101,19 +101,13 @@ def _creases(camera: Camera, triangles: Array) -> Array:
     """(k, 2, 3) edges to draw: sharp ones on the near side, and the outline."""
     n = _normals(triangles)
     t, n = triangles[n.any(axis=1)], n[n.any(axis=1)]
-    scale = float(np.ptp(t.reshape(-1, 3), axis=0).max())
     ends = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
-    owner = np.tile(np.arange(len(t)), 3)
-    key = np.round(ends / (1e-6 * scale)).astype(np.int64)
-    flip = np.array([tuple(a) > tuple(b) for a, b in key.tolist()])
-    key[flip] = key[flip][:, ::-1]
-    _, first, inverse, count = np.unique(
-        key.reshape(-1, 6), axis=0, return_index=True, return_inverse=True, return_counts=True
-    )
-    order = np.argsort(inverse.ravel(), kind="stable")
-    starts = np.concatenate([[0], np.cumsum(count)[:-1]])
-    pairs = count == 2
-    a, b = owner[order[starts[pairs]]], owner[order[starts[pairs] + 1]]
+    places = np.round(ends.reshape(-1, 3) / (1e-6 * float(np.ptp(t, axis=(0, 1)).max()))).astype(np.int64)
+    corners = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1, 2)
+    _, edge, count = np.unique(np.sort(corners, axis=1), axis=0, return_inverse=True, return_counts=True)
+    # Both ends of each edge that two triangles share, side by side; end i belongs to triangle i modulo their number
+    twice = np.argsort(edge.ravel(), kind="stable")[np.repeat(count == 2, count)].reshape(-1, 2)
+    a, b = twice.T % len(t)
     front = n @ camera.axes[2] > 0
     sharp = ((n[a] * n[b]).sum(1) < CREASE) & (front[a] | front[b])
-    return np.asarray(ends[first[pairs][sharp | (front[a] != front[b])]])
+    return np.asarray(ends[twice[sharp | (front[a] != front[b]), 0]])

@@ -10,6 +10,8 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
+from handlcp.grasp.model.contact import frame
+from handlcp.hand.objects.meshes import triangles_of
 
 __all__ = ["box", "capsule", "cylinder", "ellipsoid", "hull", "of_coal", "placed", "revolved"]
 
@@ -27,12 +29,9 @@ def box(size: Any) -> Array:
 
 def revolved(profile: Any, around: int = AROUND) -> Array:
     """The surface that a profile sweeps about z. profile : points (radius, z) from the lower pole to the upper."""
-    p = np.asarray(profile, dtype=float)
+    r, z = np.asarray(profile, dtype=float).T[..., None]
     a = 2 * np.pi * np.arange(around + 1) / around
-    ring = np.stack([np.cos(a), np.sin(a)], axis=1)
-    points = np.empty((len(p), around + 1, 3))
-    points[..., :2] = p[:, None, :1] * ring[None]
-    points[..., 2] = p[:, 1:]
+    points = np.stack(np.broadcast_arrays(r * np.cos(a), r * np.sin(a), z), axis=-1)
     q00, q01, q10, q11 = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
     both = np.concatenate([np.stack([q00, q01, q11], axis=2), np.stack([q00, q11, q10], axis=2)])
     t = both.reshape(-1, 3, 3)
@@ -61,11 +60,8 @@ def capsule(start: Any, end: Any, radius: float) -> Array:
     low = [(radius * np.sin(x), -radius * np.cos(x)) for x in t]
     up = [(radius * np.cos(x), length + radius * np.sin(x)) for x in t]
     shape = revolved([*low, *up], 20)
-    z = (b - a) / length if length > 0 else np.array([0.0, 0.0, 1.0])
-    x = np.eye(3)[int(np.argmin(abs(z)))]
-    x = x - z * (z @ x)
-    x /= np.linalg.norm(x)
-    return np.asarray(shape @ np.column_stack([x, np.cross(z, x), z]).T + a)
+    axis = (b - a) / length if length > 0 else np.array([0.0, 0.0, 1.0])
+    return np.asarray(shape @ frame(axis).T + a)
 
 
 def hull(points: Array, thickness: float) -> Array | None:
@@ -104,9 +100,8 @@ def of_coal(geometry: Any) -> Array | None:
     if isinstance(g, coal.Cone):
         return revolved([(0, -g.halfLength), (g.radius, -g.halfLength), (0, g.halfLength)])
     if isinstance(g, coal.BVHModelBase):
-        corners = np.array(g.vertices(), dtype=float)
-        index = np.array([[t[0], t[1], t[2]] for t in (g.tri_indices(i) for i in range(g.num_tris))], dtype=int)
-        return corners[index] if len(index) else None
+        triangles = triangles_of(g)
+        return triangles if len(triangles) else None
     return hull(np.array(g.points()), 0.0) if isinstance(g, coal.ConvexBase) else None
 
 

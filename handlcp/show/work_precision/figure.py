@@ -33,10 +33,7 @@ def save(costs: Costs, path: Any) -> Path:
 
 
 def draw(costs: Costs) -> Figure:
-    """The figure. costs : one study, (title, study), or several of these.
-
-    Raises InputError for anything else, Unsupported when matplotlib is not installed.
-    """
+    """The figure. costs : one study, (title, study), or several. Raises InputError; Unsupported without matplotlib."""
     scenes = _scenes(costs)
     inches = ROW * len(scenes) + FOOT
     figure = new_figure(figsize=(WIDTH, inches), dpi=100)

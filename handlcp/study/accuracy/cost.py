@@ -117,16 +117,10 @@ def _run(
 
 
 def _reference(exact: GraspSolution, bench: Bench) -> Reference:
-    torques, free = bench.errors.torques, exact.uniqueness
-    return Reference(
-        exact.names,
-        tuple(map(tuple, exact.forces.tolist())),
-        tuple(map(tuple, exact.slip.tolist())),
-        None if torques is None else tuple(torques.tolist()),
-        exact.residuals.motion_scale,
-        exact.residuals.worst,
-        free is None or free.forces_determined,
-    )
+    forces, slip = (tuple(map(tuple, a.tolist())) for a in (exact.forces, exact.slip))
+    torques = None if bench.errors.torques is None else tuple(bench.errors.torques.tolist())
+    known = exact.uniqueness is None or exact.uniqueness.forces_determined
+    return Reference(exact.names, forces, slip, torques, exact.residuals.motion_scale, exact.residuals.worst, known)
 
 
 def _notes(exact: GraspSolution, rows: Sequence[Row]) -> tuple[str, ...]:
@@ -155,11 +149,8 @@ def _checked(
         raise Unsupported("accuracy_cost compares methods that know no soft fingers")
     if any(isinstance(e, GeometricStiffness) for e in grasp.effects):
         raise InputError("grasp", "one with one flexibility for all forces", "GeometricStiffness among its effects")
-    return (
-        tuple(m for m in METHODS.values() if m.name in names),
-        (sides, faces is not None),
-        (tols, tolerances is not None),
-    )
+    chosen = tuple(m for m in METHODS.values() if m.name in names)
+    return chosen, (sides, faces is not None), (tols, tolerances is not None)
 
 
 def _several(argument: str, value: Any, what: str) -> tuple[Any, ...]:

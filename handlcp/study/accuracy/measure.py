@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -80,11 +81,8 @@ class Bench:
 
     def _whole(self, s: Setting, seconds: float) -> Row:
         """The row of `grasp.solve`. Each run gets a new grasp, which keeps nothing from an earlier solve."""
-        chain = Auto(seed=self.seed)
-        make, spec = type(self.grasp), self.grasp.spec
-        solution, times = timed(
-            lambda: make(spec), lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds
-        )
+        chain, again = Auto(seed=self.seed), partial(type(self.grasp), self.grasp.spec)
+        solution, times = timed(again, lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds)
         assert solution.scene is not None
         candidate = candidate_of(solution.scene, solution)
         said = CERTIFIED if solution.held else solution.status.name.lower().replace("_", " ")

@@ -99,9 +99,8 @@ def settings(
         if method.form == "grasp":
             cells = [Setting(method, None, "exact", None)]
             if pyramids:
-                cells += [
-                    Setting(method, m, section, None) for m in sides for section in ("inscribed", "circumscribed")
-                ]
+                both = ("inscribed", "circumscribed")
+                cells += [Setting(method, m, section, None) for m in sides for section in both]
         elif not pyramids or method.form == "cone":
             cells = [Setting(method, None, "exact", t) for t in (tols if method.tolerant else (None,))]
         elif not method.tolerant:

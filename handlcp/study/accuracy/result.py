@@ -88,8 +88,7 @@ class LeftOut:
 class Reference:
     """The certified equilibrium on the exact cone that errors are measured against.
 
-    forces (n, 3) N and slip (n, 2) m in contact axes; torques (nv,) N·m, None without a hand; motion_scale [m]: slip
-    errors are shares of it.
+    forces (n, 3) N and slip (n, 2) m, contact axes; torques (nv,) N·m, None without a hand; motion_scale [m] of slips.
     """
 
     names: tuple[str, ...]
@@ -149,17 +148,10 @@ class AccuracyCost:
         return tuple(r for r in self.rows if r.method == method)
 
     def front(self, method: str) -> tuple[Row, ...]:
-        """The method's best settings, fastest first: no other is as fast and nearer to the exact forces.
-
-        Times that differ by less than a tenth count as equal.
-        """
-
-        def error_and_time(r: Row) -> tuple[float, float]:
-            time, error = r.cost
-            return (error if error > ROUNDING else 0.0), time
-
+        """The method's best settings, fastest first: no other is as fast (to a tenth) and nearer to the exact one."""
         out: list[Row] = []
-        for r in sorted((r for r in self.of(method) if r.comparable), key=error_and_time):
+        rows = [r for r in self.of(method) if r.comparable]
+        for r in sorted(rows, key=lambda r: (r.cost[1] if r.cost[1] > ROUNDING else 0.0, r.cost[0])):
             if not out or r.cost[0] < _DISTINCT * out[-1].cost[0]:
                 out.append(r)
         return tuple(reversed(out))
@@ -178,9 +170,7 @@ class AccuracyCost:
         return tuple(sorted(found.items()))
 
     def law(self, section: str = "inscribed") -> FaceLaw | None:
-        """How the error falls with the faces; None with fewer than three pyramids whose errors exceed rounding, or
-        where the scene does not determine its forces.
-        """
+        """How the error falls with the faces; None for undetermined forces, or fewer than three errors to fit."""
         points = [(m, e) for m, e in self.pyramids(section) if e > ROUNDING]
         if len(points) < 3 or not self.reference.forces_determined:
             return None
@@ -225,9 +215,7 @@ class AccuracyCost:
             raise InputError("text", "JSON that AccuracyCost.to_json wrote", f"{where}: {first['msg']}") from None
 
     def to_csv(self, path: Any) -> Path:
-        """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot
-        be written.
-        """
+        """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot be written."""
         file = Path(path)
         try:
             with file.open("w", newline="", encoding="utf-8") as out:

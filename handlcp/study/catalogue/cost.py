@@ -36,7 +36,6 @@ class Cost:
         return f"{self.unknowns:+d}" if self.unknowns else "0"
 
     def __str__(self) -> str:
-        """The ratio, as it is printed."""
         return "–" if self.ratio is None else f"× {self.ratio:.1f}"
 
 

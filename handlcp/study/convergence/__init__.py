@@ -5,11 +5,5 @@ from handlcp.study.convergence.runs import Run
 from handlcp.study.convergence.study import Convergence, convergence
 
 __all__ = [
-    "Convergence",
-    "Run",
-    "convergence",
-    "generalized_jacobian",
-    "greedy_bound",
-    "measured_rate",
-    "uniform_bound",
-]
+    "Convergence", "Run", "convergence", "generalized_jacobian", "greedy_bound", "measured_rate", "uniform_bound",
+]  # fmt: skip

@@ -26,12 +26,11 @@ _KINDS: tuple[tuple[UnitsOf, Sampling], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Convergence:
-    """NSNGRK's runs on one problem, none of them ended by Newton's method.
+    """NSNGRK's runs on one problem, none of them ended by Newton's method; `select` finds those of a kind.
 
     names : (p,) of the recorded values: fingers, or "z[0]", "z[1]", … quantity : "normal force [N]", or "z".
     answer : (p,) the certified values.
     stop : the stop rule on ‖Φ‖ that runs in given units are judged by, the paper's 1e-5.
-    runs : all of them; `select` finds those of a kind.
     """
 
     names: tuple[str, ...]

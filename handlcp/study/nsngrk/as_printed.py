@@ -43,7 +43,6 @@ class AsPrinted:
     stride: int = 0
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
         for name in ("max_iterations", "seed", "stride"):
             object.__setattr__(self, name, integer(name, getattr(self, name), 0))
@@ -52,12 +51,14 @@ class AsPrinted:
         """Run from `start` (n,), zero when None."""
         z = np.zeros(len(problem.q)) if start is None else np.array(start, dtype=float)
         history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
-        state = np.full(1, self.seed, np.uint64)
-        steps, norm, written = _printed(
-            problem.M, problem.q, problem.free, z, state, self.max_iterations, self.tol, self.stride, history
-        )
+        steps, norm, written = self.run(problem, z, np.full(1, self.seed, np.uint64), history)
         words = "converged" if norm <= self.tol else f"{steps} Kaczmarz steps spent"
         return Proposal(z, steps, words, history[:written] if self.stride else None)
+
+    def run(self, problem: Scaled, z: Array, state: Seeds, history: Array) -> tuple[int, float, int]:
+        """Take the steps, in place on z. Returns (steps taken, ‖Φ‖₂, rows of history written)."""
+        M, q, free = problem.M, problem.q, problem.free
+        return _printed(M, q, free, z, state, self.max_iterations, self.tol, self.stride, history)
 
 
 @kernel

@@ -2,39 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp import Proposal
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, linearise, project, slopes, uniform
 from handlcp.lcp.problem import Scaled
+from handlcp.study.nsngrk.as_printed import AsPrinted
 
 __all__ = ["UniformRows"]
 
 
-@dataclass(frozen=True, slots=True)
-class UniformRows:
-    """tol, max_iterations, seed, stride : as in `NSNGRK`, without its exact ending."""
+class UniformRows(AsPrinted):
+    """The settings and the record of `AsPrinted`; the steps are those of `NSNGRK`, without its exact ending."""
 
-    tol: float
-    max_iterations: int
-    seed: int = 0
-    stride: int = 0
+    __slots__ = ()
 
-    def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
-        """Run from `start` (n,), zero when None."""
+    def run(self, problem: Scaled, z: Array, state: Seeds, history: Array) -> tuple[int, float, int]:
+        """As there."""
         M = problem.M
-        z = np.zeros(len(problem.q)) if start is None else np.array(start, dtype=float)
-        history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
         rows = Rows(M, np.ascontiguousarray(M.T), M @ M.T, problem.q, problem.free)
-        state = np.full(1, self.seed, np.uint64)
-        steps, norm, written = _steps(rows, z, state, int(self.max_iterations), self.tol, self.stride, history)
-        words = "converged" if norm <= self.tol else f"{steps} Kaczmarz steps spent"
-        return Proposal(z, steps, words, history[:written] if self.stride else None)
+        return _steps(rows, z, state, self.max_iterations, self.tol, self.stride, history)
 
 
 @kernel

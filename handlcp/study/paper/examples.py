@@ -51,9 +51,5 @@ def example(number: int, *, tangential: float | None = None, preload: Any = 0.0)
         effects.append(PrescribedForce(0, (0.0, 0.0, e["known_force"] * float(np.linalg.norm(e["normals"][0])))))
     E_T = e["flexibility_tangential"] if tangential is None else tangential
     flexibility = (E_T, E_T, e["flexibility_normal"])
-    return Example(
-        number,
-        e["title"],
-        e["note"],
-        Grasp(contacts, wrench, flexibility=flexibility, preload=preload, effects=effects),
-    )
+    grasp = Grasp(contacts, wrench, flexibility=flexibility, preload=preload, effects=effects)
+    return Example(number, e["title"], e["note"], grasp)

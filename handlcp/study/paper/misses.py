@@ -8,14 +8,7 @@ import numpy as np
 
 from handlcp.study.paper.data import AXES, COLUMN, PaperTable, short
 from handlcp.study.paper.examples import example
-from handlcp.study.paper.printed import (
-    SignedForces,
-    against_faces,
-    compatibility,
-    excess,
-    motion,
-    signed_forces,
-)
+from handlcp.study.paper.printed import SignedForces, against_faces, compatibility, excess, motion, signed_forces
 
 __all__ = ["Evidence", "Miss", "evidence"]
 

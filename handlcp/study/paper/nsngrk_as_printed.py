@@ -36,10 +36,9 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """All seeds of one example.
+    """All seeds of one example, run as printed and in natural units.
 
-    printed : runs as printed. natural : runs in natural units. ours : (n,) N certified normal forces. steps : of our
-        default solver.
+    ours : (n,) N certified normal forces. steps : of our default solver.
     """
 
     example: int

@@ -67,14 +67,13 @@ def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> SignedF
     signed = [i for i in range(len(printed)) if i % 3 != 2 and printed[i] != 0.0]
     choices = np.tile(printed, (2 ** len(signed), 1))
     choices[:, signed] *= np.array(list(product((1.0, -1.0), repeat=len(signed)))).reshape(-1, len(signed))
-    G, scale = scene.geometry.grasp_matrix, np.array([1.0] * 3 + [1.0 / scene.units.length] * 3)
+    G, scale = scene.geometry.grasp_matrix, np.repeat([1.0, 1.0 / scene.units.length], 3)
     if missing:
-        A = scale[:, None] * G[:, missing]
         left = (choices @ G.T + scene.geometry.wrench) * scale
-        choices[:, missing] = -left @ np.linalg.pinv(A).T
+        choices[:, missing] = -left @ np.linalg.pinv(scale[:, None] * G[:, missing]).T
     left = choices @ G.T + scene.geometry.wrench
     best = int(np.argmin(np.linalg.norm(left * scale, axis=1)))
-    f, force, moment = choices[best], *(float(np.linalg.norm(part)) for part in (left[best, :3], left[best, 3:]))
+    f, (force, moment) = choices[best], np.linalg.norm(left[best].reshape(2, 3), axis=1).tolist()
     return SignedForces(f.reshape(-1, 3), force, moment, tuple((i // 3, i % 3, float(f[i])) for i in missing))
 
 
@@ -92,26 +91,16 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
     scene, normals = grasp.scene, Pyramid(faces).normals
     limit = _slack(grasp, faces, forces) <= LIMIT * float(abs(forces).max())
     elastic = scene.flexibility @ forces.ravel()
-    rows: list[int] = []
-    slides: list[Array] = []
-    for i in np.flatnonzero(scene.governed).tolist():
-        rows.append(3 * i + 2)
-        if scene.mu[i] > 0:
-            rows += [3 * i, 3 * i + 1]
-            for face in np.flatnonzero(limit[i]):
-                column = np.zeros(3 * scene.n)
-                column[3 * i : 3 * i + 2] = normals[:, face]
-                slides.append(column)
+    frictional = _frictional(grasp)
+    rows = np.column_stack([frictional, frictional, scene.governed_mask]).ravel()
+    at, face = np.nonzero(limit & frictional[:, None])
+    slides = np.zeros((len(at), scene.n, 3))
+    slides[np.arange(len(at)), at, :2] = normals.T[face]
     size = float(abs(elastic[rows]).max())
-    A = np.column_stack([scene.geometry.grasp_matrix.T, *slides])[rows]
-    b, k, one = -elastic[rows] / size, A.shape[1], -np.ones((len(rows), 1))
-    lp = linprog(
-        np.append(np.zeros(k), 1.0),
-        A_ub=np.block([[A, one], [-A, one]]),
-        b_ub=np.concatenate([b, -b]),
-        bounds=[(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1),
-        method="highs",
-    )
+    A = np.column_stack([scene.geometry.grasp_matrix.T, slides.reshape(len(at), 3 * scene.n).T])[rows]
+    b, k, one = -elastic[rows] / size, A.shape[1], -np.ones((len(A), 1))
+    bounds = [(None, None)] * 6 + [(0.0, None)] * (k - 6 + 1)  # of u, of λ and of the worst residual, which is least
+    lp = linprog(np.append(np.zeros(k), 1.0), np.block([[A, one], [-A, one]]), np.append(b, -b), bounds=bounds)
     return float(lp.fun) * size, size
 
 
@@ -119,8 +108,8 @@ def motion(grasp: Grasp, table: PaperTable, forces: Array, tangentials: tuple[fl
     """Which signs of the printed displacement, and which E_T, fit the printed slips; and the gaps that follow."""
     scene = grasp.scene
     printed, slips = np.array([x.value for x in table.object]), table.slips(scene.n)
-    given, ruled = np.isfinite(slips[:, 0]), np.array(scene.governed)
-    E_N = scene.flexibility.diagonal().reshape(-1, 3)[:, 2]
+    given, ruled = np.isfinite(slips[:, 0]), scene.governed_mask
+    E_N = scene.flexibility.diagonal()[2::3]
     found = []
     for signs in product((1.0, -1.0), repeat=6):
         twist = printed * signs

@@ -1,4 +1,4 @@
-"""The report for people: one table a paper table, in the paper's own layout, readable at 100 columns."""
+"""The command `handlcp paper`: the report for people, a table in the paper's own layout for each, or as JSON."""
 
 from __future__ import annotations
 
@@ -14,18 +14,30 @@ from handlcp.study.paper.data import raw, short
 from handlcp.study.paper.misses import Evidence
 from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, PRELOAD_FACES, NoEquilibrium
 from handlcp.study.paper.nsngrk_as_printed import RES, STEPS, Case
-from handlcp.study.paper.report import PaperReport
+from handlcp.study.paper.report import PaperReport, run
 from handlcp.study.paper.rows import Mark, Row
 from handlcp.study.paper.tables import Comparison
 
-__all__ = ["render"]
+__all__ = ["paper_command", "render"]
 
 _STYLE = {Mark.NO: "red", Mark.LOOSE: "yellow", Mark.OTHER: ""}  # the others fit: green
 _LEVEL = {"reproduced": "bold green", "failed": "bold white on red", "not a solution": "bold red", "solution": "yellow"}
+_SEEDS = ("example", "", "as printed [N]", "spread", "off by", "steps", "natural [N]", "spread", "steps", "ours")
 _HEAD = {"force": "force [N]", "fingertip": "fingertip [m]", "slip": "slip [m]", "object": "object [m, rad]"}
 
 
+def paper_command(console: Console, json: bool = False) -> int:
+    """Print the report, or write it as JSON to the console's file. 0 if all golden numbers match."""
+    report = run()
+    if json:
+        console.file.write(report.to_json() + "\n")
+    else:
+        render(report, console)
+    return 0 if report.ok else 1
+
+
 def render(report: PaperReport, console: Console) -> None:
+    """Print it, readable at 100 columns."""
     console.print()
     console.print(Text("The paper, reproduced", style="bold"))
     console.print(Text(raw()["source"], style="dim"))
@@ -41,9 +53,7 @@ def render(report: PaperReport, console: Console) -> None:
         _comparison(c, console)
         if c.table.number == 9:
             _no_equilibrium(report.example_4, console)
-    console.print()
     _nsngrk(report.nsngrk, console)
-    console.print()
     _summary(report, console)
 
 
@@ -94,12 +104,9 @@ def _ours(row: Row) -> Text:
     value, mark = abs(row.ours), row.mark
     nothing = value < 1e-13 or (mark.fits and value < 1e-9 and row.printed.value < 1e-5)
     mantissa, _, exponent = f"{value:.5e}".partition("e")
-    text = Text("0" if nothing else f"{mantissa}e{int(exponent)}", _STYLE.get(mark, "green"))
-    if mark.fits:
-        return text.append(f" {mark.value}")
-    if mark is Mark.LOOSE:
-        return text.append(" ~")
-    return text.append(f" {_percent(row.relative)}") if mark is Mark.NO else text
+    number = "0" if nothing else f"{mantissa}e{int(exponent)}"
+    signs = {Mark.OTHER: "", Mark.LOOSE: " ~", Mark.NO: f" {_percent(row.relative)}"}
+    return Text(number + signs.get(mark, f" {mark.value}"), _STYLE.get(mark, "green"))
 
 
 def _percent(x: float) -> str:
@@ -142,18 +149,16 @@ def _no_equilibrium(e: NoEquilibrium, console: Console) -> None:
 
 def _nsngrk(cases: tuple[Case, ...], console: Console) -> None:
     """Seeds of the algorithm as printed, beside natural units."""
+    console.print()
     console.rule("[bold]NSNGRK as printed[/]: why seeds disagree", align="left", style="dim")
-    text = (
-        f"As printed: newtons and metres as they come, stop at RES < {short(RES)} or {STEPS} steps. In "
-        "Examples 2 to 5 every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In "
-        "natural units the same algorithm finds one answer."
-    )
-    console.print(Text(text))
+    console.print(Text(
+        f"As printed: newtons and metres as they come, stop at RES < {short(RES)} or {STEPS} steps. In Examples 2 to 5 "
+        "every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In natural units the "
+        "same algorithm finds one answer."
+    ))  # fmt: skip
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("example", no_wrap=True)
-    table.add_column("", no_wrap=True)
-    for name in ("as printed [N]", "spread", "off by", "steps", "natural [N]", "spread", "steps", "ours"):
-        table.add_column(name, justify="right", no_wrap=True)
+    for k, name in enumerate(_SEEDS):
+        table.add_column(name, justify="right" if k > 1 else "left", no_wrap=True)
     for c in cases:
         table.add_row(*_case(c))
     console.print(table)
@@ -166,11 +171,8 @@ def _nsngrk(cases: tuple[Case, ...], console: Console) -> None:
         if (c.example, c.faces) == (2, 16):
             text = f"Example 2, 16 faces: the seeds agree and are wrong together, {c.range[0]:.4f} N"
             console.print(Text(f"{text} instead of {ours:.4f} N; Table 5 prints 5.4684 and 5.4573 N."))
-    text = (
-        "spread: largest minus smallest over the seeds; off by: worst force error over the largest "
-        "force; ours: the default solver's steps, ended by exact Newton steps."
-    )
-    console.print(Text(text, style="dim"))
+    text = "spread: largest minus smallest over the seeds; off by: worst force error over the largest force; "
+    console.print(Text(f"{text}ours: the default solver's steps, ended by exact Newton steps.", style="dim"))
 
 
 def _case(c: Case) -> list[str | Text]:
@@ -195,6 +197,7 @@ def _case(c: Case) -> list[str | Text]:
 
 
 def _summary(report: PaperReport, console: Console) -> None:
+    console.print()
     console.rule("[bold]Verdicts[/]", align="left", style="dim")
     table = _grid("right", "left", "left")
     for c in report.tables:
@@ -203,10 +206,9 @@ def _summary(report: PaperReport, console: Console) -> None:
         table.add_row(f"Table {c.table.number}", Text(mark, style), Text(c.verdict, style.replace("bold ", "")))
     console.print(table)
     console.print()
-    golden = Text("all golden numbers reproduced", "bold green")
-    if not report.ok:
-        golden = Text("GOLDEN NUMBERS MISSED", "bold white on red")
-    console.print(golden.append(f" (Tables 1 and 2; forces of Tables 3, 6 and 8) in {report.seconds:.1f} s", "default"))
+    said = ("all golden numbers reproduced", "bold green") if report.ok else ("GOLDEN NUMBERS MISSED", _LEVEL["failed"])
+    which = f" (Tables 1 and 2; forces of Tables 3, 6 and 8) in {report.seconds:.1f} s"
+    console.print(Text(*said).append(which, "default"))
 
 
 def _grid(*sides: JustifyMethod) -> Table:

@@ -15,7 +15,7 @@ from handlcp.study.paper.examples import Example
 __all__ = ["Mark", "Row", "mark_of", "rows_of"]
 
 _ZERO, _NOISE, _RESIDUE = 1e-9, 1e-12, 1e-6  # shares of the table's largest force or motion
-_PLANAR = {"u_x": 0, "u_y": 1, "φ": 5}
+_PLANAR = {"u_x": 0, "u_y": 1, "φ": 5}  # names and numbers of the components of a motion
 _SPATIAL = {"u_x": 0, "u_y": 1, "u_z": 2, "φ_x": 3, "φ_y": 4, "φ_z": 5}
 
 
@@ -37,10 +37,9 @@ class Mark(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A printed magnitude and ours.
+    """A printed magnitude and ours, which has its sign. SI.
 
     column : "force" [N] | "slip" [m] | "fingertip" [m] | "object" [m, rad]. place : "1 n", "3 t", "u_x", …
-    ours : with its sign, SI.
     """
 
     column: str
@@ -94,14 +93,12 @@ def rows_of(table: PaperTable, example: Example, solution: GraspSolution, other:
     # Of a misprint, the number that it is read as is compared
     read = {("force", f"{r.finger} {r.axis}"): Number.parse(r.read) for r in table.readings}
     meant = [read.get((column, place), number) for column, place, number, _, _ in entries]
-    scales = {"force": 0.0, "motion": 0.0}
+    sizes = {True: 0.0, False: 0.0}  # the largest force, and the largest motion
     for (column, _, _, ours, _), number in zip(entries, meant, strict=True):
-        kind = "force" if column == "force" else "motion"
-        scales[kind] = max(scales[kind], abs(ours), number.value)
+        sizes[column == "force"] = max(sizes[column == "force"], abs(ours), number.value)
     rows = []
     for (column, place, printed, ours, loose), number in zip(entries, meant, strict=True):
-        scale = scales["force" if column == "force" else "motion"]
-        mark = Mark.OTHER if other else Mark.LOOSE if loose else mark_of(number, ours, scale)
+        mark = Mark.OTHER if other else Mark.LOOSE if loose else mark_of(number, ours, sizes[column == "force"])
         rows.append(Row(column, place, printed, ours, mark))
     return tuple(rows)
 
