@@ -48,6 +48,8 @@ def make_solution(
             made = replace(made, status=Status.NOT_HOLDABLE, certificate=read_only(shifted(twist, arm)))
         return made
     states = classify(scene, section, candidate, verdict)
+    if not all(e.only_limits for e in effects):
+        return solution_of(spec, scene, judged, names_of(states.kind), None, trace, arm)
     if free := free_branches(scene, effects, section, states, candidate):
         smallest = minimum_norm(scene, effects, section, states, candidate, verdict, free)
         if (checked := judge(scene, effects, section, smallest)).residuals.passes:

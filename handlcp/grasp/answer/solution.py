@@ -13,6 +13,7 @@ from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp.status import Status
+from handlcp.tolerances import CERTIFY
 
 __all__ = ["GraspSolution"]
 
@@ -32,7 +33,7 @@ class GraspSolution:
         no gap, no slip, "sticking".
     residuals : how far each law is missed, relative and SI.
     uniqueness : which object motions and forces the solution leaves free, and whether other equilibria exist, as far
-        as that is known; None where there is no solution.
+        as that is known; None where there is no solution, or nobody knows: beside effects with unknowns of their own.
     certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes; for NO_EQUILIBRIUM
         where limits on the forces are what forbids it, the motion in which the object escapes while these give way.
     iterations : steps of the method that gave the answer. trace : one line per stage that ran.
@@ -106,12 +107,15 @@ class GraspSolution:
     def __str__(self) -> str:
         lines = [self.status.meaning]
         if self.held:
+            size, move = CERTIFY * self.residuals.force_scale, CERTIFY * self.residuals.motion_scale
+            forces, slip, gap = (
+                np.where(abs(a) > least, a, 0.0)  # what is smaller is rounding
+                for a, least in ((self.forces, size), (self.slip, move), (self.gap, move))
+            )
             lines += [
                 f"  {name}: {state:9s}  normal {f[2]:9.4g} N  tangential ({f[0]:9.4g}, {f[1]:9.4g}) N  "
                 f"slip ({s[0]:9.3g}, {s[1]:9.3g}) m  gap {g:9.3g} m"
-                for name, state, f, s, g in zip(
-                    self.names, self.contact_state, self.forces, self.slip, self.gap, strict=True
-                )
+                for name, state, f, s, g in zip(self.names, self.contact_state, forces, slip, gap, strict=True)
             ]
             if self.torsion is not None and self.spin is not None:
                 lines += [
@@ -119,11 +123,12 @@ class GraspSolution:
                     for name, m, a in zip(self.names, self.torsion, self.spin, strict=True)
                     if m or a
                 ]
-            u = self.object_displacement
+            u = np.where(abs(self.object_displacement) > move, self.object_displacement, 0.0)
             lines.append(
                 f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"
             )
-            lines.append(f"  {self.uniqueness}; worst relative residual {self.residuals.worst:.1e}")
+            free = self.uniqueness or "what is left free was not examined"
+            lines.append(f"  {free}; worst relative residual {self.residuals.worst:.1e}")
             if self.accuracy is not None:
                 lines.append(f"  {self.accuracy}")
         lines.append(f"  {self.diagnosis}")

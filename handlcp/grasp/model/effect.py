@@ -93,7 +93,9 @@ class Effect:
         return type(self)
 
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
-        """Raises InputError where the effect, called `argument`, does not fit the grasp or its other effects."""
+        """Raises InputError where the effect, called `argument`, does not fit the grasp or its effects;
+        others : all of them, this one too.
+        """
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
@@ -149,6 +151,13 @@ class Effect:
         kind, own = type(self), ("limits", "stamp", "opening", "residual")
         return any(getattr(kind, name) is not getattr(Effect, name) for name in own)
 
+    @property
+    def only_limits(self) -> bool:
+        """Whether it moves the contacts by limits that give way alone. Searches, and the question what a solution
+        leaves free, know no other unknowns: beside an `opening` of its own, neither is asked.
+        """
+        return type(self).opening is Effect.opening
+
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying.
 
@@ -182,7 +191,8 @@ class Effect:
         components.
 
         `extra` holds the unknowns that effects brought beyond forces and object motion, by group name, SI; a group of
-        none is left out. None: nothing.
+        none is left out. They may be anything a solver proposed: where they are not finite, return NaN, which never
+        passes. None: nothing.
         """
         parts = [limit.opening(extra) for limit in self.present(scene)]
         return sum(parts[1:], parts[0]) if parts else None
@@ -190,7 +200,9 @@ class Effect:
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
     ) -> float:
-        """How far a candidate misses this effect's own law, relative; forces (c,) N, the scene's components.
+        """How far a candidate misses this effect's own law, relative to force_size [N] and motion_size [m]: the largest
+        of the candidate, at least the load and what it moves. forces (c,) N, all of them, prescribed ones too, in the
+        coordinates of the friction laws (`Scene`). NaN where they or `extra` are not finite.
 
         The laws of balance, contact and friction are recomputed by the certifier itself.
         """

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact
-from handlcp.grasp.effects import Effect
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import SemismoothNewton
 
@@ -33,4 +32,4 @@ def passes(problem: GraspContact, candidate: Candidate) -> bool:
 
 def only_limits_move(problem: GraspContact) -> bool:
     """Whether contact modes describe the scene: no effect moves the contacts but by limits that give way."""
-    return all(type(e).opening is Effect.opening for e in problem.effects)
+    return all(e.only_limits for e in problem.effects)

@@ -51,7 +51,8 @@ class Trial:
 
 def arguments(entry: Description) -> dict[str, Any]:
     """The keyword arguments that `in_python` shows; the package wrote that text itself."""
-    return dict(eval(f"dict({entry.in_python})", vars(mechanics) | vars(robots)))
+    names = {kind.__name__: kind for kind in mechanics.effect_kinds()} | vars(mechanics) | vars(robots)
+    return dict(eval(f"dict({entry.in_python})", names))
 
 
 def trials(entry: Description) -> tuple[Trial, Trial]:
