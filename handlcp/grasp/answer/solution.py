@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from handlcp.check import Array, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
