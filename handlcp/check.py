@@ -108,11 +108,8 @@ def number(
         x = 0.0  # its reciprocal would overflow
     if LARGEST < abs(x) < np.inf:
         raise InputError(argument, f"{expected}, at most {LARGEST:g} in size", f"{x:g}")
-    if (
-        (not (x >= minimum and x > above) and (minimum > -np.inf or above > -np.inf))
-        or x != x
-        or (finite and abs(x) == np.inf)
-    ):
+    low = x < minimum or (x <= above and above > -np.inf)
+    if low or x != x or (finite and abs(x) == np.inf):
         raise InputError(argument, expected, x)
     return x
 
@@ -147,9 +144,8 @@ def symmetric(argument: str, a: Array) -> Array:
     size = float(abs(a).max(initial=0.0))
     skew = float(abs(a - a.T).max(initial=0.0))
     if skew > SYMMETRY * size:
-        raise InputError(
-            argument, "a symmetric matrix", f"one whose entries differ from its transpose by up to {skew:.3g}"
-        )
+        found = f"one whose entries differ from its transpose by up to {skew:.3g}"
+        raise InputError(argument, "a symmetric matrix", found)
     return read_only((a + a.T) / 2)
 
 

@@ -94,41 +94,21 @@ def _cells() -> tuple[Array, Array, Bools, Bools, Bools]:
     (cells, p) of each; apexes (p,): whose hull holds the whole ball.
     """
     m, k = _MERIDIANS, _PARALLELS
-    normals: list[Array] = []
-    place: dict[tuple[int, int], int] = {}
-
-    def corner(level: int, j: int) -> int:
-        key = (level, 0 if abs(level) == k else j % m)
-        if key not in place:
-            phi, alpha = 0.5 * np.pi * level / k, 2 * np.pi * key[1] / m
-            place[key] = len(normals)
-            flat = 0.0 if abs(level) == k else np.cos(phi)
-            normals.append(np.array([flat * np.cos(alpha), flat * np.sin(alpha), np.sin(phi)]))
-        return place[key]
-
-    cells = []
-    for level in range(-k, k):
-        for j in range(m):
-            around = [corner(level, j), corner(level, j + 1), corner(level + 1, j + 1), corner(level + 1, j)]
-            cells.append(list(dict.fromkeys(around)))
-    points, patches, apexes = list(normals), [], []
-    shared: dict[tuple[int, int], int] = {}
-    for cell in cells:
-        patch = list(cell)
-        for a, b in zip(cell, cell[1:] + cell[:1], strict=True):
-            edge = (min(a, b), max(a, b))
-            if edge not in shared:
-                shared[edge] = len(points)
-                points.append((normals[a] + normals[b]) / (1.0 + normals[a] @ normals[b]))
-            patch.append(shared[edge])
-        apexes.append(len(points))
-        patch.append(len(points))
-        # All tangent planes of a cell's corners meet in one point, by symmetry
-        points.append(np.linalg.lstsq(np.array([normals[a] for a in cell]), np.ones(len(cell)), rcond=None)[0])
-        patches.append(patch)
-    in_cell, in_patch = np.zeros((len(cells), len(normals)), bool), np.zeros((len(cells), len(points)), bool)
-    for c, (cell, patch) in enumerate(zip(cells, patches, strict=True)):
-        in_cell[c, cell], in_patch[c, patch] = True, True
-    whole = np.zeros(len(points), bool)
-    whole[apexes] = True
-    return np.array(normals).T, np.array(points).T, in_cell, in_patch, whole
+    phi = np.arange(1 - k, k) * (0.5 * np.pi / k)
+    circles = [np.vstack([np.cos(p) * _ring(m, 0.0), np.full(m, np.sin(p))]) for p in phi]
+    poles = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]).T
+    normals = np.hstack([poles[:, :1], *circles, poles[:, 1:]])
+    place = np.zeros((2 * k + 1, m), int)  # of the corners of each parallel; all of a pole's are one
+    place[1:-1], place[-1] = 1 + np.arange(m * (2 * k - 1)).reshape(-1, m), normals.shape[1] - 1
+    beside = np.roll(place, -1, axis=1)
+    around = np.stack([place[:-1], beside[:-1], beside[1:], place[1:]], axis=-1).reshape(-1, 4)
+    cells = [list(dict.fromkeys(corners)) for corners in around.tolist()]
+    in_cell = np.array([np.isin(np.arange(normals.shape[1]), cell) for cell in cells])
+    sides = {tuple(sorted(side)) for cell in cells for side in zip(cell, cell[1:] + cell[:1], strict=True)}
+    a, b = np.array(sorted(sides)).T
+    edges = (normals[:, a] + normals[:, b]) / (1.0 + (normals[:, a] * normals[:, b]).sum(axis=0))
+    # All tangent planes of a cell's corners meet in one point, by symmetry
+    apexes = [np.linalg.lstsq(normals[:, cell].T, np.ones(len(cell)), rcond=None)[0] for cell in cells]
+    points = np.hstack([normals, edges, np.array(apexes).T])
+    in_patch = np.hstack([in_cell, in_cell[:, a] & in_cell[:, b], np.eye(len(cells), dtype=bool)])
+    return normals, points, in_cell, in_patch, np.arange(points.shape[1]) >= points.shape[1] - len(cells)

@@ -36,10 +36,8 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
     residual: the worst of |y_i| (free), |min(x_i, y_i)| (pairs) and, in each friction block, the excess over the limit
     and the distance of x_T from the projection of x_T - y_T, over the size of x clipped to [1, 1000].
     """
-    s = problem.sets
-    y, worst, size = recompute_contact(
-        problem.M, problem.q, problem.role, problem.blocks, s.limits, s.faces, s.normals, x
-    )
+    p, s = problem, problem.sets
+    y, worst, size = recompute_contact(p.M, p.q, p.role, p.blocks, s.limits, s.faces, s.normals, x)
     residual = worst / min(size, GROWTH)
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
 

@@ -19,18 +19,10 @@ def farkas_vector(problem: LCP) -> Array | None:
     from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
 
     s = problem.scaled
-    bounds = [(-1.0, 1.0) if f else (0.0, 1.0) for f in s.free]
-    own = ~s.free
-    lp = linprog(
-        s.q,
-        A_ub=s.M.T[own] if own.any() else None,
-        b_ub=np.zeros(int(own.sum())) if own.any() else None,
-        A_eq=s.M.T[s.free] if s.free.any() else None,
-        b_eq=np.zeros(int(s.free.sum())) if s.free.any() else None,
-        bounds=bounds,
-        method="highs",
-    )
+    signed, equal = s.M.T[~s.free], s.M.T[s.free]
+    bounds = np.column_stack([np.where(s.free, -1.0, 0.0), np.ones(problem.n)])
+    lp = linprog(s.q, signed, np.zeros(len(signed)), equal, np.zeros(len(equal)), bounds, method="highs")
     if lp.x is None:
         return None
-    y = np.where(own, np.maximum(lp.x, 0.0), lp.x) / s.units.w
+    y = np.where(s.free, lp.x, np.maximum(lp.x, 0.0)) / s.units.w
     return read_only(y) if is_farkas(problem, y) else None

@@ -51,23 +51,16 @@ class WithMultipliers(LCP):
             z[own], w[own] = w[tangents[0]], z[block[0]]
             first = own.stop
         c = pairs + many
-        self._back: tuple[Array, Array] | None = None
-        S, s, X, x0, self.rcond = _eliminated(M, q, c)
-        free = np.arange(len(q)) >= c
-        if self.rcond > ELIMINATE_RCOND:
-            M, q, free, z, w, self._back = S, s, free[:c], z[:c], w[:c], (X, x0)
+        S, s, self._X, self._x0, self.rcond = _eliminated(M, q, c)
+        free, self.eliminated = np.arange(len(q)) >= c, self.rcond > ELIMINATE_RCOND
+        if self.eliminated:
+            M, q, free, z, w = S, s, free[:c], z[:c], w[:c]
         self._hold(Scaled(read_only(M), read_only(q), free, Units(read_only(z), read_only(w))))
-
-    @property
-    def eliminated(self) -> bool:
-        """Whether the free unknowns are no unknowns of this problem."""
-        return self._back is not None
 
     def back(self, z: Array) -> Array:
         """(n,) x of the contact problem from z of this one, natural units."""
-        if self._back is not None:
-            X, x0 = self._back
-            z = np.concatenate([z, x0 - X @ z])
+        if self.eliminated:
+            z = np.concatenate([z, self._x0 - self._X @ z])
         return np.asarray(z[self._place])
 
     def lift(self, x: Array) -> Array:

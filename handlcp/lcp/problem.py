@@ -87,12 +87,9 @@ class LCP:
 
 
 def _mask(free: Any, n: int) -> Bools:
-    if free is None:
-        mask = np.zeros(n, bool)
-    else:
-        mask = np.array(free)
-        if mask.dtype != bool or mask.shape != (n,):
-            raise InputError("free", f"a boolean mask of shape ({n},)", f"dtype {mask.dtype}, shape {mask.shape}")
+    mask = np.zeros(n, bool) if free is None else np.array(free)
+    if mask.dtype != bool or mask.shape != (n,):
+        raise InputError("free", f"a boolean mask of shape ({n},)", f"dtype {mask.dtype}, shape {mask.shape}")
     mask.flags.writeable = False
     return mask
 

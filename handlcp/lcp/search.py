@@ -27,6 +27,7 @@ from handlcp.tolerances import SOLVE
 __all__ = ["Outcome", "SearchResult", "search"]
 
 Outcome: TypeAlias = Literal["solution", "none", "unknown"]
+Accept: TypeAlias = Callable[[Array], bool]
 
 _NARROW, _WIDE = 10.0, 1e3  # default boxes, times 1 + max|q̂|: the first finds quickly, the second proves
 _CUTS = 20  # choices cut off before the search gives up
@@ -59,11 +60,7 @@ class SearchResult:
 
 
 def search(
-    problem: LCP,
-    bound_z: Any = None,
-    bound_w: Any = None,
-    seconds: float = 10.0,
-    accept: Callable[[Array], bool] | None = None,
+    problem: LCP, bound_z: Any = None, bound_w: Any = None, seconds: float = 10.0, accept: Accept | None = None
 ) -> SearchResult:
     """Search with 0 ≤ z ≤ bound_z and 0 ≤ w ≤ bound_w, each a number or (n,), natural units (ignored on free rows).
 

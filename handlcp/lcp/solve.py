@@ -11,7 +11,6 @@ from handlcp.errors import InputError, NoSolutionFound, Unsupported
 from handlcp.lcp.certify import certify, certify_contact
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.infeasible import farkas_vector
-from handlcp.lcp.kernels.residual import product
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal, stage_line
 from handlcp.lcp.search import search
@@ -53,22 +52,18 @@ def _solve(problem: LCP | ContactProblem, solver: AnySolver, start: Array | None
         start = array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
     best: tuple[Array, Array, Status, float, Proposal] | None = None
-    for name, proposal in proposals(problem, solver, start):
-        z = product(proposal.z, units.z)
-        if isinstance(problem, ContactProblem):
-            status, w, residual = certify_contact(problem, proposal.z)
-        else:
-            status, w, residual = certify(problem, z)
-        trace.append(stage_line(name, proposal.outcome, proposal.iterations, residual))
+    for name, p in proposals(problem, solver, start):
+        with np.errstate(over="ignore"):  # the certifier refuses what is not finite
+            z = p.z * units.z
+        status, w, residual = certify(problem, z) if isinstance(problem, LCP) else certify_contact(problem, p.z)
+        trace.append(stage_line(name, p.outcome, p.iterations, residual))
         if best is None or residual < best[3]:
-            best = z, w, status, residual, proposal
+            best = read_only(z), read_only(w), status, residual, p
         if status is Status.SOLVED:
             break
     assert best is not None  # every solver proposes something
     z, w, status, residual, p = best
-    return LCPSolution(
-        read_only(z), read_only(w), status, residual, p.iterations, None, p.outcome, tuple(trace), p.history
-    )
+    return LCPSolution(z, w, status, residual, p.iterations, None, p.outcome, tuple(trace), p.history)
 
 
 def _proof(problem: LCP, solver: AnySolver, best: LCPSolution) -> LCPSolution:
@@ -90,20 +85,17 @@ def _proof(problem: LCP, solver: AnySolver, best: LCPSolution) -> LCPSolution:
 
 
 def proposals(
-    problem: LCP | ContactProblem,
-    solver: AnySolver = None,
-    start: Array | None = None,
-    first: Proposal | None = None,
+    problem: LCP | ContactProblem, solver: AnySolver = None, start: Array | None = None, first: Proposal | None = None
 ) -> Iterator[tuple[str, Proposal]]:
     """(method, candidate) pairs in natural units, one a stage, computed only when asked for the next.
 
     first : what the chain's first stage proposes on a contact problem, where the caller knows that already.
     """
-    solver = as_chain(None) if solver is None else solver
+    solver = as_chain(solver) or solver
     if isinstance(solver, type) or not isinstance(solver, (Auto, Solver, ContactSolver)):
-        raise InputError(
-            "solver", "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()", repr(solver)
-        )
+        known = "Auto(), NSNGRK(), Lemke(), SemismoothNewton() or anything with propose()"
+        raise InputError("solver", known, repr(solver))
+    name = type(solver).__name__
     if isinstance(solver, Auto):
         if isinstance(problem, LCP):
             yield from solver.stages(problem, start)
@@ -111,11 +103,9 @@ def proposals(
             yield from solver.contact_stages(problem, start, first)
     elif isinstance(problem, ContactProblem):
         if not isinstance(solver, ContactSolver):
-            raise Unsupported(
-                f"{type(solver).__name__} knows no cones: use Auto(), NSNGRK() or SemismoothNewton(), or faces ≥ 3"
-            )
-        yield type(solver).__name__, solver.propose_contact(problem, start)
+            raise Unsupported(f"{name} knows no cones: use Auto(), NSNGRK() or SemismoothNewton(), or faces ≥ 3")
+        yield name, solver.propose_contact(problem, start)
     elif isinstance(solver, Solver):
-        yield type(solver).__name__, solver.propose(problem.scaled, start)
+        yield name, solver.propose(problem.scaled, start)
     else:
-        raise Unsupported(f"{type(solver).__name__} knows contacts only, no plain LCP: use Auto() or NSNGRK()")
+        raise Unsupported(f"{name} knows contacts only, no plain LCP: use Auto() or NSNGRK()")

@@ -14,7 +14,7 @@ from handlcp.tolerances import RANK
 __all__ = ["contact_newton", "hold"]
 
 _MEMORY = 8  # steps over which ‖F‖ may rise
-_SHORTEST = 1e-2  # step length at which the line search takes what it has
+_SHORTEST = 2e-2  # step length below which the line search takes what it has
 
 
 @kernel
@@ -24,9 +24,8 @@ def hold(p: Contacts, apart: Bools, slippery: Bools, x: Array) -> None:
     """
     n = len(x)
     A, rhs, col = p.M.copy(), -p.q, np.empty(n, np.int64)
-    for i in range(n):
-        if p.role[i] == 1 and apart[i]:
-            A[i], A[i, i], rhs[i] = 0.0, 1.0, 0.0
+    for i in np.flatnonzero((p.role == 1) & apart):
+        A[i], A[i, i], rhs[i] = 0.0, 1.0, 0.0
     for k in range(len(p.blocks)):
         if apart[p.blocks[k, 0]] or slippery[k]:
             for i in p.blocks[k, 1:]:
@@ -59,11 +58,9 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float) -> tuple
             x1[:] = x - t * dx
             multiply_add(p.M, x1, p.q, y)
             total = rows(p, x1, y, F, g)
-            if total <= (1.0 - 1e-4 * t) * ceiling:
+            if total <= (1.0 - 1e-4 * t) * ceiling or t < _SHORTEST:
                 break
             t *= 0.5
-            if t < _SHORTEST:
-                break
         x[:] = x1
     return steps, relative
 
@@ -71,15 +68,12 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float) -> tuple
 @kernel
 def _jacobian(M: Array, g: Subgradient, J: Array) -> None:
     """Write the subgradients as the rows of J (n, n)."""
-    n = len(M)
-    for i in range(n):
-        b, d = g.b[i, 0], g.row[i, 0]
-        for j in range(n):
-            J[i, j] = b * M[d, j]
-        for e in range(1, 3):
+    J[:, :] = 0.0
+    for i in range(len(M)):
+        for e in range(3):
             b, d = g.b[i, e], g.row[i, e]
             if b != 0.0:
-                for j in range(n):
+                for j in range(len(M)):
                     J[i, j] += b * M[d, j]
         for a in range(4):
             J[i, g.unit[i, a]] += g.c[i, a]

@@ -53,11 +53,9 @@ class Subgradient(NamedTuple):
 @kernel
 def row_scales(M: Array, blocks: Ints) -> Array:
     """(n,) ρ that makes ρ y comparable with x: one over the flexibility that each contact sees, its mean in a block."""
-    n = len(M)
-    own, largest = np.empty(n), 0.0
-    for i in range(n):
-        own[i] = abs(M[i, i])
-        largest = max(largest, own[i])
+    own, largest = np.abs(np.diag(M)), 0.0
+    for flexibility in own:
+        largest = max(largest, flexibility)
     for k in range(len(blocks)):
         total, count = 0.0, 0
         for i in blocks[k]:
@@ -67,9 +65,7 @@ def row_scales(M: Array, blocks: Ints) -> Array:
         for i in blocks[k]:
             if i >= 0:
                 own[i] = total / count
-    for i in range(n):
-        own[i] = 1.0 / max(own[i], 1e-6 * largest) if own[i] > 0.0 else 1.0
-    return own
+    return np.where(own > 0.0, 1.0 / np.maximum(own, 1e-6 * largest), 1.0)
 
 
 @kernel

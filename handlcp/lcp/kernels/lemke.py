@@ -26,19 +26,12 @@ def lemke(M: Array, q: Array, d: Array, most: int, pivot: float) -> tuple[int, i
     """
     n = len(q)
     D = np.empty((n, n + 2))  # columns: z₀, the n others, constant
-    D[:, 0] = d
-    D[:, 1 : n + 1] = M
-    D[:, n + 1] = q
-    basic = np.arange(n, dtype=np.int64)
-    nonbasic = np.empty(n + 1, np.int64)
+    D[:, 0], D[:, 1 : n + 1], D[:, n + 1] = d, M, q
+    basic, nonbasic = np.arange(n), np.arange(n - 1, 2 * n)
     nonbasic[0] = 2 * n
-    for j in range(n):
-        nonbasic[j + 1] = n + j
     column = np.full(2 * n + 1, -1, np.int64)  # where a nonbasic variable stands
-    for c in range(n + 1):
-        column[nonbasic[c]] = c
-    z = np.zeros(n)
-    row = 0
+    column[nonbasic] = np.arange(n + 1)
+    z, row = np.zeros(n), 0
     for i in range(1, n):  # z₀ enters where q_i / d_i is least; of equals the last, which is lexicographically least
         if q[i] * d[row] <= q[row] * d[i]:
             row = i

@@ -6,15 +6,10 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import nearest
 
-__all__ = ["product", "recompute", "recompute_contact"]
-
-
-@kernel
-def product(a: Array, b: Array) -> Array:
-    """A b, entry by entry; what overflows is infinite, and the certifier refuses it."""
-    return a * b
+__all__ = ["recompute", "recompute_contact"]
 
 
 @kernel
@@ -27,17 +22,9 @@ def recompute(
     """
     n = len(q)
     w, size, worst = np.empty(n), 1.0, 0.0
-    some, k = np.empty(n, np.int64), 0  # most multipliers are zero
-    for j in range(n):
-        if z[j] != 0.0:
-            some[k] = j
-            k += 1
+    multiply_add(M, z, q, w)
     for i in range(n):
-        total = q[i]
-        for t in range(k):
-            total += M[i, some[t]] * z[some[t]]
-        w[i] = total
-        zs, ws = z[i] / z_unit[i], total / w_unit[i]
+        zs, ws = z[i] / z_unit[i], w[i] / w_unit[i]
         if not (abs(zs) < np.inf and abs(ws) < np.inf):
             worst = np.inf
         else:
@@ -55,18 +42,13 @@ def recompute_contact(
     """
     n = len(q)
     y, size, worst = np.empty(n), 1.0, 0.0
+    multiply_add(M, x, q, y)
     for i in range(n):
-        total = q[i]
-        for j in range(n):
-            total += M[i, j] * x[j]
-        y[i] = total
-        if not (abs(x[i]) < np.inf and abs(total) < np.inf):
+        if not (abs(x[i]) < np.inf and abs(y[i]) < np.inf):
             return y, np.inf, 1.0
         size = max(size, abs(x[i]))
-        if role[i] == 0:
-            worst = max(worst, abs(total))
-        elif role[i] == 1:
-            worst = max(worst, abs(min(x[i], total)))
+        if role[i] < 2:
+            worst = max(worst, abs(y[i] if role[i] == 0 else min(x[i], y[i])))
     s, P, unused = np.zeros(3), np.empty(3), np.empty((3, 4))
     for k in range(len(blocks)):
         a, tangents = limits[k] * max(x[blocks[k, 0]], 0.0), blocks[k, 1:]

@@ -48,14 +48,12 @@ class Auto:
     where other subsets of the contacts stick or stay apart, and from the answers of other pyramids.
     On other LCPs: NSNGRK, Lemke's method with one, then with other covering vectors, Newton's method from other active
     sets, NSNGRK again with other seeds and more steps.
-    Then the proof that there is no answer: a Farkas vector, or of a grasp that nothing could hold it; and last the
-    exact search.
+    Then the proof that there is none, by a Farkas vector, or of a grasp that nothing could hold it; last the search.
 
     seed : of the first run; later runs use the seeds that follow.
     restarts : NSNGRK runs with other seeds on LCPs without a contact form, after all else.
-    search_seconds : where none of these solves a grasp that could be held, or an LCP that is not proven infeasible:
-        time for an exact search over all contact modes or active sets, which finds a solution or, for a grasp, proves
-        that there is none within bounds. 0: no search.
+    search_seconds : time for the exact search over all contact modes or active sets, which finds a solution or, for a
+        grasp, proves that there is none within bounds. 0: no search.
     """
 
     seed: int = 0
@@ -63,7 +61,6 @@ class Auto:
     search_seconds: float = 2.0
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         for name in ("seed", "restarts"):
             integer(name, getattr(self, name), 0)
         number("search_seconds", self.search_seconds, minimum=0.0)

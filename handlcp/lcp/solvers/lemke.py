@@ -36,7 +36,6 @@ class Lemke:
     pivot_tolerance: float = PIVOT
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         object.__setattr__(self, "pivot_tolerance", number("pivot_tolerance", self.pivot_tolerance, above=0.0))
         if self.max_iterations is not None:
             integer("max_iterations", self.max_iterations, 1)

@@ -32,7 +32,6 @@ class SemismoothNewton:
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
         object.__setattr__(self, "max_iterations", integer("max_iterations", self.max_iterations, 1))
 

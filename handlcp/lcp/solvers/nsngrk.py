@@ -43,7 +43,6 @@ class NSNGRK:
     stride: int = 0
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         # One number type each: another would be compiled anew
         object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
         for name in ("max_iterations", "seed", "stride"):

@@ -34,7 +34,6 @@ class OtherStarts:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Check the settings."""
         integer("tries", self.tries, 1)
         integer("seed", self.seed, 0)
 
