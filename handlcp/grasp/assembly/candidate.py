@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.grasp_matrix import Posed
 from handlcp.lcp.kernels.compile import kernel
@@ -34,8 +36,12 @@ def in_si(
     """Forces (c,) [N] and (dof,) motion [m, rad] from the unknowns x. unknown : which components, so many normal ones
     first; at : where normal forces, tangential forces and the motion begin among the unknowns.
     """
-    f, u = prescribed.copy(), x[at[2] : at[2] + dof] * p.motion
+    f, u = prescribed.copy(), np.empty(dof)
     for k in range(len(unknown)):
         f[unknown[k]] = x[at[0] + k if k < normals else at[1] + k - normals] * p.force
-    u[3 if dof == 6 else 2 :] /= p.length
+    lengths = 3 if dof == 6 else 2
+    for k in range(dof):
+        u[k] = x[at[2] + k] * p.motion
+        if k >= lengths:
+            u[k] /= p.length
     return f, u

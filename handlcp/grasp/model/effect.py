@@ -169,12 +169,14 @@ class Effect:
         """The limits, without groups of none."""
         if type(self).limits is Effect.limits:
             return ()
-        known: tuple[Limit, ...] | None = next((made for effect, made in scene.made if effect is self), None)
-        if known is None:
-            known = tuple([limit for limit in self.limits(scene) if len(limit.room)])
-            if len(scene.made) >= _MOST:
-                scene.made.clear()
-            scene.made.append((self, known))
+        known: tuple[Limit, ...]
+        for effect, known in scene.made:
+            if effect is self:
+                return known
+        known = tuple([limit for limit in self.limits(scene) if len(limit.room)])
+        if len(scene.made) >= _MOST:
+            scene.made.clear()
+        scene.made.append((self, known))
         return known
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:

@@ -131,13 +131,30 @@ def wrench_map(arms: Array, frames: Array, spin: Array) -> Array:
 @kernel
 def _blocks(g: Given, p: Posed, index: Ints) -> Blocks:
     """`freedom` projects G and w on what the object is free to do."""
-    free, softness = g.freedom.copy(), p.force / p.motion
-    free[:, 3:] /= p.length
-    every, w = np.dot(free, p.grasp_matrix), np.dot(free, p.wrench) / p.force
-    flexibility, d = g.flexibility[index] * softness, g.offset[index] / p.motion
-    for c in range(len(g.prescribed)):
+    dof, columns, m = g.freedom.shape[0], p.grasp_matrix.shape[1], len(index)
+    every, w = np.zeros((dof, columns)), np.zeros(dof)
+    for i in range(dof):
+        for j in range(6):
+            f = g.freedom[i, j]
+            if f != 0.0:
+                if j >= 3:
+                    f /= p.length
+                w[i] += f * p.wrench[j] / p.force
+                for c in range(columns):
+                    every[i, c] += f * p.grasp_matrix[j, c]
+    G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
+    softness = p.force / p.motion
+    for a in range(m):
+        d[a] = g.offset[index[a]] / p.motion
+        for i in range(dof):
+            G[i, a] = every[i, index[a]]
+        for b in range(m):
+            E[a, b] = g.flexibility[index[a], index[b]] * softness
+    for c in range(columns):
         r = g.prescribed[c] / p.force
         if r != 0.0:
-            w += every[:, c] * r
-            d += flexibility[:, c] * r
-    return Blocks(every[:, index], every, flexibility[:, index], d, w)
+            for i in range(dof):
+                w[i] += every[i, c] * r
+            for a in range(m):
+                d[a] += g.flexibility[index[a], c] * softness * r
+    return Blocks(G, every, E, d, w)

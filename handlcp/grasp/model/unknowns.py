@@ -53,21 +53,15 @@ class Layout:
     """Where the unknowns go: complementary groups first, free groups last.
 
     groups : in that order. at : the slice of each. size : unknowns in all. extra : groups other than forces and object
-    motion.
+    motion. forces : where the normal unknowns begin, how many they are, and where the tangential ones begin, those of
+    points and then those of soft contacts; 0: there are none.
     """
 
     groups: tuple[Unknown, ...]
     at: dict[str, slice]
     size: int
     extra: tuple[Unknown, ...]
-
-    @property
-    def forces(self) -> tuple[int, int, int]:
-        """Where the normal unknowns begin, how many they are, and where the tangential ones begin, those of points and
-        then those of soft contacts; 0: there are none.
-        """
-        normal, tangents = self.at.get("r_N", _NONE), self.at.get("r_T") or self.at.get("r_S", _NONE)
-        return normal.start, normal.stop - normal.start, tangents.start
+    forces: tuple[int, int, int]
 
 
 def labels(groups: tuple[Unknown, ...]) -> tuple[str, ...]:
@@ -82,7 +76,9 @@ def layout(unknowns: Iterable[Unknown]) -> Layout:
     ends = np.cumsum([g.count for g in groups]).tolist()
     at = {g.name: slice(end - g.count, end) for g, end in zip(groups, ends, strict=True)}
     extra = tuple(g for g in groups if g.name not in _MECHANICS)
-    return Layout(groups, at, ends[-1] if ends else 0, extra)
+    normal, tangents = at.get("r_N", _NONE), at.get("r_T") or at.get("r_S", _NONE)
+    forces = (normal.start, normal.stop - normal.start, tangents.start)
+    return Layout(groups, at, ends[-1] if ends else 0, extra, forces)
 
 
 class System:

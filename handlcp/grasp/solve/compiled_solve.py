@@ -74,15 +74,19 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
         row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
         row[11] = 0.0
-        end = HEAD + 2 * len(forces) + 9
-        row[HEAD:end] = np.concatenate((forces, twist, posed.centre, v))
-        row[end : end + n] = 0.0  # states of what is no answer
-        row[end + n :] = x
+        end = _put(row, HEAD, forces)
+        end = _put(row, end, twist)
+        end = _put(row, end, posed.centre)
+        end = _put(row, end, v)
+        for i in range(n):
+            row[end + i] = 0.0  # states of what is no answer
+        _put(row, end + n, x)
         if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
             slow = ACTIVE * max(m.motion_size, posed.motion)
             states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
             row[11] = _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
-            row[end : end + n] = states.kind
+            for i in range(n):
+                row[end + i] = states.kind[i]
 
 
 @kernel
@@ -107,7 +111,9 @@ def _solved(
 ) -> tuple[int, int, float]:
     """Write the answer's unknowns into x (N,); returns (Kaczmarz steps, Newton steps, residual)."""
     M, q = _stamped(p, blocks)
-    own = limits[p.unknown[p.blocks[:, 0] - p.at[0]] // 3]
+    own = np.empty(len(p.blocks))
+    for k in range(len(own)):
+        own[k] = limits[p.unknown[p.blocks[k, 0] - p.at[0]] // 3]
     problem = in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     y, newton, r = np.zeros(len(x)), 0, np.inf
     if len(start) > 0:
@@ -149,15 +155,27 @@ def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed
     t[0] += t[4] * az - t[5] * ay
     t[1] += t[5] * ax - t[3] * az
     t[2] += t[3] * ay - t[4] * ax
-    free = np.dot(freedom, t) / posed.motion
-    free[3 if p.dof == 6 else 2 :] *= posed.length
-    x[u : u + p.dof] = free
+    for i in range(p.dof):
+        total = 0.0
+        for j in range(6):
+            total += freedom[i, j] * t[j]
+        turns = i >= (3 if p.dof == 6 else 2)
+        x[u + i] = total / posed.motion * (posed.length if turns else 1.0)
 
 
 @kernel
 def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> float:
     """One where the active conditions leave nothing free; zero where they do, or where contacts rest."""
-    if np.any(states.kind == RESTING):
-        return 0.0
+    for k in states.kind:
+        if k == RESTING:
+            return 0.0
     A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
     return 1.0 if rank == len(A) else 0.0
+
+
+@kernel
+def _put(row: Array, at: int, values: Array) -> int:
+    """Write an array into the row; returns where the next one goes."""
+    for k in range(len(values)):
+        row[at + k] = values[k]
+    return at + len(values)

@@ -56,15 +56,33 @@ def examine(
     if not (np.isfinite(forces).all() and np.isfinite(twist).all()):
         nan = np.nan
         return np.full(len(forces), nan), Misses(nan, nan, nan, nan, nan, nan, nan, nan)
-    move, retreat = np.dot(twist, p.grasp_matrix), np.dot(g.flexibility, forces)
-    v = move + retreat + offset
-    own = np.maximum(np.maximum(np.abs(move), np.abs(retreat)), np.abs(offset))  # the largest term of each sum
-    lost = p.wrench + np.dot(p.grasp_matrix, forces)
-    lost_force, lost_moment = np.sqrt(np.sum(lost[:3] ** 2)), np.sqrt(np.sum(lost[3:] ** 2))
+    v, own = _motions(p.grasp_matrix, g.flexibility, offset, forces, twist)
+    lost = p.wrench.copy()
+    for k in range(6):
+        for j in range(len(forces)):
+            lost[k] += p.grasp_matrix[k, j] * forces[j]
+    lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
+    lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
     F, V = _sizes(g, p, contacts, offset, forces, own, growth)
     normal, cone, slip = _laws(contacts, f, forces, v, F, V)
     balance = np.sqrt(lost_force**2 + (lost_moment / p.length) ** 2) / F
     return v, Misses(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
+
+
+@kernel
+def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array]:
+    """V (c,), and the largest term of each sum (c,)."""
+    c = len(forces)
+    v, own = np.empty(c), np.empty(c)
+    for i in range(c):
+        move, retreat = 0.0, 0.0
+        for k in range(6):
+            move += G[k, i] * twist[k]
+        for j in range(c):
+            retreat += E[i, j] * forces[j]
+        v[i] = move + retreat + offset[i]
+        own[i] = max(abs(move), abs(retreat), abs(offset[i]))
+    return v, own
 
 
 @kernel
@@ -76,7 +94,10 @@ def _sizes(
     F is the largest force of the candidate, at least the load's size (the natural unit where there is no load) and at
     most `growth` times that. V is the largest term of the contact's own motions, at least its retreat under F.
     """
-    load = np.sqrt(np.sum(p.wrench[:3] ** 2) + np.sum(p.wrench[3:] ** 2) / p.length**2)
+    load = 0.0
+    for k in range(6):
+        load += (p.wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
+    load = np.sqrt(load)
     if load == 0.0:
         load = p.force
     F = min(max(np.max(np.abs(forces)), load), growth * load)

@@ -47,6 +47,8 @@ class LimitsAtAnswer:
 
     def choices(self) -> list[Bools]:
         """Which limits give way: those that do, with those at rest in every way."""
+        if not len(self.rows):
+            return [self.resting]
         at = np.flatnonzero(self.resting)
         few = len(at) <= _MOST_RESTING
         ways = list(itertools.product((False, True), repeat=len(at))) if few else [(False,), (True,)]
@@ -73,9 +75,13 @@ class LimitsAtAnswer:
 
 def limits_at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Candidate) -> LimitsAtAnswer:
     """The limits where this candidate stands."""
-    every = every_limit(scene, effects)
+    if not (every := every_limit(scene, effects)):  # nearly all scenes: a tenth of what follows where motions are free
+        return LimitsAtAnswer(np.zeros((0, scene.components)), _NONE, _NONE, _NONE > 0.0, (), candidate.extra)
     rows, room = stacked(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
     slack = room - rows @ (candidate.components / scene.units.force)
     resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
     return LimitsAtAnswer(rows, motion, slack, resting, every, candidate.extra)
+
+
+_NONE = np.zeros(0)
