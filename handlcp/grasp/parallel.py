@@ -68,13 +68,9 @@ class Solutions(Sequence[GraspSolution]):
 
 
 def solve_many(
-    grasps: Iterable[Grasp],
-    faces: int | str | Pyramid = 8,
-    solver: Solver | ContactSolver | Auto | None = None,
-    *,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Solutions:
+    grasps: Iterable[Grasp], faces: int | str | Pyramid = 8, solver: Solver | ContactSolver | Auto | None = None, *,
+    workers: int | None = None, progress: Callable[[int, int], None] | None = None,
+) -> Solutions:  # fmt: skip
     """The solution of each grasp, as its own `solve(faces, solver, throw=False)` gives it, whatever the workers.
 
     workers : how many at a time; None: one a core. progress : called with (grasps done, all grasps) from time to time.

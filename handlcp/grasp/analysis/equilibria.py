@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,9 +21,9 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact, stamped
-from handlcp.grasp.friction import Pyramid, Section
+from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
+from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.judge import judge
@@ -38,6 +39,9 @@ __all__ = ["Equilibria", "equilibria", "seeded"]
 _COARSER = (12, 8, 6, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
 _RUNS = 8  # other seeds and starts
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
+
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,15 +199,13 @@ def _open(problem: GraspContact, table: Table | None) -> str:
 def _starts(problem: GraspContact, end: float) -> Iterator[Candidate]:
     """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
     for faces in _COARSER if only_limits_move(problem) and problem.faces != 2 else ():
-        if faces == problem.faces:
-            continue
-        table = mode_table(GraspContact(problem.scene, Pyramid(faces), problem.asked))
-        if table is not None and table.choices <= 0.5 * PER_SECOND * (end - time.monotonic()):
-            yield from (c for c in _until(end, table.visit()[0]) if c is not None)
-    yield from _until(end, seeded(problem, _RUNS))  # type: ignore[misc]
+        if faces != problem.faces:
+            near = coarse(problem, faces, 0.5 * (end - time.monotonic()))
+            yield from (c for c in _until(end, near) if c is not None)
+    yield from _until(end, seeded(problem, _RUNS))
 
 
-def _until(end: float, candidates: Iterator[Candidate | None]) -> Iterator[Candidate | None]:
+def _until(end: float, candidates: Iterator[T]) -> Iterator[T]:
     for candidate in candidates:
         yield candidate
         if time.monotonic() > end:

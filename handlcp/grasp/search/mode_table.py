@@ -24,11 +24,12 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.search.mode_steps import Modes
 from handlcp.grasp.search.mode_walk import visit
 from handlcp.tolerances import RANK
 
-__all__ = ["PER_SECOND", "Table", "mode_table"]
+__all__ = ["PER_SECOND", "Table", "coarse", "mode_table"]
 
 PER_SECOND = 4e6  # choices of modes that are visited in a second, a careful count
 
@@ -137,6 +138,13 @@ def mode_table(problem: GraspContact) -> Table | None:
     kinds = [_contact_modes(int((block >= 0).sum()), mu, problem.faces) for block, mu in contacts]
     kinds += [_contact_modes(1, 0.0, 0) if block[1] < 0 else _BOTH_WAYS for block in pairs]
     return Table(problem, back, back0, P, c, _padded(kinds))
+
+
+def coarse(problem: GraspContact, faces: int, seconds: float) -> Iterator[Candidate | None]:
+    """As `Table.visit` of the scene on a pyramid of so many faces; nothing where that would take longer."""
+    table = mode_table(GraspContact(problem.scene, Pyramid(faces), problem.asked))
+    if table is not None and table.choices <= PER_SECOND * seconds:
+        yield from table.visit()[0]
 
 
 def _padded(kinds: list[list[Mode]]) -> Modes:

@@ -17,18 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.search.mode_steps import (
-    CONTRADICTS,
-    REGULAR,
-    SIGNS,
-    Modes,
-    Walk,
-    fits,
-    hand_on,
-    last,
-    new_walk,
-    solve_contact,
-)  # fmt: skip
+from handlcp.grasp.search import mode_steps as step
+from handlcp.grasp.search.mode_steps import SIGNS, Modes, Walk
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.tolerances import RANK
@@ -43,7 +33,7 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
 
     P (N, N), c (N,), N = 3n: components that a contact lacks are zero.
     """
-    n, N, w = len(m.choices), len(c), new_walk(P, c)
+    n, N, w = len(m.choices), len(c), step.new_walk(P, c)
     mode = np.full(n, -1, np.int64)
     x, y = np.zeros(N), np.zeros(N)
     found, forces, frees = np.zeros((most, N)), np.zeros((most, N)), np.zeros((most, n), np.int64)
@@ -57,13 +47,13 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
             continue
         if singular >= i:  # the contacts before this one were eliminated; now this one, if it can be
             singular = n
-            what = solve_contact(w, i, k, m)
-            if what == CONTRADICTS:
+            what = step.solve_contact(w, i, k, m)
+            if what == step.CONTRADICTS:
                 continue
-            if what != REGULAR:
+            if what != step.REGULAR:
                 singular = i
         if i < n - 1:
-            if singular == n and not hand_on(w, i, k, m):
+            if singular == n and not step.hand_on(w, i, k, m):
                 singular = i
             i += 1
             continue
@@ -78,11 +68,11 @@ def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Arr
                 return found[:many], frees[: min(free, most)], False
             if not (ok and unique):
                 continue
-        elif last(w, i, k, m, x, y):
+        elif step.last(w, i, k, m, x, y):
             _others(w, mode, m, y)
         else:
             continue
-        if fits(P, c, mode, m, x, y) and _fresh(forces[:many], x):
+        if step.fits(P, c, mode, m, x, y) and _fresh(forces[:many], x):
             if many == most:
                 return found[:many], frees[:free], False
             found[many], forces[many] = y, x

@@ -10,7 +10,6 @@ sets of the LCP with a multiplier a face (`lcp.search`)
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,9 +19,9 @@ from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContact
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.friction import Pyramid, Section
+from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
+from handlcp.grasp.search.mode_table import PER_SECOND, coarse, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.verify.holdable import jammed, least_total
 from handlcp.grasp.verify.limit_load import overload
@@ -133,7 +132,8 @@ def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
 def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
     """From all equilibria of a coarse pyramid, then by the mixed-integer program."""
     end = time.monotonic() + seconds
-    if (candidate := first_certified(problem, _coarse(problem, 0.5 * seconds))) is not None:
+    near = (c for c in coarse(problem, _COARSE, 0.5 * seconds) if c is not None)
+    if (candidate := first_certified(problem, near)) is not None:
         return Outcome(f"from the pyramid of {_COARSE} faces, solution", candidate)
     return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
 
@@ -168,10 +168,3 @@ def _slack(problem: GraspContact, b: float) -> Array:
     against = (A[:, None] + A[None] == 0.0).all(axis=2)
     opposite = room + np.where(against, room, np.inf).min(axis=1, initial=np.inf)
     return np.asarray(np.clip(room + abs(A) @ reach, 0.0, np.maximum(opposite, 0.0)))
-
-
-def _coarse(problem: GraspContact, seconds: float) -> Iterator[Candidate]:
-    """Equilibria of the coarse pyramid, as far as they can be listed in time."""
-    table = mode_table(GraspContact(problem.scene, Pyramid(_COARSE), problem.asked))
-    if table is not None and table.choices <= PER_SECOND * seconds:
-        yield from (c for c in table.visit()[0] if c is not None)
