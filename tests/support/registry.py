@@ -14,10 +14,10 @@ __all__ = ["definitions_of_a_test"]
 @contextmanager
 def definitions_of_a_test() -> Iterator[None]:
     """What is defined inside is forgotten behind."""
-    effects, laws = dict(_effect._KINDS), list(_law._LAWS)
+    kept = [(known, dict(known)) for known in (_effect._KINDS, _law._LAWS)]
     try:
         yield
     finally:
-        _effect._KINDS.clear()
-        _effect._KINDS.update(effects)
-        _law._LAWS[:] = laws
+        for known, before in kept:
+            known.clear()
+            known.update(before)
