@@ -233,7 +233,8 @@ class Grasp:
 
 def as_asked(spec: GraspSpec, effects: Any) -> GraspSpec:
     """The specification with the effects that a user asks for by name, besides those it has. Raises InputError."""
-    return spec.replace(effects=(*validate.effects(effects, spec), *spec.effects))
+    asked = validate.effects(effects, spec)
+    return spec.replace(effects=(*asked, *spec.effects)) if asked else spec
 
 
 def replaced(spec: GraspSpec, wrench: Any, flexibility: Any, offset: Any, preload: Any) -> GraspSpec:

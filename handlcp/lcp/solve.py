@@ -11,6 +11,7 @@ from handlcp.errors import InputError, NoSolutionFound, Unsupported
 from handlcp.lcp.certify import certify, certify_contact
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.infeasible import farkas_vector
+from handlcp.lcp.kernels.residual import product
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal, stage_line
 from handlcp.lcp.search import search
@@ -53,8 +54,7 @@ def _solve(problem: LCP | ContactProblem, solver: AnySolver, start: Array | None
     trace: list[str] = []
     best: tuple[Array, Array, Status, float, Proposal] | None = None
     for name, p in proposals(problem, solver, start):
-        with np.errstate(over="ignore"):  # the certifier refuses what is not finite
-            z = p.z * units.z
+        z = product(p.z, units.z)
         status, w, residual = certify(problem, z) if isinstance(problem, LCP) else certify_contact(problem, p.z)
         trace.append(stage_line(name, p.outcome, p.iterations, residual))
         if best is None or residual < best[3]:

@@ -40,10 +40,14 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float) -> tuple
     Lucidi 1986). Stops at ‖F‖ ≤ tolerance × max(1, largest |x|). Returns (steps, ‖F‖ over that size).
     """
     n = len(x)
-    y, F, dx, x1, recent = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.zeros(_MEMORY)
-    g, J, col = work(n), np.empty((n, n)), np.empty(n, np.int64)
+    y, F, g = np.empty(n), np.empty(n), work(n)
     multiply_add(p.M, x, p.q, y)
-    total, relative = rows(p, x, y, F, g), np.inf
+    total = rows(p, x, y, F, g)
+    relative = np.sqrt(total) / size(x)
+    if relative <= tolerance:  # most often: where every contact sticks
+        return 0, relative
+    dx, x1, recent = np.empty(n), np.empty(n), np.zeros(_MEMORY)
+    J, col = np.empty((n, n)), np.empty(n, np.int64)
     for step in range(steps + 1):
         relative = np.sqrt(total) / size(x)
         if not total < np.inf:

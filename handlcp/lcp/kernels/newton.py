@@ -51,11 +51,18 @@ def active_set(M: Array, q: Array, free: Bools, z: Array, w: Array, steps: int, 
                 return step, r
         seen[step] = on
         index = np.flatnonzero(on)
-        x = np.empty(len(index))
-        solve_ranked(M[index][:, index], -q[index], x, col, RANK)
+        k = len(index)
+        A, x = np.empty((k, k)), np.empty(k)
+        for s in range(k):
+            for t in range(k):
+                A[s, t] = M[index[s], index[t]]
+        solve_ranked(A, -q[index], x, col, RANK)
         z[:] = 0.0
         z[index] = x
-        multiply_add(M, z, q, w)
+        for i in range(n):
+            w[i] = q[i]
+            for s in range(k):
+                w[i] += M[i, index[s]] * x[s]
         r = residual(z, w, free)
         if r <= tolerance * size(z):
             return step + 1, r

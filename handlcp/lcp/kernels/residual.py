@@ -9,7 +9,13 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import nearest
 
-__all__ = ["recompute", "recompute_contact"]
+__all__ = ["product", "recompute", "recompute_contact"]
+
+
+@kernel
+def product(a: Array, b: Array) -> Array:
+    """A b, entry by entry; what overflows is infinite, and the certifier refuses it."""
+    return a * b
 
 
 @kernel
