@@ -1,6 +1,7 @@
-"""Every tolerance of the package, relative unless it says otherwise, in one place.
+"""The tolerances that decide what is an answer and what is proven, relative unless they say otherwise.
 
 Solvers work in nondimensional units, so one number serves metres and millimetres, newtons and kilonewtons.
+A threshold that serves one computation alone stands beside it.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
     E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g
 
 m are the moments about the normals of soft contacts, T how fast the joints turn their fingertips about them. Source:
-model, "Flexibility from the hand", "Torques".
+the package's README, "The model and its symbols".
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """How far the forces of an answer are from those that solve its laws exactly: an estimate from the answer itself.
 
-The laws are rows F(x) = 0, y = M x + q (Alart & Curnier 1991, as in `kernels.contact`), ρ > 0 a scale for each contact:
+The laws are rows F(x) = 0, y = M x + q (Alart & Curnier 1991, as in `contact_rows`), ρ > 0 a scale for each contact:
 
     free F = y     pair F = ρ y (it touches) or x (it is open)     stick F = ρ y_T     slide F = x_T - μ x_N e
 

@@ -8,7 +8,7 @@ Around a solution with given contact states the model is linear in the changes �
 
 (on a round set a sliding contact's slip and friction turn together: P Δv_T = -|v_T|/|r_T| P Δr_T, P across the force)
 
-The system is square; what its null space spans stays free (model, "Not unique"). A contact that rests, touching without
+The system is square; what its null space spans stays free. A contact that rests, touching without
 force, may either begin to push or open: each choice is a branch of its own, with one-sided changes. So is each choice
 for an effect's limit that is just reached; one that gives way adds Δv = AᵀΔs and the row A Δr = 0.
 """
@@ -34,7 +34,7 @@ from handlcp.tolerances import RANK
 __all__ = ["Branch", "active_system", "free_branches", "inequalities"]
 
 _MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
-_FAR = 1e6  # a row that no unit change lifts beyond 1 / _FAR is 0
+_FAR = 1e6  # bound of the linear program's unknowns; a condition that stays below 1 / _FAR within it is always active
 
 
 @dataclass(frozen=True, slots=True)

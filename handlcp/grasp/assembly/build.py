@@ -92,7 +92,7 @@ def _along(contact: Contact, direction: Array) -> float:
 
 def _with_turns(spec: GraspSpec, soft: tuple[int, ...]) -> tuple[Array, Array]:
     """Flexibility (c, c) and offset (c,) of the points and of the turns about the normals of the soft contacts: pads
-    turn, and joints turn the fingertip under its moment. Points that don't give way have joints that don't.
+    turn, and joints turn the fingertip under its moment. Where E is zero, joints are taken as rigid in torsion, too.
     """
     d = spec.offset.reshape(-1)
     if not soft:

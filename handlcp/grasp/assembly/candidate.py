@@ -25,7 +25,7 @@ class Candidate(NamedTuple):
 
     @property
     def forces(self) -> Array:
-        """(n, 3) N."""
+        """(n, 3) N, in the coordinates of the friction laws."""
         return self.components[: len(self.components) - self.soft].reshape(-1, 3)
 
 

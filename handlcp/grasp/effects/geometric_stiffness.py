@@ -6,10 +6,11 @@
 The springs hold K δ = J(q)ᵀ f where the joints stand at q = q_c - δ. To first order in δ that is Jᵀ f - K_g δ, so that
 (K + K_g) δ = Jᵀ f. The sign, on one link p with a spring k: τ = f · (ω × p) and ∂τ/∂q = -f · p across the axis. A
 finger that pushes along itself, away from its joint, is a column: k - |f||p|, softer, and it buckles where nothing is
-left. One that pulls is stiffer. K_g is symmetric: it holds second derivatives of the contact points. Exact for what
-changes about a posture that carries f. From the unloaded posture on, joint deflections miss by a second order where K
-alone misses by a first; tips, whose path is still taken as straight, by about half of what K alone misses. The weight's
-own gradient ∂g/∂q is left out.
+left. One that pulls is stiffer. K_g is symmetric: it holds second derivatives of the contact points.
+
+Small changes about a posture that carries f are exact. Seen from the unloaded posture, joint deflections have an error
+of second order, where K alone has one of first order. Tips keep about half of the error of K alone, because their
+path is still taken as straight. The weight's own gradient ∂g/∂q is left out.
 
 With K⁻¹ = A Aᵀ, which may be singular, (K + K_g)⁻¹ = A (1 + Aᵀ K_g A)⁻¹ Aᵀ: nothing inverts it, and a finger is
 stable where the bracket is positive definite. E depends on the forces it produces, so a solve repeats with E(f) until f

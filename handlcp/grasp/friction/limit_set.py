@@ -13,7 +13,7 @@ flat faces nᵀ y ≤ 1 in its place:
 
 Along the equator the meridians are the faces of the polygon. By symmetry the polyhedron's vertices lie halfway between
 meridians, where two neighbouring parallels' planes meet. Source: Howe & Cutkosky, Int. J. Robotics Research 15 (1996),
-the ellipsoid; model, "soft finger" (facets in (r_T, r_τ/ρ)).
+the ellipsoid, here in (r_T, r_τ / lever).
 """
 
 from __future__ import annotations

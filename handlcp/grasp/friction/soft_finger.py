@@ -19,8 +19,9 @@ __all__ = ["SoftFinger"]
 class SoftFinger(FrictionLaw):
     """A patch instead of a point: it bears a moment r_τ about the normal as well, |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N².
 
-    mu : coefficient > 0 of the tangential force [-]. mu_torsion : of the moment, N·m per N of normal force, > 0 [m]; 0
-    is Coulomb's law. torsional_flexibility : of the pad about the normal [rad/(N·m)], besides what the joints give way.
+    mu : coefficient of the tangential force [-], > 0, or 0 where mu_torsion is 0. mu_torsion : of the moment, N·m per N
+    of normal force, ≥ 0 [m]; 0 is Coulomb's law.
+    torsional_flexibility : of the pad about the normal [rad/(N·m)], besides what the joints give way.
 
     A planar scene has no moment about a normal in its plane: there it is Coulomb's law. Raises InputError.
     """

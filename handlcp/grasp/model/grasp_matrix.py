@@ -3,7 +3,7 @@
 The c = 3n + k force components are the contacts' x, y and z and then the moments of the k soft contacts about their
 normals (over a lever, so that they are forces).
 
-    w + G r = 0,    v = Gᵀ u + E r + d,    G = [R; skew(p - centre) R | 0; lever n]          (model, "Contacts")
+    w + G r = 0,    v = Gᵀ u + E r + d,    G = [R; skew(p - centre) R | 0; lever n]
 """
 
 from __future__ import annotations

@@ -24,7 +24,8 @@ class GraspSpec(Placement):
 
     Besides what `Placement` says: wrench (6,) force and torque about reference (3,) that the world applies to the
     object. flexibility (3n, 3n) of fingers and environment in contact axes, and offset (n, 3) of the object relative to
-    them before any load, both without what the effects add. effects : those asked for by name.
+    them before any load, both without what the effects add. effects : all that were asked for, in `effects=` or by an
+    argument of their own, such as `finger_weight=`.
     """
 
     wrench: Array

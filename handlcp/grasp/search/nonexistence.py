@@ -54,7 +54,7 @@ class Outcome:
 
 
 def search_equilibrium(problem: GraspContact, seconds: float) -> Outcome:
-    """Search for an equilibrium of a grasp that could be held. Of the seconds half as much again may pass."""
+    """Search for an equilibrium of a grasp that could be held. May take 1.5 times the seconds."""
     scene, effects, section = problem.scene, problem.effects, problem.section
     if not only_limits_move(problem):
         return Outcome("impossible, an effect moves the contacts by more than limits that give way")
@@ -67,8 +67,8 @@ def search_equilibrium(problem: GraspContact, seconds: float) -> Outcome:
 
 
 def _wide(scene: Scene) -> tuple[float, float]:
-    """Bounds [N, m] that are stated of proofs, which for some of them is as far beyond any answer as rounding could
-    hide one.
+    """The largest forces [N] and motions [m] for which proofs claim that there is no equilibrium. Some hold without
+    bounds, and state these, too.
     """
     return _si(scene, _WIDE * (1.0 + float(abs(scene.offset).max(initial=0.0)) / scene.units.motion))
 

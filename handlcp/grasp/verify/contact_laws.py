@@ -71,7 +71,7 @@ def examine(
 
 @kernel
 def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array]:
-    """V (c,), and the largest term of each sum (c,)."""
+    """Of the components (c,): v, and the largest term of each sum."""
     c = len(forces)
     v, own = np.empty(c), np.empty(c)
     for i in range(c):

@@ -21,7 +21,7 @@ __all__ = ["escaping_twist", "generators", "is_escape", "jammed", "least_total"]
 def escaping_twist(scene: Scene, section: Section) -> Array | None:
     """(6,) certified motion about the contacts' centre in which the object escapes, for one metre of travel.
 
-    None: some force in the friction pyramids balances the load.
+    None: some force in the friction pyramids balances the load, or no proof was found that none does.
 
     t = load + W a with the a ≥ 0 that makes it smallest: what is left of the load when the fingers do all they can. By
     the optimality of a, Wᵀt ≥ 0 and load·t = |t|², so t is the proof as well as the direction in which the object
@@ -33,7 +33,8 @@ def escaping_twist(scene: Scene, section: Section) -> Array | None:
     W = W if W.size else np.zeros((scene.dof, 1))
     t = load + W @ nnls(W, -load)[0]
     if not is_escape(scene, section, t):
-        # Generators that depend on each other can stop nnls early; the vertex of a linear program is exact, if crooked
+        # Generators that depend on each other can stop nnls early; a linear program's vertex keeps every sign, but
+        # is an arbitrary one of the motions in which the object escapes
         lp = linprog(-load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
         if lp.x is None or not is_escape(scene, section, lp.x):
             return None

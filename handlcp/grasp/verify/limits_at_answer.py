@@ -34,7 +34,7 @@ def stacked(scene: Scene, every: tuple[Limit, ...]) -> tuple[Array, Array]:
 class LimitsAtAnswer:
     """The m limits of a scene at an answer, natural units.
 
-    rows (m, 3n), motion (m,) s and slack (m,) b - A r. resting (m,): just reached, and not giving way yet.
+    rows (m, c), motion (m,) s and slack (m,) b - A r. resting (m,): just reached, and not giving way yet.
     every : what they are made of. extra : the answer's unknowns of effects, SI.
     """
 

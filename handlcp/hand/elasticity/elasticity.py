@@ -3,8 +3,8 @@
     δq = C τ,    C = K⁻¹ = A Aᵀ,    E = J C Jᵀ = (J A)(J A)ᵀ
 
 Everything follows from the root A of the compliance. `JointStiffness` has a spring at every joint. In a transmission
-(`Tendons`, `Synergies`) an actuator moves several joints, and C may be singular. Source: model, "Flexibility from the
-hand".
+(`Tendons`, `Synergies`) an actuator moves several joints, and C may be singular. τ is
+what the actuators hold: the joints stand at the commanded posture minus δq.
 """
 
 from __future__ import annotations

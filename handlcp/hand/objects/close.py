@@ -35,8 +35,9 @@ def close_on(
     """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
     read-only.
 
-    Only joints that move one fingertip alone take part, each within its range (q0 is moved into it first). The steps
-    are those of Gauss and Newton, δq = gap · g / |g|² with g = nᵀ J, without the joints at the end of their range.
+    Only joints that move one fingertip alone take part, each within its range (q0 is moved into it first). Each step
+    is the smallest that closes the gap to first order, δq = gap · g / |g|² with g = nᵀ J, without the joints at the end
+    of their range.
     Links and the palm are not checked: they may pass through the object.
 
     fingers : names of those that close; None: all. squeeze : [m] how far the tips end up inside the object (a preload).

@@ -27,8 +27,8 @@ _SCALES = (0.03, 0.3, 1.0)
 def contact_run(
     p: Contacts, x: Array, cold: bool, seed: int, most: int, polish: bool, tolerance: float
 ) -> tuple[int, int, float]:
-    """Solve in place from x (n,); cold: from the linear problem in which every contact sticks that starts without a
-    gap. Returns (Kaczmarz steps, Newton steps, residual).
+    """Solve in place from x (n,); cold: from the linear solution in which contacts with a gap are open and
+    all others stick. Returns (Kaczmarz steps, Newton steps, residual).
 
     most : Kaczmarz steps at most, 0: Newton's method alone. polish : Newton's method before and between them.
     """

@@ -20,8 +20,8 @@ _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank toleran
 def run_contact(
     problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
 ) -> Proposal:
-    """Solve from `start` (n,), natural units; None: from the linear problem in which every contact sticks that starts
-    without a gap.
+    """Solve from `start` (n,), natural units; None: from the linear solution in which contacts with a gap are open and
+    all others stick.
 
     seed : of the row sampling. most : Kaczmarz steps at most; 0: Newton's alone, whose steps are then what counts as
     iterations. polish : Newton's method before and between them.
