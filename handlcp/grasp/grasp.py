@@ -18,7 +18,7 @@ from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.analysis.suggestions import Suggestions, suggest
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section, as_section
@@ -119,7 +119,7 @@ class Grasp:
     @overload
     def problem(self, faces: int | Pyramid = 8) -> GraspProblem: ...
     @overload
-    def problem(self, faces: str) -> GraspProblem | GraspContact: ...
+    def problem(self, faces: str) -> GraspProblem | GraspContactProblem: ...
     def problem(self, faces: int | str | Pyramid = 8) -> AnyProblem:
         """The assembled complementarity problem: look at it, or hand it to `solve_lcp`.
 
@@ -144,7 +144,7 @@ class Grasp:
 
     def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
-        return (chain or Auto()).plan(GraspContact(self.scene, self._section(faces), stamped(self.spec.effects)))
+        return (chain or Auto()).plan(GraspContactProblem(self.scene, self._section(faces), stamped(self.spec.effects)))
 
     def solve(
         self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,

@@ -14,7 +14,7 @@ from handlcp.grasp.analysis import required as _required
 from handlcp.grasp.analysis.force_error import force_error
 from handlcp.grasp.answer.diagnosis import Sentences
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
@@ -133,7 +133,7 @@ def section_of(grasp: hl.Grasp, faces: Any) -> Any:
 
 def contact_problem(grasp: hl.Grasp, faces: Any = "cone", asked: Any = None) -> Any:
     """The problem with friction as a set, with the effects asked for in place of the grasp's own where given."""
-    return GraspContact(
+    return GraspContactProblem(
         grasp.scene, section_of(grasp, faces), stamped(tuple(grasp.effects if asked is None else asked))
     )
 

@@ -12,7 +12,7 @@ import handlcp as hl
 from handlcp.check import read_only
 from handlcp.grasp.analysis.compare_without import best_times, measured
 from handlcp.grasp.answer.make_solution import Judged, make_solution
-from handlcp.grasp.assembly.contact_form import GraspContact, design, friction_sets
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, design, friction_sets
 from handlcp.grasp.assembly.problem import GraspProblem, assemble
 from handlcp.grasp.effects.coulomb_friction import CoulombFriction
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
@@ -151,7 +151,7 @@ def assembly(grasp: hl.Grasp, faces: Any) -> Any:
     return assemble(grasp.scene, section_of(grasp, faces), ())
 
 
-class _FourEffects(GraspContact):
+class _FourEffects(GraspContactProblem):
     """The problem of a scene of hard fingers, its four effects listed here."""
 
     def __init__(self, scene: Any, section: Any) -> None:

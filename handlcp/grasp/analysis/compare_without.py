@@ -26,7 +26,7 @@ from handlcp.grasp.analysis.explanation import ENVIRONMENT, Explanation, effects
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -114,7 +114,7 @@ def _run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolu
         scene = replace(answered)  # anew: nothing is kept from the run before
         if not asked:
             return solve_scene(scene, section, 0, start).passes
-        problem = GraspContact(scene, section, asked)
+        problem = GraspContactProblem(scene, section, asked)
         begin = problem.natural(candidate_of(scene, solution))
         return any(passes(problem, problem.candidate(p.z)) for _, p in proposals(problem, None, begin))
 

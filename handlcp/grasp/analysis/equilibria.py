@@ -20,7 +20,7 @@ from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_soluti
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table
@@ -126,7 +126,7 @@ class _Listing:
 
     def __init__(self, spec: GraspSpec, section: Section, start: float) -> None:
         self.spec, self.start, self.scene = spec, start, build(spec)
-        self.problem = GraspContact(self.scene, section, stamped(spec.effects))
+        self.problem = GraspContactProblem(self.scene, section, stamped(spec.effects))
         self.found: list[GraspSolution] = []
         self.noise = _APART * self.scene.units.force
 
@@ -185,7 +185,7 @@ def _determined(s: GraspSolution) -> bool:
     return s.uniqueness is None or s.uniqueness.forces_determined
 
 
-def _open(problem: GraspContact, table: Table | None) -> str:
+def _open(problem: GraspContactProblem, table: Table | None) -> str:
     """Why contact modes prove nothing, where they don't."""
     if not only_limits_move(problem):
         return "an effect moves the contacts, so their modes do not describe them"
@@ -196,7 +196,7 @@ def _open(problem: GraspContact, table: Table | None) -> str:
     return f"{table.choices:.2g} choices of contact modes are too many for the time"
 
 
-def _starts(problem: GraspContact, end: float) -> Iterator[Candidate]:
+def _starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
     """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
     for faces in _COARSER if only_limits_move(problem) and problem.faces != 2 else ():
         if faces != problem.faces:
@@ -212,7 +212,7 @@ def _until(end: float, candidates: Iterator[T]) -> Iterator[T]:
             return
 
 
-def seeded(problem: GraspContact, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
+def seeded(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
     """Candidates of NSNGRK from other starts with other seeds, and of Lemke's method with other covering vectors (on
     the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
     """

@@ -26,7 +26,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.lcp.kernels.contact_rows import row_scales
 from handlcp.tolerances import ACTIVE, RANK
 
@@ -38,7 +38,7 @@ _MOST_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; 
 _REGULAR = 1e-9  # 1 / condition above which J is inverted; below, its rank is looked at
 
 
-def force_error(problem: GraspContact, solution: GraspSolution) -> float:
+def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
     """The largest error of a contact force, over the largest contact force, that the answer to `problem` may have.
 
     Where no finger pushes (to the share `ACTIVE` of load and squeeze) it is over the natural unit of force instead.
@@ -67,7 +67,7 @@ class _Laws:
     length and direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
     """
 
-    def __init__(self, problem: GraspContact, x: Array) -> None:
+    def __init__(self, problem: GraspContactProblem, x: Array) -> None:
         self.M, self.x, self.blocks, self.limits = problem.M, x, problem.blocks, problem.limits
         self.y, self.noise, self.rho = self.M @ x + problem.q, _noise(problem, x), row_scales(self.M, self.blocks)
         self.s, self.pair = x - self.rho * self.y, problem.role == 1
@@ -116,7 +116,7 @@ class _Laws:
         return np.concatenate([self.pair & (abs(self.s) <= moved), abs(self.size - self.radius) <= slack])
 
 
-def _noise(problem: GraspContact, x: Array) -> Array:
+def _noise(problem: GraspContactProblem, x: Array) -> Array:
     """(n,) what rounding can have done to M x + q. Levers are differences of positions, moments those of the load's
     about the origin: what they are differences of counts.
     """

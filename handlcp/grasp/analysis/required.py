@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.search.nearby import passes
@@ -80,7 +80,7 @@ def holds(spec: GraspSpec, section: Section) -> bool:
         if found.passes:
             return True
         first = found.proposal
-    problem = GraspContact(scene, section, asked)
+    problem = GraspContactProblem(scene, section, asked)
     return any(passes(problem, problem.candidate(p.z)) for _, p in proposals(problem, Auto(), None, first))
 
 

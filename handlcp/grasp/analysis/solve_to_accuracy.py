@@ -18,7 +18,7 @@ from handlcp.grasp.analysis.force_error import force_error
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -91,4 +91,4 @@ def _error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> float:
     """Of an answer on the exact section; NaN without one."""
     if not solution.held:
         return math.nan
-    return force_error(GraspContact(scene, _true(scene), stamped(spec.effects)), solution)
+    return force_error(GraspContactProblem(scene, _true(scene), stamped(spec.effects)), solution)

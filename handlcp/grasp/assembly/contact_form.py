@@ -15,7 +15,7 @@ from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
 from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
 from handlcp.lcp.contact import NO_NORMALS
 
-__all__ = ["Design", "GraspContact", "called_for", "design", "outward", "stamped"]
+__all__ = ["Design", "GraspContactProblem", "called_for", "design", "outward", "stamped"]
 
 
 def called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
@@ -28,7 +28,7 @@ def stamped(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
     return tuple([e for e in asked if e.stamps])
 
 
-class GraspContact(ContactProblem):
+class GraspContactProblem(ContactProblem):
     """The assembled problem with friction as a set: a `ContactProblem` that knows what its unknowns mean.
 
     scene, section : what was assembled. effects : what was stamped; asked : those of them asked for by name.

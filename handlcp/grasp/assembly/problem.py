@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from handlcp.check import Array
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Cone, Section
 from handlcp.grasp.model.scene import Scene
@@ -27,9 +27,9 @@ class GraspProblem(WithMultipliers):
     effects : what was stamped. scene, section : what was assembled.
     """
 
-    contact: GraspContact
+    contact: GraspContactProblem
 
-    def __init__(self, contact: GraspContact) -> None:
+    def __init__(self, contact: GraspContactProblem) -> None:
         super().__init__(contact, behind=sum(contact.system.layout.forces[:2]))
         self.scene, self.section, self.effects = contact.scene, contact.section, contact.effects
 
@@ -61,7 +61,7 @@ class GraspProblem(WithMultipliers):
         self.contact.complete()
 
 
-AnyProblem = GraspProblem | GraspContact
+AnyProblem = GraspProblem | GraspContactProblem
 
 
 def assemble(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> AnyProblem:
@@ -69,5 +69,5 @@ def assemble(scene: Scene, section: Section, asked: tuple[Effect, ...]) -> AnyPr
 
     asked : effects asked for that have rows of their own.
     """
-    contact = GraspContact(scene, section, asked)
+    contact = GraspContactProblem(scene, section, asked)
     return contact if isinstance(section, Cone) else GraspProblem(contact)

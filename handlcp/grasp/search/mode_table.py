@@ -23,7 +23,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.search.mode_steps import Modes
 from handlcp.grasp.search.mode_walk import visit
@@ -44,7 +44,7 @@ class Table:
     problem : what it was made of. back (problem.n, N), back0 (problem.n,): all its unknowns are back0 + back y.
     """
 
-    problem: GraspContact
+    problem: GraspContactProblem
     back: Array
     back0: Array
     P: Array
@@ -96,7 +96,7 @@ def _stacked(blocks: Array, counts: Ints) -> Array:
     return out[np.arange(rows) < counts[:, None]].reshape(-1, 3 * n)
 
 
-def mode_table(problem: GraspContact) -> Table | None:
+def mode_table(problem: GraspContactProblem) -> Table | None:
     """For a pyramid or a planar problem. None for the cone, for contacts with three tangents, and where the forces of
     sticking contacts are not determined.
     """
@@ -140,9 +140,9 @@ def mode_table(problem: GraspContact) -> Table | None:
     return Table(problem, back, back0, P, c, _padded(kinds))
 
 
-def coarse(problem: GraspContact, faces: int, seconds: float) -> Iterator[Candidate | None]:
+def coarse(problem: GraspContactProblem, faces: int, seconds: float) -> Iterator[Candidate | None]:
     """As `Table.visit` of the scene on a pyramid of so many faces; nothing where that would take longer."""
-    table = mode_table(GraspContact(problem.scene, Pyramid(faces), problem.asked))
+    table = mode_table(GraspContactProblem(problem.scene, Pyramid(faces), problem.asked))
     if table is not None and table.choices <= PER_SECOND * seconds:
         yield from table.visit()[0]
 
@@ -161,7 +161,7 @@ def _padded(kinds: list[list[Mode]]) -> Modes:
     return Modes(np.array([len(modes) for modes in kinds]), rank, A, B, X, Y, count)
 
 
-def _paired(problem: GraspContact) -> list[Ints]:
+def _paired(problem: GraspContactProblem) -> list[Ints]:
     """(3,) unknowns of each limit, or of two on the same thing, one each way; padded by -1."""
     out, left = [], problem.limited.tolist()
     while left:

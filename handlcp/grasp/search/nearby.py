@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import SemismoothNewton
 
@@ -14,7 +14,7 @@ __all__ = ["first_certified", "only_limits_move", "passes"]
 _NEWTON = SemismoothNewton()
 
 
-def first_certified(problem: GraspContact, candidates: Iterable[Candidate]) -> Candidate | None:
+def first_certified(problem: GraspContactProblem, candidates: Iterable[Candidate]) -> Candidate | None:
     """The first that the certifier passes, as it is or after Newton's method from there."""
     for candidate in candidates:
         if passes(problem, candidate):
@@ -25,11 +25,11 @@ def first_certified(problem: GraspContact, candidates: Iterable[Candidate]) -> C
     return None
 
 
-def passes(problem: GraspContact, candidate: Candidate) -> bool:
+def passes(problem: GraspContactProblem, candidate: Candidate) -> bool:
     """Whether the certifier calls it an answer."""
     return judge(problem.scene, problem.effects, problem.section, candidate).residuals.passes
 
 
-def only_limits_move(problem: GraspContact) -> bool:
+def only_limits_move(problem: GraspContactProblem) -> bool:
     """Whether contact modes describe the scene: no effect moves the contacts but by limits that give way."""
     return all(e.only_limits for e in problem.effects)

@@ -16,7 +16,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
@@ -53,7 +53,7 @@ class Outcome:
     yielding: dict[str, Array] = field(default_factory=dict)
 
 
-def search_equilibrium(problem: GraspContact, seconds: float) -> Outcome:
+def search_equilibrium(problem: GraspContactProblem, seconds: float) -> Outcome:
     """Search for an equilibrium of a grasp that could be held. May take 1.5 times the seconds."""
     scene, effects, section = problem.scene, problem.effects, problem.section
     if not only_limits_move(problem):
@@ -97,7 +97,7 @@ def _overloaded(scene: Scene, section: Section, effects: tuple[Effect, ...], pro
     return Outcome("limits on the forces, none", None, _wide(scene), cause, t, yielding)
 
 
-def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
+def _on_faces(problem: GraspContactProblem, seconds: float) -> Outcome:
     """By all choices of contact modes where they are few and leave no doubt, else by the active sets of the LCP."""
     table, end = mode_table(problem), time.monotonic() + seconds
     if table is not None and table.choices <= PER_SECOND * seconds:
@@ -118,7 +118,7 @@ def _on_faces(problem: GraspContact, seconds: float) -> Outcome:
     return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
 
 
-def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
+def _on_active_sets(problem: GraspContactProblem, seconds: float) -> Outcome:
     """By the active sets of the LCP with a multiplier a face."""
     lcp = GraspProblem(problem)
     result = search(lcp, seconds=seconds, accept=lambda z: passes(problem, lcp.candidate(z)))
@@ -129,7 +129,7 @@ def _on_active_sets(problem: GraspContact, seconds: float) -> Outcome:
     return Outcome(words, bounds=_si(problem.scene, size) if result.none_exists else None)
 
 
-def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
+def _on_cone(problem: GraspContactProblem, seconds: float) -> Outcome:
     """From all equilibria of a coarse pyramid, then by the mixed-integer program."""
     end = time.monotonic() + seconds
     near = (c for c in coarse(problem, _COARSE, 0.5 * seconds) if c is not None)
@@ -138,7 +138,7 @@ def _on_cone(problem: GraspContact, seconds: float) -> Outcome:
     return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
 
 
-def over_modes(problem: GraspContact, end: float, bound: float | None = None) -> Outcome:
+def over_modes(problem: GraspContactProblem, end: float, bound: float | None = None) -> Outcome:
     """By the mixed-integer program over contact modes; end : of `time.monotonic`.
 
     bound : of normal forces, gaps and slips in natural units, as far as "none" is claimed; None: a thousand.
@@ -158,7 +158,7 @@ def over_modes(problem: GraspContact, end: float, bound: float | None = None) ->
     return Outcome(f"over contact modes, {'none' if none else 'unknown'}", bounds=bounds if none else None)
 
 
-def _slack(problem: GraspContact, b: float) -> Array:
+def _slack(problem: GraspContactProblem, b: float) -> Array:
     """(m,) the most that normal forces up to b leave of each limit, the one the other way kept where there is one."""
     reach = np.zeros(problem.n)
     reach[problem.role == 1] = b

@@ -9,7 +9,7 @@ from handlcp.grasp.answer.make_solution import Judged, make_solution, solution_o
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact, stamped
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
@@ -57,7 +57,7 @@ def _in_stages(
     """One stage after the other; `first` is the first one's proposal, where that is known."""
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
-    problem = (assemble if chain is None else GraspContact)(scene, section, stamped(spec.effects))
+    problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped(spec.effects))
     trace: list[str] = []
     best: Judged | None = None
     begin: Array | None = None
@@ -79,12 +79,12 @@ def _in_stages(
     escapes = "nothing holds it" if solution.certificate is not None else "no proof that nothing holds it"
     solution = replace(solution, trace=(*trace, f"holdability: {escapes}"))
     if solution.status is Status.UNDECIDED and chain is not None and chain.search_seconds > 0:
-        assert isinstance(problem, GraspContact)  # chains work on friction as a set
+        assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
         solution = _searched(spec, problem, chain, solution)
     return solution
 
 
-def _searched(spec: GraspSpec, problem: GraspContact, chain: Auto, solution: GraspSolution) -> GraspSolution:
+def _searched(spec: GraspSpec, problem: GraspContactProblem, chain: Auto, solution: GraspSolution) -> GraspSolution:
     """The chain's last stage: an exact search, for an answer or for the proof that there is none."""
     scene, section = problem.scene, problem.section
     found = search_equilibrium(problem, chain.search_seconds)

@@ -14,7 +14,7 @@ from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContact
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.verify.judge import judge
 from handlcp.hand import HandGrasp
@@ -105,7 +105,7 @@ class Bench:
     def _leads_elsewhere(self, candidate: Candidate) -> bool:
         """Whether Newton's method on the exact cone leads from here to another certified equilibrium."""
         scene, problem = self.grasp.scene, self.grasp.problem("cone")
-        assert isinstance(problem, GraspContact)  # soft fingers are refused where the study begins
+        assert isinstance(problem, GraspContactProblem)  # soft fingers are refused where the study begins
         there = problem.candidate(SemismoothNewton().propose_contact(problem, problem.natural(candidate)).z)
         verdict = judge(scene, problem.effects, as_section("cone", scene.plane is not None), there)
         off = self.errors(there.forces, self.errors.slip)["force_error"]
