@@ -42,7 +42,7 @@ __all__ = [
 
 
 # ---------------------------------------------------------------- is there an equilibrium?
-def searched(grasp: hl.Grasp, faces: Any, *more: Any, seconds: float = 10.0, bound: float | None = None) -> Any:
+def searched(grasp: hl.Grasp, faces: Any, *more: Any, seconds: float = 60.0, bound: float | None = None) -> Any:
     """What the search over contact modes finds; an equilibrium only if the certifier passes it.
 
     more : effects beside the grasp's own. bound : in natural units.
