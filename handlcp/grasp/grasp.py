@@ -57,6 +57,7 @@ class Grasp:
     Attributes: spec, what was asked, as data; scene, what was built of it: arrays in the coordinates of the friction
     laws, which are contact axes unless a law is anisotropic or soft; and the properties below.
 
+    `replace`, copies and pickles are made as type(self)(spec): a subclass takes a `GraspSpec` as its one argument, too.
     Raises InputError for anything that is not as described.
     """
 
@@ -79,6 +80,10 @@ class Grasp:
             fingers, R = None if around is None else k, read_only(frames)
             spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
             contacts = as_asked(spec, effects)
+        elif any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
+            raise InputError(
+                "contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it"
+            )
         self.spec, self.scene = contacts, build(contacts)
 
     @property

@@ -32,8 +32,8 @@ __all__ = ["HandGrasp"]
 class HandGrasp(Grasp):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
 
-    def __init__(self, spec: GraspSpec) -> None:
-        if not (isinstance(spec, GraspSpec) and isinstance(spec.mechanism, HandMechanism)):
+    def __init__(self, spec: GraspSpec | None = None, *others: Any) -> None:
+        if others or not (isinstance(spec, GraspSpec) and isinstance(spec.mechanism, HandMechanism)):
             raise TypeError("make a HandGrasp with hand.at(q).grasp(...)")
         super().__init__(spec)
 

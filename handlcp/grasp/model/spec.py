@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp.check import Array, read_only, sealed
+from handlcp.errors import InputError
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.placement import Placement
@@ -33,6 +34,17 @@ class GraspSpec(Placement):
     flexibility: Array
     offset: Array
     effects: tuple[Effect, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raises InputError where shapes do not fit one another; the numbers were checked where they came in."""
+        n = self.n
+        shapes = {
+            "positions": (n, 3), "frames": (n, 3, 3), "wrench": (6,), "reference": (3,), "flexibility": (3 * n, 3 * n),
+            "offset": (n, 3),
+        }  # fmt: skip
+        for name, shape in shapes.items():
+            if (found := getattr(self, name).shape) != shape:
+                raise InputError(f"GraspSpec.{name}", f"shape {shape} with {n} contacts", found)
 
     def replace(self, **changes: Any) -> Self:
         """The same with other values of some fields."""
