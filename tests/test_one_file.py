@@ -16,18 +16,13 @@ from handlcp.grasp import Effect, FileKey, FrictionLaw, Limit, effect_kinds
 from handlcp.lcp import Proposal
 from handlcp.scene import read
 from tests.support.registry import definitions_of_a_test
+from tests.support.scene_texts import TWO_CONTACTS
 
 MU, SQUEEZE, SOFTNESS = 0.5, 2e-3, 1e-4
 
-PINCH = """
-[[contact]]
-position_m = [-0.01, 0.0, 0.0]
-normal = [1.0, 0.0, 0.0]
-[[contact]]
-position_m = [0.01, 0.0, 0.0]
-normal = [-1.0, 0.0, 0.0]
+PINCH = f"""{TWO_CONTACTS}
 [grasp]
-friction = {friction}
+friction = FRICTION
 flexibility_m_per_N = 1e-4
 preload_m = 2e-3
 [load]
@@ -137,11 +132,11 @@ def test_an_effect_of_this_file_is_explained_and_listed(own: Any) -> None:
 
 
 def test_a_scene_file_asks_for_an_effect_of_this_file_by_its_key(own: Any) -> None:
-    scene = read(PINCH.replace("{friction}", "0.5") + "[effects]\npair_bound_N = 6.0\n")
+    scene = read(PINCH.replace("FRICTION", "0.5") + "[effects]\npair_bound_N = 6.0\n")
     assert scene.build().effects == (own.PairBound(6.0),)
     np.testing.assert_allclose(scene.solve().forces[:, 2], 3.0)
     with pytest.raises(hl.InputError, match=r"effects\.pair_bound_N: expected a number > 0"):
-        read(PINCH.replace("{friction}", "0.5") + '[effects]\npair_bound_N = "much"\n')
+        read(PINCH.replace("FRICTION", "0.5") + '[effects]\npair_bound_N = "much"\n')
 
 
 @pytest.mark.parametrize("faces", [8, "cone"])
@@ -155,7 +150,7 @@ def test_a_law_of_this_file_holds_as_its_ellipse_does(own: Any, faces: Any) -> N
 
 
 def test_a_scene_file_writes_a_law_of_this_file_with_its_keys(own: Any) -> None:
-    grasp = read(PINCH.replace("{friction}", "{mu_of_ribs = 0.5}")).build()
+    grasp = read(PINCH.replace("FRICTION", "{mu_of_ribs = 0.5}")).build()
     assert [c.friction for c in grasp.contacts] == [own.Ribbed(0.5)] * 2
     assert grasp.required_friction().value < 0.5
 

@@ -127,9 +127,6 @@ def mechanism_of(
 
 def finger_flexibility(mechanism: HandMechanism) -> Array:
     """(3k, 3k) E = J K⁻¹ Jᵀ + pads of the fingers, contact axes [m/N]."""
-    posture, tips = mechanism.posture, mechanism.tips
-    pads = posture.hand.pads
-    turn = posture.tip_rotations
-    if not pads.isotropic:
-        turn = mechanism.frames.transpose(0, 2, 1) @ posture.tip_rotations[list(tips)]
-    return read_only(tip_flexibility(mechanism.jacobian, mechanism.root, pads.in_axes(turn, tips)))
+    posture, tips, axes = mechanism.posture, mechanism.tips, mechanism.frames.transpose(0, 2, 1)
+    pads = posture.hand.pads.in_axes(lambda: axes @ posture.tip_rotations[list(tips)], tips)
+    return read_only(tip_flexibility(mechanism.jacobian, mechanism.root, pads))

@@ -50,17 +50,14 @@ class MovingHand:
         if q is not None:
             for weight in self._weights:
                 weight.torque[:] = self.hand.kinematics.gravity_torque(q, self.mechanism.gravity)
-        return tip_flexibility(J, self.mechanism.root, self._pads(frames))
+        pads = self.hand.pads.in_axes(lambda: frames.transpose(0, 2, 1) @ self._tip_rotations(), self._tips)
+        return tip_flexibility(J, self.mechanism.root, pads)
 
     def fixed(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """The effects as they are now, with arrays of their own."""
         return tuple([replace(e, torque=e.torque.copy()) if isinstance(e, FingerWeight) else e for e in effects])
 
-    def _pads(self, frames: Array) -> Array:
-        """(k, 3, 3) in contact axes."""
-        pads, turn = self.hand.pads, frames
-        if not pads.isotropic:
-            pin.updateFramePlacements(self._model, self._data)
-            tips = [self._data.oMf[self.hand.tips.frames[t]].rotation for t in self._tips]
-            turn = frames.transpose(0, 2, 1) @ np.array(tips)
-        return pads.in_axes(turn, self._tips)
+    def _tip_rotations(self) -> Array:
+        """(k, 3, 3) from tip axes to world axes, where the hand is now."""
+        pin.updateFramePlacements(self._model, self._data)
+        return np.array([self._data.oMf[self.hand.tips.frames[t]].rotation for t in self._tips])

@@ -18,6 +18,8 @@ from handlcp.lazy import lazy
 
 __all__ = ["GraspSpec", "wrench_about"]
 
+_ARRAYS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")
+
 
 @dataclass(frozen=True, eq=False)
 class GraspSpec(Placement):
@@ -38,13 +40,11 @@ class GraspSpec(Placement):
     def __post_init__(self) -> None:
         """Raises InputError where shapes do not fit one another; the numbers were checked where they came in."""
         n = self.n
-        shapes = {
-            "positions": (n, 3), "frames": (n, 3, 3), "wrench": (6,), "reference": (3,), "flexibility": (3 * n, 3 * n),
-            "offset": (n, 3),
-        }  # fmt: skip
-        for name, shape in shapes.items():
-            if (found := getattr(self, name).shape) != shape:
-                raise InputError(f"GraspSpec.{name}", f"shape {shape} with {n} contacts", found)
+        shapes = ((n, 3), (n, 3, 3), (6,), (3,), (3 * n, 3 * n), (n, 3))
+        arrays = (self.positions, self.frames, self.wrench, self.reference, self.flexibility, self.offset)
+        for name, array, shape in zip(_ARRAYS, arrays, shapes, strict=True):
+            if array.shape != shape:
+                raise InputError(f"GraspSpec.{name}", f"shape {shape} with {n} contacts", array.shape)
 
     def replace(self, **changes: Any) -> Self:
         """The same with other values of some fields."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,12 +24,15 @@ class Pads:
         self.blocks = read_only(blocks)
         self.isotropic = bool((blocks == blocks[:, :1, :1] * np.eye(3)).all())
 
-    def in_axes(self, rotations: Array, tips: Sequence[int]) -> Array:
-        """(m, 3, 3) of the m tips numbered `tips`; rotations (m, 3, 3) turn tip axes into those of the result."""
+    def in_axes(self, rotations: Callable[[], Array], tips: Sequence[int]) -> Array:
+        """(m, 3, 3) of the m tips numbered `tips`; rotations makes what turns tip axes into those of the result, (m, 3,
+        3), and is asked only where a pad is not the same in all axes.
+        """
         pads = self.blocks[list(tips)]
-        if self.isotropic:  # the same in all axes
+        if self.isotropic:
             return pads
-        turned = rotations @ pads @ rotations.transpose(0, 2, 1)
+        R = rotations()
+        turned = R @ pads @ R.transpose(0, 2, 1)
         return np.asarray((turned + turned.transpose(0, 2, 1)) / 2)
 
 

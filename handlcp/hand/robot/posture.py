@@ -53,7 +53,7 @@ class Posture:
     @lazy
     def flexibility(self) -> Array:
         """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes, the pads included."""
-        pads = self.hand.pads.in_axes(self.tip_rotations, self.hand.tips.every)
+        pads = self.hand.pads.in_axes(lambda: self.tip_rotations, self.hand.tips.every)
         return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.root, pads))
 
     def jacobian_at(self, points: Array, tips: Sequence[int]) -> Array:

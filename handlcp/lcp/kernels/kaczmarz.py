@@ -22,7 +22,7 @@ from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
 
-__all__ = ["Rows", "Seeds", "Slopes", "greedy_row", "kaczmarz", "linearise", "project", "slopes", "uniform"]
+__all__ = ["Rows", "Seeds", "Slopes", "greedy_row", "kaczmarz", "linearise", "project", "recorded", "slopes", "uniform"]
 
 Seeds = npt.NDArray[np.uint64]
 
@@ -131,6 +131,15 @@ def project(p: Rows, s: Slopes, i: int, z: Array, w: Array) -> None:
 
 
 @kernel
+def recorded(history: Array, written: int, stride: int, step: int, norm: float) -> int:
+    """Write (step, ‖Φ‖) into the next row of history, every `stride` steps (0: never). Returns the rows written."""
+    if stride > 0 and step % stride == 0 and written < len(history):
+        history[written, 0], history[written, 1] = step, norm
+        written += 1
+    return written
+
+
+@kernel
 def kaczmarz(
     p: Rows, z: Array, w: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
 ) -> tuple[int, float, int]:
@@ -146,9 +155,7 @@ def kaczmarz(
             multiply_add(p.M, z, p.q, w)
         total, frobenius, best = linearise(p, z, w, s)
         norm = np.sqrt(total)
-        if stride > 0 and step % stride == 0 and written < len(history):
-            history[written, 0], history[written, 1] = step, norm
-            written += 1
+        written = recorded(history, written, stride, step, norm)
         if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
         # a row of zeros that no step can mend has them all

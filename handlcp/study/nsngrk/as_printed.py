@@ -14,7 +14,7 @@ from handlcp.check import Array, Bools, integer, number
 from handlcp.lcp import Proposal
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
-from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row
+from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row, recorded
 from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import SOLVE
 
@@ -83,9 +83,7 @@ def _printed(
             p2[i] = phi[i] * phi[i]
             total += p2[i]
         norm = np.sqrt(total)
-        if stride > 0 and step % stride == 0 and written < len(history):
-            history[written, 0], history[written, 1] = step, norm
-            written += 1
+        written = recorded(history, written, stride, step, norm)
         if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
         frobenius, best = 0.0, 0.0

@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
-from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, linearise, project, slopes, uniform
+from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, linearise, project, recorded, slopes, uniform
 from handlcp.lcp.problem import Scaled
 from handlcp.study.nsngrk.as_printed import AsPrinted
 
@@ -38,9 +38,7 @@ def _steps(
             multiply_add(p.M, z, p.q, w)
         total, _, _ = linearise(p, z, w, s)
         norm = np.sqrt(total)
-        if stride > 0 and step % stride == 0 and written < len(history):
-            history[written, 0], history[written, 1] = step, norm
-            written += 1
+        written = recorded(history, written, stride, step, norm)
         if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
         i = _any_row(s.phi2, s.g2, state)
