@@ -131,6 +131,22 @@ def test_an_effect_of_this_file_is_explained_and_listed(own: Any) -> None:
     assert hl.PairBound is own.PairBound  # found by its class
 
 
+def test_what_is_left_free_is_not_claimed_beside_an_effect_that_moves_contacts_by_itself(own: Any) -> None:
+    """Nobody but the effect knows what its own `opening` leaves free."""
+
+    class Own(own.PairBound):  # no title of its own: no effect of the catalogue
+        title = ""
+
+        def opening(self, scene: Any, extra: Any) -> Any:
+            return super().opening(scene, extra)
+
+    s = pinch(hl.Coulomb(MU), [Own(6.0)]).solve("cone")
+    np.testing.assert_allclose(s.forces[:, 2], 3.0)
+    assert s.uniqueness is None
+    assert "what is left free was not examined" in str(s)
+    assert pinch(hl.Coulomb(MU), [own.PairBound(6.0)]).solve("cone").uniqueness is not None
+
+
 def test_a_scene_file_asks_for_an_effect_of_this_file_by_its_key(own: Any) -> None:
     scene = read(PINCH.replace("FRICTION", "0.5") + "[effects]\npair_bound_N = 6.0\n")
     assert scene.build().effects == (own.PairBound(6.0),)

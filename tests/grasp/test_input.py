@@ -183,3 +183,19 @@ def test_what_is_not_solved_shows_no_numbers():
     assert s.status is not hl.Status.SOLVED
     assert np.isnan(s.forces).all()
     assert np.isnan(s.object_displacement).all()
+
+
+@pytest.mark.parametrize("name", ["positions", "frames", "wrench", "reference", "flexibility", "offset"])
+def test_a_specification_refuses_arrays_that_do_not_fit_its_contacts(name):
+    spec = hl.Grasp([hl.Contact((x, 0, 0), (-x, 0, 0)) for x in (-1, 1)], flexibility=1e-4).spec
+    with pytest.raises(hl.InputError, match=rf"GraspSpec\.{name}: expected shape .* with 2 contacts"):
+        spec.replace(**{name: np.zeros((1, 7))})
+
+
+@pytest.mark.parametrize(
+    "more", [{"wrench": np.zeros(6)}, {"effects": [hl.TotalForceBound(1.0)]}, {"plane": (0, 0, 1)}]
+)
+def test_nothing_stands_beside_a_specification(more):
+    grasp = hl.Grasp([hl.Contact((x, 0, 0), (-x, 0, 0)) for x in (-1, 1)], flexibility=1e-4)
+    with pytest.raises(hl.InputError, match="a GraspSpec, which says all"):
+        hl.Grasp(grasp.spec, **more)
