@@ -94,17 +94,19 @@ def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterat
         trial = None if kind in on else kind.trial(spec, spec.effects, solution.forces, torque)
         if trial is None:
             continue
-        told = Suggestion(kind.title, trial.change, trial.words, kind.in_python)
+        estimate = Suggestion(kind.title, trial.change, trial.words, kind.in_python)
         if trial.effect is None:
-            yield told
+            yield estimate
             continue
-        s = _changed_by(spec.replace(effects=(*spec.effects, trial.effect)), section, solution, told.effect, told.ask)
+        s = _changed_by(
+            spec.replace(effects=(*spec.effects, trial.effect)), section, solution, estimate.effect, estimate.ask
+        )
         if trial.instead:
-            yield s if told.change <= s.change else told
-        elif told.change:
-            yield replace(s, change=max(s.change, told.change), words=f"{told.words}: {s.words}")
+            yield s if estimate.change <= s.change else estimate
+        elif estimate.change:
+            yield replace(s, change=max(s.change, estimate.change), words=f"{estimate.words}: {s.words}")
         else:
-            yield replace(s, words=told.words) if math.isinf(s.change) else s
+            yield replace(s, words=estimate.words) if math.isinf(s.change) else s
 
 
 def _changed_by(other: GraspSpec, section: Section, solution: GraspSolution, effect: str, ask: str) -> Suggestion:
