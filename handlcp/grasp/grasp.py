@@ -153,7 +153,7 @@ class Grasp:
 
     def solve(
         self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None,
+        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
     ) -> GraspSolution:  # fmt: skip
         """Grasp forces, slips and object motion, certified.
 
@@ -161,13 +161,15 @@ class Grasp:
         as a share of the largest; the exact cone is taken, and the solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
+        proof : where none is found, whether to prove that there is none; False: stop there, in bounded time, and say
+        UNDECIDED.
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
         where = start_from(start, self.scene)
         if accuracy is None:
             section = self._section(8 if faces is None else faces)
-            solution = solve_with_advice(self.spec, section, solver, where, self.scene)
+            solution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
         elif faces is None:
             asked = number("accuracy", accuracy, above=0.0)
             section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where)

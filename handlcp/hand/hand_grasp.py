@@ -139,12 +139,12 @@ class HandGrasp(Grasp):
 
     def solve(
         self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None,
+        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
     ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
         if accuracy is not None and force_dependent(self.spec):
             raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
-        return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start))
+        return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start, proof))
 
     def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
         """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""

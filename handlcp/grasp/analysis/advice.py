@@ -19,10 +19,11 @@ __all__ = ["solve_with_advice"]
 
 
 def solve_with_advice(
-    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None
-) -> GraspSolution:
+    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None,
+    proof: bool = True,
+) -> GraspSolution:  # fmt: skip
     """As `solve_spec`; NO_EQUILIBRIUM comes with the `required_preload` that would hold, where one is found."""
-    solution = solve_spec(spec, section, solver, start, scene)
+    solution = solve_spec(spec, section, solver, start, scene, proof)
     if solution.status is not Status.NO_EQUILIBRIUM or solution.certificate is not None:  # no squeeze moves a limit
         return solution
     return replace(solution, required_preload=required_preload(spec, section).value)

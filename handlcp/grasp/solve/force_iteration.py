@@ -48,8 +48,9 @@ def under_forces(spec: GraspSpec, forces: Array) -> GraspSpec | str:
 
 
 def solve_again(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NOWHERE
-) -> GraspSolution:
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NOWHERE,
+    proof: bool = True,
+) -> GraspSolution:  # fmt: skip
     """As `stages.solve_built`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
     said of uniqueness holds for the last E.
     """
@@ -63,7 +64,7 @@ def solve_again(
             words = loaded
             break
         now = build(loaded)
-        solution = solve_built(loaded, now, section, solver, where)
+        solution = solve_built(loaded, now, section, solver, where, proof)
         if not solution.held:
             words = f"no answer with the flexibility under these forces, in solve {count}: {solution.status.name}"
             break
@@ -75,7 +76,7 @@ def solve_again(
                 return made
             words = made if change <= FIXED_POINT else words
     if len(start) and (solution is None or (count == 1 and not solution.held)):  # the start led nowhere
-        return solve_again(spec, scene, section, solver)
+        return solve_again(spec, scene, section, solver, proof=proof)
     assert solution is not None  # unloaded fingers always have an E
     trace = (*solution.trace, f"geometric stiffness: {words}")
     if solution.status is Status.NOT_HOLDABLE:  # whatever gives way, no force within friction balances the load

@@ -17,11 +17,12 @@ __all__ = ["solve_spec"]
 
 
 def solve_spec(
-    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None
-) -> GraspSolution:
+    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None,
+    proof: bool = True,
+) -> GraspSolution:  # fmt: skip
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 
-    start : as in `compiled_answer.start_from`. scene : `build(spec)`, where that is known.
+    start : as in `compiled_answer.start_from`. scene : `build(spec)`, where that is known. proof : as in `Grasp.solve`.
     """
     run = solve_again if spec.effects and force_dependent(spec) else solve_built
-    return run(spec, build(spec) if scene is None else scene, section, solver, start)
+    return run(spec, build(spec) if scene is None else scene, section, solver, start, proof)

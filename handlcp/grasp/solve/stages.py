@@ -25,19 +25,20 @@ __all__ = ["answered", "solve_built"]
 
 
 def solve_built(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NOWHERE
-) -> GraspSolution:
-    """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`.
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NOWHERE,
+    proof: bool = True,
+) -> GraspSolution:  # fmt: skip
+    """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`, proof as in `Grasp.solve`.
 
     The first stage of a scene whose effects follow from its data is one compiled call, and for most scenes there is no
     other.
     """
     chain, asked = as_chain(solver), stamped(spec.effects) if spec.effects else ()
     if chain is None or asked:
-        return _in_stages(spec, scene, section, solver, start, None)
+        return _in_stages(spec, scene, section, solver, start, None, proof)
     found = solve_scene(scene, section, chain.seed, start)
     if not found.passes:
-        return _in_stages(spec, scene, section, solver, start, found.proposal)
+        return _in_stages(spec, scene, section, solver, start, found.proposal, proof)
     return answered(spec, scene, section, found)
 
 
@@ -52,8 +53,9 @@ def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAns
 
 
 def _in_stages(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, start: Array, first: Proposal | None
-) -> GraspSolution:
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, start: Array, first: Proposal | None,
+    proof: bool,
+) -> GraspSolution:  # fmt: skip
     """One stage after the other; `first` is the first one's proposal, where that is known."""
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
@@ -78,7 +80,7 @@ def _in_stages(
         return solution
     escapes = "nothing holds it" if solution.certificate is not None else "no proof that nothing holds it"
     solution = replace(solution, trace=(*trace, f"holdability: {escapes}"))
-    if solution.status is Status.UNDECIDED and chain is not None and chain.search_seconds > 0:
+    if solution.status is Status.UNDECIDED and proof and chain is not None and chain.search_seconds > 0:
         assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
         solution = _searched(spec, problem, chain, solution)
     return solution
