@@ -9,7 +9,7 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal, stage_line
 from handlcp.lcp.scaling import Units
 from handlcp.lcp.solve import proposals, solve_lcp
-from handlcp.lcp.solvers.auto import FIRST_STAGE, Auto, as_chain
+from handlcp.lcp.solvers.auto import BRIEFLY, FIRST_STAGE, Auto, as_chain
 from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
@@ -17,6 +17,7 @@ from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.status import Status
 
 __all__ = [
+    "BRIEFLY",
     "FIRST_STAGE",
     "LCP",
     "NSNGRK",

@@ -74,8 +74,8 @@ def _proof(problem: LCP, solver: AnySolver, best: LCPSolution) -> LCPSolution:
     if certificate is not None:
         status, residual, outcome = Status.INFEASIBLE, np.inf, "Farkas vector found"
         z = w = read_only(np.full(problem.n, np.nan))  # so that nobody uses them by accident
-    elif (chain := as_chain(solver)) is not None and chain.search_seconds > 0:
-        exact = search(problem, seconds=chain.search_seconds)
+    elif (chain := as_chain(solver)) is not None and chain.searches:
+        exact = search(problem, work=chain.search_work, end=chain.search_end())
         trace = (*trace, f"{chain.search_stage}: over active sets, {exact.outcome}")
         if exact.z is not None:
             z, outcome = read_only(exact.z * problem.scaled.units.z), trace[-1]

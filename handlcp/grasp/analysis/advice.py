@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from handlcp.check import Array
 from handlcp.grasp.analysis.required import required_preload
@@ -22,8 +23,12 @@ def solve_with_advice(
     spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None,
     proof: bool = True,
 ) -> GraspSolution:  # fmt: skip
-    """As `solve_spec`; NO_EQUILIBRIUM comes with the `required_preload` that would hold, where one is found."""
+    """As `solve_spec`; NO_EQUILIBRIUM can be asked for the `required_preload` that would hold."""
     solution = solve_spec(spec, section, solver, start, scene, proof)
     if solution.status is not Status.NO_EQUILIBRIUM or solution.certificate is not None:  # no squeeze moves a limit
         return solution
-    return replace(solution, required_preload=required_preload(spec, section).value)
+    return replace(solution, advise=partial(_squeeze, spec, section))
+
+
+def _squeeze(spec: GraspSpec, section: Section) -> float | None:
+    return required_preload(spec, section).value

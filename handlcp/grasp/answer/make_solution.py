@@ -19,11 +19,10 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.verify.contact_laws import in_world
-from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.grasp.verify.judge import Residuals, Verdict, judge
 from handlcp.lcp import Status
 
-__all__ = ["Judged", "candidate_of", "make_solution", "solution_of", "without_numbers"]
+__all__ = ["Judged", "candidate_of", "make_solution", "not_holdable", "solution_of", "without_numbers"]
 
 
 class Judged(NamedTuple):
@@ -37,16 +36,8 @@ class Judged(NamedTuple):
 def make_solution(
     spec: GraspSpec, scene: Scene, section: Section, effects: tuple[Effect, ...], judged: Judged, trace: tuple[str, ...]
 ) -> GraspSolution:
-    """The solution that the certifier's verdict allows; where it allows none, the proof that nothing holds, if any.
-
-    effects : all that were stamped.
-    """
+    """The solution from a candidate that the certifier passes; effects : all that were stamped."""
     candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
-    if not verdict.residuals.passes:
-        made = without_numbers(spec, scene, verdict.residuals, judged.iterations, trace)
-        if (twist := escaping_twist(scene, section)) is not None:
-            made = replace(made, status=Status.NOT_HOLDABLE, certificate=read_only(shifted(twist, arm)))
-        return made
     states = classify(scene, section, candidate, verdict)
     if not all(e.only_limits for e in effects):
         return solution_of(spec, scene, judged, names_of(states.kind), None, trace, arm)
@@ -85,6 +76,12 @@ def solution_of(
         iterations=judged.iterations, trace=trace, extra=candidate.extra, torsion=torsion, spin=spin, scene=scene,
         reference=spec.reference, **read,
     )  # fmt: skip
+
+
+def not_holdable(made: GraspSolution, spec: GraspSpec, scene: Scene, twist: Array) -> GraspSolution:
+    """The solution without numbers, with the proof that nothing holds: a motion (6,) about the contacts' centre."""
+    certificate = read_only(shifted(twist, spec.reference - scene.units.centre))
+    return replace(made, status=Status.NOT_HOLDABLE, certificate=certificate)
 
 
 def without_numbers(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -46,8 +47,7 @@ class GraspSolution:
         stands in the way, in words, where it is known. yielding : with a certificate, how far each limit gives way, by
         name, SI.
     accuracy : what was asked for with `solve(accuracy=...)`, and what was reached; None otherwise.
-    required_preload : for NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one was found.
-    scene, reference : what was solved, for `diagnosis`.
+    advise : finds `required_preload`; None: nothing to find. scene, reference : what was solved, for `diagnosis`.
     """
 
     status: Status
@@ -67,10 +67,10 @@ class GraspSolution:
     bounds: tuple[float, float] | None = None
     cause: str = ""
     yielding: dict[str, Array] = field(default_factory=dict)
-    required_preload: float | None = None
     accuracy: Accuracy | None = None
     torsion: Array | None = None
     spin: Array | None = None
+    advise: Callable[[], float | None] | None = field(default=None, repr=False, compare=False)
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
 
@@ -82,6 +82,13 @@ class GraspSolution:
     def held(self) -> bool:
         """Whether a certified equilibrium exists. A hand's joints may not bear it: `torque_check` says so."""
         return self.status is Status.SOLVED
+
+    @cached_property
+    def required_preload(self) -> float | None:
+        """For NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one is found: many solves, made
+        when it is first asked for. None otherwise.
+        """
+        return None if self.advise is None else self.advise()
 
     @cached_property
     def diagnosis(self) -> str:

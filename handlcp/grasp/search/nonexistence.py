@@ -1,16 +1,17 @@
 """Where the solvers fail on a grasp that could be held: an exact search, for an answer or the proof of none.
 
 limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
-pyramids, a plane      every choice of contact modes (`mode_walk`) where they are few enough
-the cone               every choice of modes on a pyramid of four faces, whose equilibria are places to start from
-then                   the mixed-integer program over contact modes (`lcp.mode_program`), on polyhedra over the active
-sets of the LCP with a multiplier a face (`lcp.search`)
+contact modes          all of them at once (`lcp.mode_search`): pyramids and planes exactly, the cone by arcs that are
+                       refined where they do not decide
+moments, with faces    the active sets of the LCP with a multiplier a face (`lcp.search`)
+
+Budgets count multiply-adds, so that what is proven depends on no clock.
 """
 
 from __future__ import annotations
 
-import time
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,19 +22,16 @@ from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.search.mode_table import PER_SECOND, coarse, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.verify.holdable import jammed, least_total
 from handlcp.grasp.verify.limit_load import overload
-from handlcp.lcp.mode_program import ModeProgram
+from handlcp.lcp.mode_search import ModeSearch
 from handlcp.lcp.search import search
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["Outcome", "over_modes", "search_equilibrium"]
+__all__ = ["EquilibriumSearch", "Outcome", "OverModes"]
 
-_COARSE = 4  # faces of the pyramid that is searched before the cone
 _WIDE = 1e3  # of the box in which nothing is proven to exist, times 1 + max|d̂|
-_CUTS = 8  # choices of modes that the certifier refuses before the search gives up
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,17 +51,70 @@ class Outcome:
     yielding: dict[str, Array] = field(default_factory=dict)
 
 
-def search_equilibrium(problem: GraspContactProblem, seconds: float) -> Outcome:
-    """Search for an equilibrium of a grasp that could be held. May take 1.5 times the seconds."""
+class EquilibriumSearch:
+    """The search of one grasp that could be held. It can be paused: `run` goes on where it stopped."""
+
+    def __init__(self, problem: GraspContactProblem) -> None:
+        self.problem, self._at_once = problem, _at_once(problem)
+        self._modes = None if self._at_once is not None or _moments_with_faces(problem) else OverModes(problem)
+
+    def run(self, work: float, end: float = math.inf) -> Outcome:
+        """What is known after so many multiply-adds in all; end : of `time.monotonic`, if earlier."""
+        if self._at_once is not None:
+            return self._at_once
+        problem, scene = self.problem, self.problem.scene
+        found = _on_active_sets(problem, work, end) if self._modes is None else self._modes.run(work, end)
+        if found.bounds is not None and not any(e.present(scene) for e in problem.effects) and jammed(scene):
+            return replace(found, cause="rigid fingers cannot give way to the squeeze")
+        return found
+
+    @property
+    def brief(self) -> bool:
+        """Whether a small budget may decide: a search over active sets begins anew each time."""
+        return self._at_once is not None or self._modes is not None
+
+
+def _at_once(problem: GraspContactProblem) -> Outcome | None:
+    """What is known without a search."""
     scene, effects, section = problem.scene, problem.effects, problem.section
     if not only_limits_move(problem):
         return Outcome("impossible, an effect moves the contacts by more than limits that give way")
-    if (proof := overload(scene, section, effects)) is not None:
-        return _overloaded(scene, section, effects, proof)
-    found = _on_cone(problem, seconds) if not section.faces else _on_faces(problem, seconds)
-    if found.bounds is not None and not any(e.present(scene) for e in effects) and jammed(scene):
-        return Outcome(found.words, bounds=found.bounds, cause="rigid fingers cannot give way to the squeeze")
-    return found
+    proof = overload(scene, section, effects)
+    return None if proof is None else _overloaded(scene, section, effects, proof)
+
+
+def _moments_with_faces(problem: GraspContactProblem) -> bool:
+    """Whether some contact has a polyhedron, whose faces the modes do not know."""
+    return bool(problem.faces and problem.scene.soft)
+
+
+class OverModes:
+    """The search over contact modes.
+
+    bound : of normal forces, gaps and slips in natural units, as far as "none" is claimed; None: a thousand, and more
+    where the offsets are large.
+    """
+
+    def __init__(self, problem: GraspContactProblem, bound: float | None = None) -> None:
+        self.problem = problem
+        self._bounds = _wide(problem.scene) if bound is None else _si(problem.scene, bound)
+        b = self._bounds[0] / problem.scene.units.force
+        most_x, most_y = np.full((2, problem.n), b)
+        most_y[problem.limited] = _slack(problem, b)
+        self._search = ModeSearch(problem, most_x, most_y)
+
+    def run(self, work: float, end: float = math.inf) -> Outcome:
+        """As `EquilibriumSearch.run`."""
+        for x in self._search.candidates(work, end):
+            if (candidate := first_certified(self.problem, [self.problem.candidate(x)])) is not None:
+                return Outcome(f"{self._words} solution", candidate)
+        if self._search.none:
+            return Outcome(f"{self._words} none", bounds=self._bounds)
+        return Outcome(f"{self._words} unknown")
+
+    @property
+    def _words(self) -> str:
+        return f"{self._search.nodes:,} choices of contact modes,"
 
 
 def _wide(scene: Scene) -> tuple[float, float]:
@@ -97,65 +148,15 @@ def _overloaded(scene: Scene, section: Section, effects: tuple[Effect, ...], pro
     return Outcome("limits on the forces, none", None, _wide(scene), cause, t, yielding)
 
 
-def _on_faces(problem: GraspContactProblem, seconds: float) -> Outcome:
-    """By all choices of contact modes where they are few and leave no doubt, else by the active sets of the LCP."""
-    table, end = mode_table(problem), time.monotonic() + seconds
-    if table is not None and table.choices <= PER_SECOND * seconds:
-        candidates, every = table.visit()
-        # The walk counts by its choices, not by the clock: it may have been compiled first
-        end = time.monotonic() + seconds - table.choices / PER_SECOND
-        words, doubtful = f"all {table.choices:,.0f} choices of contact modes,", not every
-        for c in candidates:
-            if c is not None:
-                if (candidate := first_certified(problem, [c])) is not None:
-                    return Outcome(f"{words} solution", candidate)
-                doubtful = True
-            if time.monotonic() > end:
-                doubtful = True
-                break
-        if not doubtful:
-            return Outcome(f"{words} none", bounds=_wide(problem.scene))
-    return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
-
-
-def _on_active_sets(problem: GraspContactProblem, seconds: float) -> Outcome:
+def _on_active_sets(problem: GraspContactProblem, work: float, end: float) -> Outcome:
     """By the active sets of the LCP with a multiplier a face."""
     lcp = GraspProblem(problem)
-    result = search(lcp, seconds=seconds, accept=lambda z: passes(problem, lcp.candidate(z)))
+    result = search(lcp, work=work, end=end, accept=lambda z: passes(problem, lcp.candidate(z)))
     words = f"over active sets, {result.outcome}"
     if result.z is not None:
         return Outcome(words, lcp.candidate(result.z))
     size = float(result.bound_z[~lcp.free].max(initial=0.0))
     return Outcome(words, bounds=_si(problem.scene, size) if result.none_exists else None)
-
-
-def _on_cone(problem: GraspContactProblem, seconds: float) -> Outcome:
-    """From all equilibria of a coarse pyramid, then by the mixed-integer program."""
-    end = time.monotonic() + seconds
-    near = (c for c in coarse(problem, _COARSE, 0.5 * seconds) if c is not None)
-    if (candidate := first_certified(problem, near)) is not None:
-        return Outcome(f"from the pyramid of {_COARSE} faces, solution", candidate)
-    return over_modes(problem, max(end, time.monotonic() + 0.5 * seconds))
-
-
-def over_modes(problem: GraspContactProblem, end: float, bound: float | None = None) -> Outcome:
-    """By the mixed-integer program over contact modes; end : of `time.monotonic`.
-
-    bound : of normal forces, gaps and slips in natural units, as far as "none" is claimed; None: a thousand.
-    """
-    if problem.faces and problem.scene.soft:  # it knows no polyhedra
-        return _on_active_sets(problem, max(end - time.monotonic(), 1e-9))
-    bounds, none = _wide(problem.scene) if bound is None else _si(problem.scene, bound), True
-    b = bounds[0] / problem.scene.units.force
-    most_x, most_y = np.full((2, problem.n), b)
-    most_y[problem.limited] = _slack(problem, b)
-    program = ModeProgram(problem, most_x, most_y)
-    for points in program.visit(end, _CUTS):
-        if (candidate := first_certified(problem, (problem.candidate(x) for x in points))) is not None:
-            return Outcome("over contact modes, solution", candidate)
-        none = False
-    none = none and program.exhausted
-    return Outcome(f"over contact modes, {'none' if none else 'unknown'}", bounds=bounds if none else None)
 
 
 def _slack(problem: GraspContactProblem, b: float) -> Array:

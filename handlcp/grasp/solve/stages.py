@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from dataclasses import replace
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.make_solution import Judged, make_solution, solution_of
+from handlcp.grasp.answer.make_solution import Judged, make_solution, not_holdable, solution_of, without_numbers
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
-from handlcp.grasp.assembly.problem import assemble
+from handlcp.grasp.assembly.problem import AnyProblem, assemble
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
-from handlcp.grasp.search.nonexistence import search_equilibrium
+from handlcp.grasp.search.nonexistence import EquilibriumSearch, Outcome
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
+from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.grasp.verify.judge import Verdict, judge
-from handlcp.lcp import FIRST_STAGE, Auto, Proposal, Status, as_chain, proposals, stage_line
+from handlcp.lcp import BRIEFLY, FIRST_STAGE, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
 
 __all__ = ["answered", "solve_built"]
+
+_BRIEF = 2e7  # multiply-adds, some hundredths of a second: most proofs take less, and so do most of its answers
 
 
 def solve_built(
@@ -60,46 +65,81 @@ def _in_stages(
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
     problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped(spec.effects))
-    trace: list[str] = []
-    best: Judged | None = None
     begin: Array | None = None
     if len(start):
         twist = shifted(start[-9:-3], scene.units.centre - start[-3:])
         begin = problem.natural(Candidate(start[:-9], twist, {}, len(scene.soft)))
-    for name, proposal in proposals(problem, solver, begin, first):
-        candidate = problem.candidate(proposal.z)
-        verdict = judge(scene, problem.effects, section, candidate)
-        trace.append(stage_line(name, proposal.outcome, proposal.iterations, verdict.residuals.worst))
-        if best is None or verdict.residuals.worst < best.verdict.residuals.worst:
-            best = Judged(candidate, verdict, proposal.iterations)
-        if verdict.residuals.passes:
-            break
-    assert best is not None  # every solver proposes something
-    solution = make_solution(spec, scene, section, problem.effects, best, tuple(trace))
-    if solution.held:
-        return solution
-    escapes = "nothing holds it" if solution.certificate is not None else "no proof that nothing holds it"
-    solution = replace(solution, trace=(*trace, f"holdability: {escapes}"))
-    if solution.status is Status.UNDECIDED and proof and chain is not None and chain.search_seconds > 0:
-        assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
-        solution = _searched(spec, problem, chain, solution)
-    return solution
+    run = _Run(spec, problem)
+    stages = proposals(problem, solver, begin, first)
+    if run.solved(itertools.islice(stages, 1)) or run.escapes() or chain is None or not proof:
+        return run.solution()
+    assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
+    search = EquilibriumSearch(problem) if chain.searches else None
+    if search is not None and search.brief and run.searched(search, chain, min(_BRIEF, chain.search_work), BRIEFLY):
+        return run.solution()
+    if not run.solved(stages) and search is not None:
+        run.searched(search, chain, chain.search_work, chain.search_stage)
+    return run.solution()
 
 
-def _searched(spec: GraspSpec, problem: GraspContactProblem, chain: Auto, solution: GraspSolution) -> GraspSolution:
-    """The chain's last stage: an exact search, for an answer or for the proof that there is none."""
-    scene, section = problem.scene, problem.section
-    found = search_equilibrium(problem, chain.search_seconds)
-    trace = (*solution.trace, f"{chain.search_stage}: {found.words}")
-    if found.candidate is not None:
-        judged = Judged(found.candidate, judge(scene, problem.effects, section, found.candidate), solution.iterations)
-        return make_solution(spec, scene, section, problem.effects, judged, trace)
-    if found.bounds is None:
-        return replace(solution, trace=trace)
-    certificate = None
-    if found.escape is not None:
-        certificate = read_only(shifted(scene.twist(found.escape), spec.reference - scene.units.centre))
-    return replace(
-        solution, status=Status.NO_EQUILIBRIUM, bounds=found.bounds, cause=found.cause, certificate=certificate,
-        yielding=found.yielding, trace=trace,
-    )  # fmt: skip
+class _Run:
+    """The stages of one solve so far: what they found, what is proven, and a line of each."""
+
+    def __init__(self, spec: GraspSpec, problem: AnyProblem) -> None:
+        self.spec, self.problem, self.scene = spec, problem, problem.scene
+        self.trace: list[str] = []
+        self.best: Judged | None = None
+        self.escape: Array | None = None
+        self.proof: Outcome | None = None
+
+    def solved(self, stages: Iterable[tuple[str, Proposal]]) -> bool:
+        """Whether one of these stages leads to an answer."""
+        for name, proposal in stages:
+            judged = self._judged(self.problem.candidate(proposal.z), proposal.iterations)
+            worst = judged.verdict.residuals.worst
+            self.trace.append(stage_line(name, proposal.outcome, proposal.iterations, worst))
+            if self.best is None or worst < self.best.verdict.residuals.worst:
+                self.best = judged
+            if judged.verdict.residuals.passes:
+                return True
+        return False
+
+    def escapes(self) -> bool:
+        """Whether it is proven that nothing holds the object."""
+        self.escape = escaping_twist(self.scene, self.problem.section)
+        proof = "no proof that nothing holds it" if self.escape is None else "nothing holds it"
+        self.trace.append(f"holdability: {proof}")
+        return self.escape is not None
+
+    def searched(self, search: EquilibriumSearch, chain: Auto, work: float, name: str) -> bool:
+        """Whether the search decides within its budget."""
+        found = search.run(work, chain.search_end())
+        self.trace.append(f"{name}: {found.words}")
+        if found.candidate is not None:
+            self.best = self._judged(found.candidate, 0 if self.best is None else self.best.iterations)
+        elif found.bounds is not None:
+            self.proof = found
+        return found.candidate is not None or found.bounds is not None
+
+    def _judged(self, candidate: Candidate, iterations: int) -> Judged:
+        verdict = judge(self.scene, self.problem.effects, self.problem.section, candidate)
+        return Judged(candidate, verdict, iterations)
+
+    def solution(self) -> GraspSolution:
+        """What all this comes to."""
+        assert self.best is not None  # every solver proposes something
+        spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.verdict.residuals
+        if residuals.passes:
+            return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace)
+        made = without_numbers(spec, scene, residuals, self.best.iterations, trace)
+        if self.escape is not None:
+            return not_holdable(made, spec, scene, self.escape)
+        if (found := self.proof) is None:
+            return made
+        certificate = None
+        if found.escape is not None:
+            certificate = read_only(shifted(scene.twist(found.escape), spec.reference - scene.units.centre))
+        return replace(
+            made, status=Status.NO_EQUILIBRIUM, bounds=found.bounds, cause=found.cause, certificate=certificate,
+            yielding=found.yielding,
+        )  # fmt: skip

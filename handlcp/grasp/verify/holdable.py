@@ -12,35 +12,39 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.verify.escape import BALANCED, ESCAPES, find_escape
 from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["escaping_twist", "generators", "is_escape", "jammed", "least_total"]
+__all__ = ["escape_of", "escaping_twist", "generators", "is_escape", "jammed", "least_total"]
 
 
 def escaping_twist(scene: Scene, section: Section) -> Array | None:
     """(6,) certified motion about the contacts' centre in which the object escapes, for one metre of travel.
 
     None: some force in the friction pyramids balances the load, or no proof was found that none does.
-
-    t = load + W a with the a ≥ 0 that makes it smallest: what is left of the load when the fingers do all they can. By
-    the optimality of a, Wᵀt ≥ 0 and load·t = |t|², so t is the proof as well as the direction in which the object
-    goes. The point is then checked by its signs alone.
     """
-    from scipy.optimize import linprog, nnls  # half a second of import that only a failed solve should pay
+    t = np.zeros(scene.dof)
+    own, every = scene.kind.contact_components, scene.natural.every
+    found = find_escape(every, scene.natural.w, own, scene.limits(section), section.faces, t)
+    if found == BALANCED:
+        return None
+    return escape_of(scene, t) if found == ESCAPES else _vertex(scene, section)
+
+
+def escape_of(scene: Scene, t: Array) -> Array:
+    """(6,) the motion t (dof,), natural units, in SI, for one metre of travel."""
+    return read_only(scene.twist(t / float(np.sqrt(t @ t))) / scene.units.motion)
+
+
+def _vertex(scene: Scene, section: Section) -> Array | None:
+    """A linear program's vertex keeps every sign, but is an arbitrary one of the motions in which it escapes."""
+    from scipy.optimize import linprog  # half a second of import that few failed solves should pay
 
     load, (_, W) = scene.natural.w, generators(scene, section)
     W = W if W.size else np.zeros((scene.dof, 1))
-    t = load + W @ nnls(W, -load)[0]
-    if not is_escape(scene, section, t):
-        # Generators that depend on each other can stop nnls early; a linear program's vertex keeps every sign, but
-        # is an arbitrary one of the motions in which the object escapes
-        lp = linprog(-load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
-        if lp.x is None or not is_escape(scene, section, lp.x):
-            return None
-        t = lp.x
-    size = float(np.sqrt(t @ t))
-    return read_only(scene.twist(t / size) / scene.units.motion)
+    lp = linprog(-load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
+    return escape_of(scene, lp.x) if lp.x is not None and is_escape(scene, section, lp.x) else None
 
 
 def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effect, ...] = ()) -> bool:

@@ -7,6 +7,8 @@ own pyramid, and Newton's method from its answer, solve nearly all others. What 
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
@@ -26,11 +28,12 @@ from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
 
-__all__ = ["FIRST_STAGE", "Auto", "as_chain"]
+__all__ = ["BRIEFLY", "FIRST_STAGE", "Auto", "as_chain"]
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
 FIRST_STAGE = "NSNGRK, Newton first"
+BRIEFLY = "search, briefly"
 _PLAIN = "NSNGRK"
 _ON_SET = ", on the friction set"  # ends the names of stages that work on an LCP's contact form
 _FACES = (16, 4)  # of pyramids whose answers are worth a start, besides the own or one of 8 faces
@@ -52,18 +55,22 @@ class Auto:
 
     seed : of the first run; later runs use the seeds that follow.
     restarts : NSNGRK runs with other seeds on LCPs without a contact form, after all else.
-    search_seconds : time for the exact search over all contact modes or active sets, which finds a solution or, for a
-        grasp, proves that there is none within bounds. 0: no search.
+    search_work : multiply-adds for the exact search over all contact modes or active sets, which finds a solution or
+        proves that there is none within bounds; 5e8 are about a second. 0: no search. The same work has the same end on
+        any machine; search_seconds : a limit in time besides, which has not.
     """
 
     seed: int = 0
     restarts: int = 1
-    search_seconds: float = 2.0
+    search_work: float = 5e8
+    search_seconds: float = math.inf
 
     def __post_init__(self) -> None:
         for name in ("seed", "restarts"):
             integer(name, getattr(self, name), 0)
-        number("search_seconds", self.search_seconds, minimum=0.0)
+        number("search_work", self.search_work, minimum=0.0)
+        if self.search_seconds != math.inf:
+            number("search_seconds", self.search_seconds, minimum=0.0)
 
     def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a plain LCP, each computed when asked for."""
@@ -86,7 +93,7 @@ class Auto:
         solution's `trace` begins its lines with these names. The end of a contact problem's plan is what `Grasp.solve`
         does; `solve_lcp` stops before it. Raises InputError for anything but a problem.
         """
-        search = (self.search_stage,) if self.search_seconds > 0 else ()
+        search = (self.search_stage,) if self.searches else ()
         if isinstance(problem, ContactProblem):
             names = tuple(name for name, _ in self._on_contacts(problem, None, None))
             return (*names, "holdability", *search) if hasattr(problem, "scene") else names
@@ -97,7 +104,17 @@ class Auto:
     @property
     def search_stage(self) -> str:
         """Name of the exact search in plans and traces."""
-        return f"search, {self.search_seconds:g} s at most"
+        clock = "" if self.search_seconds == math.inf else f" or {self.search_seconds:g} s"
+        return f"search, {self.search_work:.0e} multiply-adds{clock} at most"
+
+    @property
+    def searches(self) -> bool:
+        """Whether there is an exact search."""
+        return self.search_work > 0 and self.search_seconds > 0
+
+    def search_end(self) -> float:
+        """When a search that begins now has to end, of `time.monotonic`."""
+        return time.monotonic() + self.search_seconds
 
     def _on_lcp(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
         if start is None and isinstance(problem, WithMultipliers):

@@ -1,0 +1,177 @@
+"""All choices of contact modes at once: a tree, whose branches are cut off where no force and motion fits them.
+
+At each node some contacts have a mode, the others any. `mode_fit` asks whether anything fits; if not, a proof of that
+is checked, and nothing below is visited. If so, the contact that misses its law by most is given each of its modes in
+turn, or its patch is split. Where all laws hold, there is an answer.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.lcp.kernels.active_columns import Active, new_active
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.mode_fit import fit, proves_none, put_parts
+from handlcp.lcp.kernels.mode_generators import ANY, OPEN, SLIDES, STUCK, Cones, first_patch, parts, patches, split
+from handlcp.lcp.kernels.projection import nearest
+
+__all__ = ["CANDIDATE", "EXHAUSTED", "SPENT", "Tree", "advance", "new_tree"]
+
+EXHAUSTED, CANDIDATE, SPENT = 0, 1, 2  # why `advance` returned
+_HOLDS = 1e-9  # of the largest force and motion: a contact's law holds
+_FINEST = 14  # splits of an arc, after which it is 1e-4 rad wide; of a triangle half as many
+
+
+class Tree(NamedTuple):
+    """Nodes still to visit, the last one first. For each node: codes (k, n), corners (k, n, 3, 3) and splits (k, n) of
+    the contacts; and generators to begin its fit with, warm (k, R + 1, 6): owner or -1, kind, components.
+
+    counts (5,) : nodes still to visit, nodes visited, candidates that end their branch, fits without a proof,
+    multiply-adds spent.
+    """
+
+    codes: Ints
+    corners: Array
+    splits: Ints
+    warm: Array
+    counts: Ints
+
+
+@kernel
+def new_tree(c: Cones) -> Tree:
+    """The tree with its root: every contact may do anything."""
+    n, R = len(c.tangents), c.columns.shape[0]
+    room = 2
+    for i in range(n):
+        room += 2 + patches(c.tangents[i]) + (4 * _FINEST if c.tangents[i] > 1 else 0)
+    tree = Tree(
+        np.zeros((room, n), np.int64), np.zeros((room, n, 3, 3)), np.zeros((room, n), np.int64),
+        np.full((room, R + 1, 6), -1.0), np.zeros(5, np.int64),
+    )  # fmt: skip
+    tree.counts[0] = 1
+    return tree
+
+
+@kernel
+def advance(
+    t: Tree, c: Cones, b: Array, normals: Array, most: Array, slack: float, work: int, x: Array, y: Array
+) -> int:
+    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in x and y (n, 4).
+
+    b (R,) : what the equations ask for. normals : as in `ContactProblem`. most, slack : as in `proves_none`.
+    """
+    n, a, end = len(c.tangents), new_active(b), t.counts[4] + work
+    codes, corners, splits = np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64)
+    while t.counts[0] > 0:
+        if t.counts[4] >= end:
+            return SPENT
+        at = t.counts[0] - 1
+        codes[:], corners[:, :, :], splits[:] = t.codes[at], t.corners[at], t.splits[at]
+        _warm(t, at, a)
+        t.counts[0], t.counts[1] = at, t.counts[1] + 1
+        left, spent = fit(c, codes, corners, a)
+        t.counts[4] += spent
+        if left > 0.0 and proves_none(c, codes, corners, a.rest, b, most, slack):
+            continue
+        put_parts(a, x, y)
+        worst = _worst(c, codes, corners, splits, normals, x, y)
+        if worst < 0:
+            for i in range(n):
+                worst = i if codes[i] == ANY else worst
+            if worst >= 0:  # should the answer be refused, there may be another below
+                _branch(t, c, a, codes, corners, splits, worst, x, y)
+            else:
+                t.counts[2] += 1
+            return CANDIDATE
+        decided = codes[worst] != ANY and splits[worst] % 4 == 0
+        _branch(t, c, a, codes, corners, splits, worst, x, y)
+        if decided and np.all(codes != ANY):
+            return CANDIDATE
+    return EXHAUSTED
+
+
+@kernel
+def _warm(t: Tree, at: int, a: Active) -> None:
+    """Begin with the generators of the node above, but those of the contact that was branched on."""
+    k = 0
+    for s in range(len(a.b)):
+        if t.warm[at, s, 0] >= 0.0:
+            a.owner[k], a.kind[k] = int(t.warm[at, s, 0]), int(t.warm[at, s, 1])
+            a.of[k, :] = t.warm[at, s, 2:]
+            k += 1
+    a.used[0] = k
+
+
+@kernel
+def _worst(
+    c: Cones, codes: Ints, corners: Array, splits: Ints, normals: Array, x: Array, y: Array
+) -> int:  # fmt: skip
+    """The contact that misses its law by most among those that can be branched on; -1: none, or all laws hold."""
+    size = max(1.0, np.max(np.abs(x)), np.max(np.abs(y)))
+    worst, most = -1, _HOLDS * size
+    for i in range(len(codes)):
+        d = c.tangents[i]
+        finest = _FINEST // 2 if d == 3 else _FINEST
+        if codes[i] == OPEN or codes[i] == STUCK:
+            continue
+        if codes[i] == SLIDES and (splits[i] >= finest or parts(corners[i], d, c.faces) == 0):
+            continue
+        miss = _miss(c, i, normals, x[i], y[i])
+        if miss > most:
+            worst, most = i, miss
+    return worst
+
+
+@kernel
+def _miss(c: Cones, i: int, normals: Array, x: Array, y: Array) -> float:
+    """By how much force x (4,) and motion y (4,) miss the law of contact i (the natural residual)."""
+    d, s, P, D = c.tangents[i], np.zeros(3), np.zeros(3), np.zeros((3, 4))
+    miss = abs(min(x[0], y[0]))
+    if d > 0:
+        for k in range(d):
+            s[k] = x[1 + k] - y[1 + k]
+        nearest(s, d, c.limits[i] * max(x[0], 0.0), 0.0, c.faces, normals, P, D)
+        for k in range(d):
+            miss = max(miss, abs(x[1 + k] - P[k]))
+    return float(miss)
+
+
+@kernel
+def _branch(
+    t: Tree, c: Cones, a: Active, codes: Ints, corners: Array, splits: Ints, i: int, x: Array, y: Array
+) -> None:  # fmt: skip
+    """Put the nodes below this one, in which contact i has each of its modes or patches, the likeliest last."""
+    d = c.tangents[i]
+    if codes[i] == SLIDES:
+        for k in range(parts(corners[i], d, c.faces)):
+            at = _put(t, a, codes, corners, splits, i)
+            split(corners[i], k, d, c.faces, t.corners[at, i])
+            t.splits[at, i] += 1
+        return
+    for k in range(patches(d)):
+        at = _put(t, a, codes, corners, splits, i)
+        t.codes[at, i] = SLIDES
+        first_patch(k, d, c.faces, t.corners[at, i])
+    force, motion = 0.0, 0.0
+    for q in range(4):
+        force, motion = max(force, abs(x[i, q])), max(motion, abs(y[i, q]))
+    for k in range(2):
+        at = _put(t, a, codes, corners, splits, i)
+        t.codes[at, i] = OPEN if (k == 0) == (force > motion) else STUCK
+
+
+@kernel
+def _put(t: Tree, a: Active, codes: Ints, corners: Array, splits: Ints, i: int) -> int:
+    """One more node, as the one that is visited; returns its place."""
+    at = t.counts[0]
+    t.codes[at], t.corners[at], t.splits[at] = codes, corners, splits
+    t.warm[at, :, 0] = -1.0
+    for s in range(a.used[0]):
+        if a.owner[s] != i:
+            t.warm[at, s, 0], t.warm[at, s, 1] = a.owner[s], a.kind[s]
+            t.warm[at, s, 2:] = a.of[s]
+    t.counts[0] = at + 1
+    return int(at)

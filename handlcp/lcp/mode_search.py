@@ -1,0 +1,106 @@
+"""Every choice of modes of a contact problem at once: answers, or the proof that there is none.
+
+Pairs are open or closed; contacts with friction are open, stick, or slide somewhere. With N orthogonal to the columns
+of the free unknowns, M x + q = y becomes Nᵀ M x - Nᵀ y = -Nᵀ q in the others' forces x and motions y, and a tree of
+modes asks what fits (`kernels.mode_search`).
+
+What is cut off is proven, each time, by signs that allow for rounding, within bounds on forces and motions that are far
+beyond any grasp. An answer is only a candidate: one that its caller refuses forbids the claim that there is none.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.kernels.mode_generators import Cones
+from handlcp.lcp.kernels.mode_search import CANDIDATE, EXHAUSTED, advance, new_tree
+from handlcp.tolerances import RANK
+
+__all__ = ["ModeSearch"]
+
+_PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
+_MOST_REFUSED = 8  # candidates at the end of their branch; then the search gives up
+_EARLY = 30  # candidates further up that are handed out: where they help, the first ones do
+
+
+class ModeSearch:
+    """A search that can be paused: `candidates` goes on where it stopped.
+
+    most_x, most_y (n,) : bounds of pairs and normal unknowns, and of their motions, within which "none" is claimed,
+    natural units; those of a normal unknown hold for its contact's tangents as well. There are no contacts with three
+    tangents beside faces.
+    """
+
+    def __init__(self, problem: ContactProblem, most_x: Array, most_y: Array) -> None:
+        self.problem, self.exhausted = problem, False
+        friction = {int(b[0]): (b[b >= 0], float(mu)) for b, mu in zip(problem.blocks, problem.limits, strict=True)}
+        own = [friction.get(i, (np.array([i]), 0.0)) for i in np.flatnonzero(problem.role == 1).tolist()]
+        self._own, self._free = [places for places, _ in own], np.flatnonzero(problem.role == 0)
+        self._U, size, self._V = np.linalg.svd(problem.M[:, self._free])
+        self._size = size[size > RANK * size.max(initial=0.0)]
+        N = self._U[:, len(self._size) :]
+        R, MN = N.shape[1], N.T @ problem.M
+        columns = np.zeros((R, len(own), 2, 4))
+        for i, places in enumerate(self._own):
+            columns[:, i, 0, : len(places)] = MN[:, places]
+            columns[:, i, 1, : len(places)] = -N[places].T
+        products = np.ascontiguousarray(np.einsum("rika,rikb->ikab", columns, columns))
+        tangents, limits = np.array([len(p) - 1 for p in self._own]), np.array([mu for _, mu in own])
+        self._cones = Cones(columns.reshape(R, len(own), 8), products, tangents, limits, problem.faces)
+        first = [places[0] for places in self._own]
+        self._most = np.column_stack([most_x[first], most_y[first]])
+        # What N leaves of the free unknowns' columns, by rounding, with unknowns as large as any bound
+        self._slack = RANK * size.max(initial=0.0) * float(self._most.max(initial=0.0))
+        self._b, self._tree = -N.T @ problem.q, new_tree(self._cones)
+        self._early = 0
+        self._x, self._y = np.zeros((len(own), 4)), np.zeros((len(own), 4))
+
+    @property
+    def nodes(self) -> int:
+        """How many nodes of the tree were visited."""
+        return int(self._tree.counts[1])
+
+    @property
+    def refused(self) -> int:
+        """How many candidates ended their branch without being accepted."""
+        return int(self._tree.counts[2])
+
+    @property
+    def none(self) -> bool:
+        """Whether it is proven that there is no answer within the bounds, unless one was accepted."""
+        return self.exhausted and not self.refused
+
+    def candidates(self, work: float, end: float = math.inf) -> Iterator[Array]:
+        """(n,) each, natural units: what may be an answer, or near one, until so many multiply-adds were spent in all.
+
+        end : of `time.monotonic`, if earlier.
+        """
+        counts = self._tree.counts
+        while not self.exhausted and counts[2] <= _MOST_REFUSED:
+            if (left := work - counts[4]) <= 0 or time.monotonic() > end:
+                return
+            ended = int(counts[2])
+            what = advance(
+                self._tree, self._cones, self._b, self.problem.sets.normals, self._most, self._slack,
+                int(min(left, _PAUSE)), self._x, self._y,
+            )  # fmt: skip
+            self.exhausted = what == EXHAUSTED
+            if what == CANDIDATE and (counts[2] > ended or self._early < _EARLY):
+                self._early += counts[2] == ended
+                yield self._unknowns()
+
+    def _unknowns(self) -> Array:
+        """All unknowns, from forces and motions of the contacts: the free ones fit M x + q = y best."""
+        p = self.problem
+        x, y = np.zeros(p.n), np.zeros(p.n)
+        for i, places in enumerate(self._own):
+            x[places], y[places] = self._x[i, : len(places)], self._y[i, : len(places)]
+        k = len(self._size)
+        x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - p.q - p.M @ x)) / self._size)
+        return x
