@@ -51,9 +51,10 @@ class ModeSearch:
             columns[:, i, 0, : len(places)] = MN[:, places]
             columns[:, i, 1, : len(places)] = -N[places].T
         products = np.ascontiguousarray(np.einsum("rika,rikb->ikab", columns, columns))
-        tangents, limits = np.array([len(p) - 1 for p in self._own]), np.array([mu for _, mu in own])
+        tangents = np.array([len(places) - 1 for places in self._own], dtype=np.int64)
+        limits = np.array([mu for _, mu in own], dtype=float)
         self._cones = Cones(columns.reshape(R, len(own), 8), products, tangents, limits, problem.faces)
-        first = [places[0] for places in self._own]
+        first = np.array([places[0] for places in self._own], dtype=np.int64)
         self._most = np.column_stack([most_x[first], most_y[first]])
         # What N leaves of the free unknowns' columns, by rounding, with unknowns as large as any bound
         self._slack = RANK * size.max(initial=0.0) * float(self._most.max(initial=0.0))

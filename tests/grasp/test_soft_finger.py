@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import nnls
 
 import handlcp as hl
-from tests.support.grasp import arrays, at_centre, judged, limit_surface, soft_modes
+from tests.support.grasp import arrays, at_centre, judged, limit_surface
 from tests.support.lcp import nearest_in_polyhedron
 from tests.support.search import searched
 
@@ -211,23 +210,6 @@ def test_on_the_ellipsoid_no_equilibrium_is_proven_with_the_squeeze_that_would_h
     assert s.status is hl.Status.NO_EQUILIBRIUM
     assert s.bounds is not None
     assert pinch(wrench=(0, 0, -5, 0.12, 0, 0), preload=1e-3 + 1.01 * s.required_preload).solve("cone").held
-
-
-def test_every_slide_on_the_ball_lies_in_a_mode_of_the_search():
-    """Force on the ball and slip against it are nonnegative multiples of one mode's generators."""
-    rng = np.random.default_rng(0)
-    force, motion, allowed, moving = soft_modes(0.7)
-    for _ in range(200):
-        e = rng.standard_normal(3)
-        e /= np.linalg.norm(e)
-        r, v = np.append(0.7 * e, 1.0), np.append(-e, 0.0)
-
-        def misses(mode, r=r, v=v):
-            return nnls(force[:, allowed[mode]], r)[1] + nnls(motion[:, moving[mode]], v)[1]
-
-        assert min(misses(mode) for mode in range(2, len(allowed))) < 1e-9
-        inside = np.append(0.7 * rng.random() * e, 1.0)
-        assert nnls(force[:, allowed[1]], inside)[1] < 1e-9  # stuck
 
 
 def constructed(seed):

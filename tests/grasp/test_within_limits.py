@@ -112,16 +112,6 @@ def test_a_bound_that_nothing_reaches_stands_in_nobodys_way(faces):
         np.testing.assert_allclose(r.candidate.forces[:, 2], 10.0, rtol=1e-9)
 
 
-def test_none_is_said_of_limits_that_give_way_up_to_the_stated_motion():
-    """One finger bounded to 6 N gives way by 2 (δ - 6 C) = 0.8 mm: more, in natural units, than its force."""
-    g = pinch(effects=[hl.FingerForceBound([6.0, np.inf])])
-    unit = arrays(g).units.motion
-    assert 6.0 / arrays(g).units.force < 0.79e-3 / unit
-    short = searched(g, 8, bound=0.79e-3 / unit)
-    assert (short.outcome, short.motion_bound) == ("none", pytest.approx(0.79e-3))
-    assert searched(g, 8, bound=0.81e-3 / unit).outcome == "solution"
-
-
 # ---------------------------------------------------------------- an independent search
 def bounded_ring(seed):
     rng = np.random.default_rng(seed)
@@ -140,9 +130,9 @@ def bounded_ring(seed):
 @pytest.mark.parametrize("faces", [3, 4])
 def test_it_agrees_with_the_search_over_active_sets_and_with_all_modes_one_by_one(seed, faces):
     g = bounded_ring(seed)
-    oracle = active_sets(g, faces, seconds=60.0)
+    oracle = active_sets(g, faces, work=1e10)
     assert oracle != "unknown"
-    assert searched(g, faces, seconds=60.0).outcome == oracle
+    assert searched(g, faces).outcome == oracle
     every = g.equilibria(faces)
     assert (len(every) > 0) == (oracle == "solution")
     assert every.complete or "degenerate" in every.why
@@ -219,7 +209,7 @@ def test_where_there_is_an_equilibrium_it_never_says_none(seed, faces, kind):
     g, effect, answer = put_together(seed, kind, faces)
     asked = 4 if faces == 2 else faces
     assert residuals(g, asked, answer, effect).passes
-    assert searched(g, asked, effect, seconds=30.0).outcome == "solution"
+    assert searched(g, asked, effect).outcome == "solution"
     if faces != "cone":  # nor do all modes one by one
         found = members_of_modes(g, asked, effect)
         assert any(c is not None and residuals(g, asked, c, effect).passes for c in found)

@@ -9,11 +9,9 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import proposals
-from tests.support import patches
 from tests.support.grasp import arrays, contact_problem, judged
 from tests.support.kernels import compiled
-from tests.support.search import choices_of_modes, last_resort, members_of_modes, searched, seconds_for
-from tests.support.texts import same
+from tests.support.search import searched
 
 LINE = [((-0.01, 0, 0), (1, 0, 0)), ((0.01, 0, 0), (-1, 0, 0))]
 
@@ -75,28 +73,13 @@ def test_stalled_kaczmarz_steps_end_within_their_budget():
         assert proposal.iterations < 10**7, name
 
 
-def test_a_search_whose_time_is_over_solves_no_further_choice_of_modes(monkeypatch):
-    """Contacts at rest leave thousands of choices of modes something free: a linear program each, 5 s instead of 2."""
-    from tests.hard_cases.test_limits import FAMILIES
-
-    case = next(iter(FAMILIES["limits: all at rest"](4, 1)))
-    grasp, asked = case.grasp(), patches.watched_members_of_modes(monkeypatch)
-    patches.certifier_believes_nobody(monkeypatch)
-    assert len(members_of_modes(grasp, 4)) > len(asked) > 1000
-    asked.clear()
-    candidate, bounds, words = last_resort(grasp, 4, seconds_for(choices_of_modes(grasp, 4)))
-    assert (candidate, bounds) == (None, None)
-    same("hard_cases/test_found: a search whose time is over", words)
-    assert len(asked) <= 1
-
-
 @pytest.mark.parametrize("faces", [16, "cone"])
-def test_an_equilibrium_of_a_coarse_pyramid_leads_to_one_of_a_fine_one(faces):
-    """The search of 16 faces alone, 45 million choices of modes, took as long as it had on a busy machine."""
+def test_the_search_finds_an_equilibrium_that_the_stages_miss(faces):
+    """16 faces have 45 million choices of modes."""
     from tests.hard_cases.test_no_pads import FAMILIES
 
     case = list(FAMILIES["no pads: a mixture"](faces, 34))[33]
-    assert searched(case.grasp(), faces, seconds=60.0).outcome == "solution"
+    assert searched(case.grasp(), faces).outcome == "solution"
 
 
 EXTREMES = [([[1e-300]], [1e150]), ([[1e-300, 0], [1, 1]], [0, 1e-300]), ([[0, 1e-300], [-1, 1e150]], [1, 1e150])]

@@ -20,7 +20,6 @@ from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solve.force_iteration import force_dependent, missed
 from handlcp.grasp.verify.judge import judge
-from handlcp.lcp.cells import cell_modes
 from handlcp.lcp.kernels.projection import nearest as _nearest
 
 __all__ = [
@@ -47,7 +46,6 @@ __all__ = [
     "section",
     "section_of",
     "smallest",
-    "soft_modes",
     "with_friction",
     "with_preload",
 ]
@@ -147,11 +145,6 @@ def limit_surface(pyramid: hl.Pyramid) -> Any:
     """The polyhedron of soft fingers: normals (3, f), outward (f, 3) the same in rows, vertices (3, p), share."""
     own = limit_set(pyramid, 3)
     return SimpleNamespace(normals=own.normals, outward=own.normals.T.copy(), vertices=own.vertices, share=own.share)
-
-
-def soft_modes(limit: float) -> tuple[np.ndarray, ...]:
-    """Generators of force and motion, and which of them each mode of a soft contact allows: x, y, moment, normal."""
-    return cell_modes(limit, 3, 0)
 
 
 def nearest_in_polygon(x: float, y: float, distance: float, faces: int) -> tuple[float, float]:

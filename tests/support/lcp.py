@@ -15,8 +15,12 @@ from handlcp.lcp.certify import certify_contact
 from handlcp.lcp.kernels import contact_rows as _contact_rows
 from handlcp.lcp.kernels import kaczmarz as _kaczmarz
 from handlcp.lcp.kernels import lemke as _lemke
+from handlcp.lcp.kernels import mode_generators as _modes
+from handlcp.lcp.kernels.active_columns import new_active
 from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.mode_fit import fit
 from handlcp.lcp.kernels.projection import nearest as _nearest
+from handlcp.lcp.mode_search import ModeSearch
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.search import search
@@ -29,12 +33,16 @@ CERTIFIERS = tuple(pathlib.Path(inspect.getfile(certifier)) for certifier in (ce
 __all__ = [
     "CERTIFIERS",
     "Kaczmarz",
+    "ModeSearch",
     "OtherStarts",
     "certified",
     "contact_rows",
     "eliminated",
     "in_units_of_limits",
+    "misses_patch",
     "nearest_in_polyhedron",
+    "nearest_point",
+    "patches",
     "pivoted",
     "projection",
     "reduce",
@@ -105,6 +113,13 @@ def projection(x: float, y: float, limit: float, mu: float, faces: int) -> tuple
     return P[:2], D[:2, [0, 1, 3]]
 
 
+def nearest_point(s: np.ndarray, tangents: int, limit: float, faces: int) -> np.ndarray:
+    """(3,) s projected on the friction set of so many tangents."""
+    P = np.zeros(3)
+    _nearest(s, tangents, limit, 0.0, faces, np.zeros((0, 3)), P, np.zeros((3, 4)))
+    return P
+
+
 def contact_rows(problem: Any, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(F, J): the laws of a problem with friction as a set as equations at x (n,), and a subgradient (n, n) of them;
     both, and x, in the order in which the solvers have the unknowns.
@@ -125,3 +140,34 @@ def nearest_in_polyhedron(point: np.ndarray, distance: float, normals: np.ndarra
     p = np.empty(3)
     _nearest(point, 3, distance, 0.0, 8, normals, p, np.empty((3, 4)))
     return p
+
+
+# ---------------------------------------------------------------- contact modes
+def patches(tangents: int, faces: int, splits: int) -> list[np.ndarray]:
+    """All patches (3, 3) that sliding is divided into after so many splits of each."""
+    now = []
+    for k in range(_modes.patches(tangents)):
+        now.append(np.zeros((3, 3)))
+        _modes.first_patch(k, tangents, faces, now[-1])
+    for _ in range(splits):
+        finer = []
+        for corners in now:
+            for k in range(_modes.parts(corners, tangents, faces)):
+                finer.append(np.zeros((3, 3)))
+                _modes.split(corners, k, tangents, faces, finer[-1])
+            if not _modes.parts(corners, tangents, faces):
+                finer.append(corners)
+        now = finer
+    return now
+
+
+def misses_patch(limit: float, faces: int, corners: np.ndarray, force: np.ndarray, motion: np.ndarray) -> float:
+    """How much of a force and a motion (1 + tangents,), normal first, lies outside the cones of a patch."""
+    d = len(force) - 1
+    columns = np.zeros((2 * (1 + d), 1, 2, 4))
+    columns[: 1 + d, 0, 0, : 1 + d] = columns[1 + d :, 0, 1, : 1 + d] = np.eye(1 + d)
+    products = np.einsum("rika,rikb->ikab", columns, columns)
+    cones = _modes.Cones(columns.reshape(-1, 1, 8), products, np.array([d]), np.array([limit]), faces)
+    b = np.concatenate([force, motion])
+    left, _ = fit(cones, np.array([_modes.SLIDES]), corners[None], new_active(b))
+    return float(left)

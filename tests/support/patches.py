@@ -19,7 +19,6 @@ Patch = pytest.MonkeyPatch
 
 __all__ = [
     "another_effect",
-    "certifier_believes_nobody",
     "chunks_of",
     "costs_of_effects",
     "everything_to_processes",
@@ -33,7 +32,6 @@ __all__ = [
     "ticks_of_equilibria",
     "ticks_of_studies",
     "watched_first_stage",
-    "watched_members_of_modes",
     "without_module",
 ]
 
@@ -76,19 +74,6 @@ def watched_first_stage(patch: Patch) -> list[Any]:
 
     patch.setattr("handlcp.grasp.analysis.compare_without.solve_scene", watched)
     return seen
-
-
-def watched_members_of_modes(patch: Patch) -> list[Any]:
-    """The choices of modes for which a member is asked for; none has one."""
-    asked: list[Any] = []
-    patch.setattr("handlcp.grasp.search.mode_table.Table._member", lambda self, mode: asked.append(mode))
-    return asked
-
-
-def certifier_believes_nobody(patch: Patch) -> None:
-    """No candidate of the search over modes is an equilibrium."""
-    for user in ("search.nonexistence", "analysis.equilibria"):
-        patch.setattr(f"handlcp.grasp.{user}.first_certified", lambda problem, candidates: list(candidates) and None)
 
 
 # ---------------------------------------------------------------- clocks

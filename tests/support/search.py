@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 from types import SimpleNamespace
@@ -13,9 +12,9 @@ import numpy as np
 import handlcp as hl
 from handlcp.grasp.analysis.equilibria import seeded
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.grasp.search.mode_table import PER_SECOND, mode_table
+from handlcp.grasp.search.mode_table import mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move
-from handlcp.grasp.search.nonexistence import over_modes, search_equilibrium
+from handlcp.grasp.search.nonexistence import EquilibriumSearch, OverModes
 from handlcp.grasp.verify.holdable import is_escape as _is_escape
 from handlcp.grasp.verify.holdable import jammed as _jammed
 from handlcp.grasp.verify.holdable import least_total as _least_total
@@ -31,26 +30,24 @@ __all__ = [
     "is_escape",
     "is_overload",
     "jammed",
-    "last_resort",
     "least_total",
     "members_of_modes",
     "overload",
     "saturation",
     "searched",
-    "seconds_for",
 ]
 
 
 # ---------------------------------------------------------------- is there an equilibrium?
-def searched(grasp: hl.Grasp, faces: Any, *more: Any, seconds: float = 60.0, bound: float | None = None) -> Any:
+def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any:
     """What the search over contact modes finds; an equilibrium only if the certifier passes it.
 
-    more : effects beside the grasp's own. bound : in natural units.
+    more : effects beside the grasp's own. work : multiply-adds at most.
     """
     problem = contact_problem(grasp, faces, (*grasp.effects, *more))
     if not only_limits_move(problem):
-        raise ValueError(search_equilibrium(problem, seconds).words)
-    found = over_modes(problem, time.monotonic() + seconds, bound)
+        raise ValueError(EquilibriumSearch(problem).run(work).words)
+    found = (EquilibriumSearch if problem.faces and problem.scene.soft else OverModes)(problem).run(work)
     if found.candidate is not None:
         assert residuals(grasp, faces, found.candidate, *more).passes
     outcome = found.words.rpartition(" ")[2]
@@ -63,12 +60,10 @@ def applicable(effects: Any) -> bool:
     return only_limits_move(SimpleNamespace(effects=tuple(effects)))
 
 
-def active_sets(grasp: hl.Grasp, faces: Any, seconds: float) -> str:
+def active_sets(grasp: hl.Grasp, faces: Any, work: float) -> str:
     """What the search over active sets of the plain LCP comes to: "solution", "none" or "unknown"."""
     problem = plain_problem(grasp, faces)
-    return search(
-        problem, seconds=seconds, accept=lambda z: residuals(grasp, faces, problem.candidate(z)).passes
-    ).outcome
+    return search(problem, work=work, accept=lambda z: residuals(grasp, faces, problem.candidate(z)).passes).outcome
 
 
 def choices_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> float:
@@ -87,17 +82,6 @@ def from_seeds(grasp: hl.Grasp, faces: Any, count: int, seed: int = 1) -> Iterat
     for candidate in seeded(problem, count, seed):
         if (found := first_certified(problem, [candidate])) is not None:
             yield found
-
-
-def last_resort(grasp: hl.Grasp, faces: Any, seconds: float) -> tuple[Any, Any, str]:
-    """(candidate, bounds, words) of the exact search that a solve ends with."""
-    found = search_equilibrium(contact_problem(grasp, faces), seconds)
-    return found.candidate, found.bounds, found.words
-
-
-def seconds_for(choices: float) -> float:
-    """Time in which so many choices of modes are visited, as the package counts."""
-    return choices / PER_SECOND
 
 
 # ---------------------------------------------------------------- what no forces can balance

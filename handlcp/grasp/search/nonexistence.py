@@ -89,15 +89,10 @@ def _moments_with_faces(problem: GraspContactProblem) -> bool:
 
 
 class OverModes:
-    """The search over contact modes.
+    """The search over contact modes."""
 
-    bound : of normal forces, gaps and slips in natural units, as far as "none" is claimed; None: a thousand, and more
-    where the offsets are large.
-    """
-
-    def __init__(self, problem: GraspContactProblem, bound: float | None = None) -> None:
-        self.problem = problem
-        self._bounds = _wide(problem.scene) if bound is None else _si(problem.scene, bound)
+    def __init__(self, problem: GraspContactProblem) -> None:
+        self.problem, self._bounds = problem, _wide(problem.scene)
         b = self._bounds[0] / problem.scene.units.force
         most_x, most_y = np.full((2, problem.n), b)
         most_y[problem.limited] = _slack(problem, b)

@@ -19,6 +19,7 @@ __all__ = ["fit", "proves_none", "put_parts"]
 
 _FITS = 1e-11  # of |b|: what is left may be rounding
 _REACHES = 1e-13  # of |r|: a generator reaches along the rest by more than rounding
+_TINY = 1e-11  # a column this short is rounding, as of slips that the object's own motion makes
 _MOST = 20  # changes of the active columns, in numbers of equations; a dozen in all is usual
 
 
@@ -29,12 +30,12 @@ def fit(c: Cones, codes: Ints, corners: Array, a: Active) -> tuple[float, int]:
     codes (n,), corners (n, 3, 3) : mode and patch of every contact.
     """
     n, R = len(codes), len(a.b)
-    size, of, along = np.sqrt(np.dot(a.b, a.b)), np.zeros((2, 4)), np.zeros((n, 2, 4))
+    target, of, along = np.sqrt(np.dot(a.b, a.b)), np.zeros((2, 4)), np.zeros((n, 2, 4))
     banned = np.zeros((n, 2), np.bool_)
     spent = _begin(c, a)
     length = put_rest(a)
     for _ in range(_MOST * R):
-        if length <= _FITS * size:
+        if length <= _FITS * target:
             break
         reach(c, a.rest, along)
         spent += R * (8 * n + 5 * a.used[0])
@@ -43,7 +44,8 @@ def fit(c: Cones, codes: Ints, corners: Array, a: Active) -> tuple[float, int]:
             values = support(c, i, codes[i], corners[i], along[i], of)
             for k in range(2):
                 if values[k] > 0.0 and not banned[i, k]:
-                    value = values[k] / _size(c, i, k, of[k])
+                    size = _size(c, i, k, of[k])
+                    value = values[k] / size if size > _TINY else 0.0
                     if value > best:
                         best, owner, kind = value, i, k
         if owner < 0:
@@ -59,7 +61,7 @@ def fit(c: Cones, codes: Ints, corners: Array, a: Active) -> tuple[float, int]:
             banned[:, :] = False
         else:
             banned[owner, kind] = True  # rounding alone made it look useful
-    return length / size if size > 0.0 else 0.0, spent
+    return length / target if target > 0.0 else 0.0, spent
 
 
 @kernel
@@ -71,7 +73,7 @@ def _size(c: Cones, i: int, kind: int, of: Array) -> float:
         for p in range(1 + c.tangents[i]):
             t += products[q, p] * of[p]
         total += of[q] * t
-    return float(np.sqrt(max(total, 1e-300)))
+    return float(np.sqrt(max(total, 0.0)))
 
 
 @kernel

@@ -110,7 +110,10 @@ def _worst(
     c: Cones, codes: Ints, corners: Array, splits: Ints, normals: Array, x: Array, y: Array
 ) -> int:  # fmt: skip
     """The contact that misses its law by most among those that can be branched on; -1: none, or all laws hold."""
-    size = max(1.0, np.max(np.abs(x)), np.max(np.abs(y)))
+    size = 1.0
+    for i in range(len(codes)):
+        for q in range(4):
+            size = max(size, abs(x[i, q]), abs(y[i, q]))
     worst, most = -1, _HOLDS * size
     for i in range(len(codes)):
         d = c.tangents[i]
