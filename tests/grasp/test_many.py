@@ -6,26 +6,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.scenes import cube_example, pinch, ring
+from tests.grasp.batches import QUICK, hand_grasp, mixture
+from tests.grasp.scenes import cube_example, pinch
 from tests.support import patches
 from tests.support.grasp import arrays
-
-
-def mixture():
-    """Held and not, planar and not, with and without friction and effects, of several sizes; one of them twice."""
-    rng = np.random.default_rng(8)
-    out = []
-    for k in range(24):
-        contacts, more = ring(rng, 2 + k % 4, mu=(0.6, 0.0, 0.2)[k % 3])
-        out.append(hl.Grasp(contacts, **more))
-    flat = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0.001), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
-    out.append(hl.Grasp(flat, (0.2, -1.0, 0.001), flexibility=1e-4, preload=2e-4))
-    bound = hl.TotalForceBound(5.0)
-    out += [cube_example(), pinch(), pinch(load=(0, 0, -100.0)), pinch(effects=[bound]), out[0]]
-    return out
-
-
-QUICK = hl.Auto(search_seconds=0)
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
@@ -45,9 +29,7 @@ def test_each_solution_is_the_grasps_own(workers, faces, monkeypatch):
 
 
 def test_a_hands_grasps_come_back_with_torques():
-    hand = hl.example_hand("five_finger", joint_stiffness=5.0)
-    ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
-    g = hand.at(hand.close_on(ball, squeeze=3e-3)).grasp(ball)
+    g = hand_grasp()
     grasps = [g, g.replace(wrench=(0.1, 0, -1.5, 0, 0, 0))]
     for g, s in zip(grasps, hl.solve_many(grasps), strict=True):
         np.testing.assert_array_equal(s.torques, g.solve().torques)
