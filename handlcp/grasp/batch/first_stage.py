@@ -116,9 +116,10 @@ def _numbers(batch: Batch, shard: Members) -> Array:
     return pack_all(scenes, shard.kind, batch.section(int(shard.at[0])))
 
 
-def passing(found: Answers) -> tuple[Answers, list[int]]:
-    """The answers that the certifier calls so, and the places of the others."""
+def passing(found: Answers) -> tuple[Answers, dict[int, Array]]:
+    """The answers that the certifier calls so; and the rows of the others by their places, where later stages go on."""
     good = found.passing
     if good.all():
-        return found, []
-    return Answers(found.kind, found.at[good], found.rows[good]), found.at[~good].tolist()
+        return found, {}
+    lost = dict(zip(found.at[~good].tolist(), found.rows[~good], strict=True))
+    return Answers(found.kind, found.at[good], found.rows[good]), lost

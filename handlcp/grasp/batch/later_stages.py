@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from handlcp.check import Array
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind
 from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp.solve import AnySolver
 
 __all__ = ["Left", "at_home", "left_of", "solve_left", "solve_one"]
@@ -18,33 +23,43 @@ __all__ = ["Left", "at_home", "left_of", "solve_left", "solve_one"]
 @dataclass(frozen=True, slots=True)
 class Left:
     """Grasps as they travel, in one pickle: what they share, such as their hand, is in it once, and a grasp made by
-    `replace(wrench=...)` adds some 350 bytes. Scenes stay at home.
+    `replace(wrench=...)` adds some 350 bytes and the row of its first stage. Scenes stay at home.
     """
 
     specs: tuple[GraspSpec, ...]
     sections: tuple[Section, ...]
+    rows: tuple[Array | None, ...]
     solver: AnySolver
     proof: bool
 
 
-def solve_one(batch: Batch, k: int) -> GraspSolution:
-    """The solution of grasp k, through all stages."""
+def solve_one(batch: Batch, k: int, row: Array | None) -> GraspSolution:
+    """The solution of grasp k. row : what its first stage came to, where that is known."""
     g = batch.grasps[k]
-    return solve_spec(g.spec, batch.section(k), batch.solver, scene=g.scene, proof=batch.proof)
+    return _solved(g.spec, g.scene, batch.section(k), batch.solver, batch.proof, row)
 
 
-def left_of(batch: Batch, at: Sequence[int]) -> Left:
-    """These grasps as they travel."""
+def left_of(batch: Batch, at: Sequence[int], rows: dict[int, Array]) -> Left:
+    """These grasps as they travel, with their rows, which are taken out."""
     specs, sections = tuple([batch.grasps[k].spec for k in at]), tuple([batch.section(k) for k in at])
-    return Left(specs, sections, batch.solver, batch.proof)
+    return Left(specs, sections, tuple([rows.pop(k, None) for k in at]), batch.solver, batch.proof)
 
 
 def solve_left(left: Left) -> list[GraspSolution]:
     """The solutions, without their scenes, wherever the grasps were sent."""
-    pairs = zip(left.specs, left.sections, strict=True)
-    return [replace(solve_spec(spec, own, left.solver, proof=left.proof), scene=None) for spec, own in pairs]
+    every = zip(left.specs, left.sections, left.rows, strict=True)
+    return [replace(_solved(s, build(s), own, left.solver, left.proof, row), scene=None) for s, own, row in every]
 
 
 def at_home(batch: Batch, k: int, solution: GraspSolution) -> GraspSolution:
     """A solution that came back, with the scene of its grasp."""
     return replace(solution, scene=batch.grasps[k].scene)
+
+
+def _solved(
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, proof: bool, row: Array | None
+) -> GraspSolution:
+    if row is None:
+        return solve_spec(spec, section, solver, scene=scene, proof=proof)
+    first = CompiledAnswer(compiled_kind(scene, section), row)
+    return solve_built(spec, scene, section, solver, proof=proof, first=first)

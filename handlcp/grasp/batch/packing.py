@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -20,31 +21,30 @@ def pack_all(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> A
     """(m, width) read-only: the row of each scene as `compiled_answer.pack` writes it, field by field for all at once,
     in a quarter of the time.
     """
-    m, c = len(scenes), kind.kind.components
-    out, at = np.empty((m, kind.scene_width)), 0
+    m, at = len(scenes), 0
+    out = np.empty((m, kind.scene_width))
 
-    def put(read: Callable[[Scene], Array]) -> None:
+    def put(values: Iterable[Array]) -> None:
         nonlocal at
-        column = np.concatenate([read(s) for s in scenes]).reshape(m, -1)
-        end = at + column.shape[1]
-        out[:, at:end] = column
+        fields = list(values)
+        first, end = fields[0], at + fields[0].size
+        shared = all([a is first for a in fields])  # as after `replace`
+        out[:, at:end] = first.reshape(-1) if shared else np.concatenate(fields).reshape(m, -1)
         at = end
 
-    put(lambda s: s.positions)
-    put(lambda s: s.frames)
-    put(lambda s: s.flexibility)
-    put(lambda s: s.offset)
-    none, spatial = np.zeros(c), np.eye(6)
-    put(lambda s: none if s.prescribed is None else s.prescribed)
+    for name in ("positions", "frames", "flexibility", "offset"):
+        put(map(attrgetter(name), scenes))
+    none, spatial = np.zeros(kind.kind.components), np.eye(6)
+    put([none if s.prescribed is None else s.prescribed for s in scenes])
     if kind.kind.soft:
-        put(lambda s: s.given.spin)
-    put(lambda s: s.force)
-    put(lambda s: s.moment)
-    put(lambda s: spatial if s.plane is None else s.freedom)
+        put([s.given.spin for s in scenes])
+    put(map(attrgetter("force"), scenes))
+    put(map(attrgetter("moment"), scenes))
+    put([spatial if s.plane is None else s.freedom for s in scenes])
     if kind.kind.soft:
-        put(lambda s: s.limits(section))
+        put([s.limits(section) for s in scenes])
     else:
-        put(lambda s: s.mu)
+        put(map(attrgetter("mu"), scenes))
         out[:, -kind.kind.n :] *= section.share
     return read_only(out)
 

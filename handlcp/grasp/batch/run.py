@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 from typing import NamedTuple
 
+from handlcp.check import Array
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.executors import Jobs
@@ -45,21 +46,23 @@ Found = Iterator[Answers | Single]
 def on_cores(batch: Batch, workers: int) -> Found:
     """What is found, as it comes: the first stage in threads, then what it left, in processes where that takes long."""
     kinds, left = kinds_of(batch)
+    rows: dict[int, Array] = {}
     for answers in answers_in_threads(batch, kinds, workers):
         kept, lost = passing(answers)
-        left += lost
+        rows |= lost
         if len(kept.at):
             yield kept
-    queue, begun, done = deque(sorted(left)), time.perf_counter(), 0
+    queue, begun, done = deque(sorted([*left, *rows])), time.perf_counter(), 0
     while queue:
-        yield Single(k := queue.popleft(), solve_one(batch, k))
+        k = queue.popleft()
+        yield Single(k, solve_one(batch, k, rows.pop(k, None)))
         done += 1
         spent = time.perf_counter() - begun
         if workers > 1 and spent >= _LOOK and spent / done * len(queue) > _WORTH:
-            yield from _with_processes(batch, queue, workers, max(1, min(_LATER, round(_SHARD * done / spent))))
+            yield from _with_processes(batch, queue, rows, workers, max(1, min(_LATER, round(_SHARD * done / spent))))
 
 
-def _with_processes(batch: Batch, queue: deque[int], workers: int, size: int) -> Found:
+def _with_processes(batch: Batch, queue: deque[int], rows: dict[int, Array], workers: int, size: int) -> Found:
     """The rest of the queue: this process goes on with it, while others start and take shards of so many grasps."""
     # Loky's workers start under notebooks, pytest and scripts without a __main__ guard, and wait for the next batch
     from joblib.externals.loky import get_reusable_executor
@@ -69,9 +72,10 @@ def _with_processes(batch: Batch, queue: deque[int], workers: int, size: int) ->
         while queue or len(jobs):
             while queue and len(jobs) < _AHEAD * (workers - 1):
                 at = [queue.pop() for _ in range(min(size, len(queue)))]
-                jobs.send(at, solve_left, left_of(batch, at))
+                jobs.send(at, solve_left, left_of(batch, at, rows))
             if queue:
-                yield Single(k := queue.popleft(), solve_one(batch, k))
+                k = queue.popleft()
+                yield Single(k, solve_one(batch, k, rows.pop(k, None)))
             for at, solutions in jobs.done(wait=not queue):
                 yield from (Single(k, at_home(batch, k, s)) for k, s in zip(at, solutions, strict=True))
 
@@ -79,6 +83,7 @@ def _with_processes(batch: Batch, queue: deque[int], workers: int, size: int) ->
 def on_executor(batch: Batch, executor: Executor) -> Found:
     """What is found, as it comes, all of it on the executor: what a shard leaves goes there again, in smaller ones."""
     kinds, left = kinds_of(batch)
+    rows: dict[int, Array] = {}
     share = -(-len(batch) // _SHARES)
     first = deque(shards(kinds, min(_FIRST[1], max(_FIRST[0], share))))
     later = deque(_split(left, share))
@@ -87,14 +92,15 @@ def on_executor(batch: Batch, executor: Executor) -> Found:
             while (first or later) and jobs.size < _FLYING:
                 if later:
                     some = later.popleft()
-                    jobs.send(some, solve_left, left_of(batch, some))
+                    jobs.send(some, solve_left, left_of(batch, some, rows))
                 else:
                     cargo = parcel(batch, shard := first.popleft())
                     jobs.send(shard, solve_parcel, cargo, cargo.size)
             for job, result in jobs.done(wait=True):
                 if isinstance(job, Members):
                     kept, lost = passing(Answers(*job, result))
-                    later.extend(_split(lost, share))
+                    rows |= lost
+                    later.extend(_split(list(lost), share))
                     if len(kept.at):
                         yield kept
                 else:
