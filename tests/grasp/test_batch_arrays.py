@@ -9,22 +9,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, sweep
+from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
 from tests.grasp.scenes import cube_example, pinch, ring
-
-
-def soft_and_anisotropic():
-    """Scaled coordinates, moments, a free force: spatial grasps of four contacts."""
-    laws = (hl.SoftFinger(0.5, 0.004), hl.AnisotropicCoulomb(0.7, 0.3), hl.Coulomb(0.6), hl.Frictionless())
-    out = []
-    for seed in range(4):
-        contacts, more = ring(np.random.default_rng(seed))
-        own = [hl.Contact(c.position, c.normal, law) for c, law in zip(contacts, laws, strict=True)]
-        out.append(hl.Grasp(own, **more))
-    contacts, more = ring(np.random.default_rng(1))
-    out.append(hl.Grasp(contacts, **more, effects=[hl.PrescribedForce(0, (0.0, 0.0, 1.0))]))
-    out.append(hl.Grasp(contacts, **(more | {"flexibility": 0.0, "preload": 0.0}), reference=(0.1, 0.0, 0.2)))
-    return out
 
 
 def assert_arrays_agree(many):

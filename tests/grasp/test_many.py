@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.batches import QUICK, hand_grasp, mixture
+from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
 from tests.grasp.scenes import cube_example, pinch
 from tests.support import patches
-from tests.support.grasp import arrays
+from tests.support.grasp import arrays, packed
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
@@ -76,7 +78,51 @@ def test_progress_counts_up_to_all(monkeypatch):
     assert [d for d, _ in seen] == sorted(d for d, _ in seen)
 
 
+def test_a_bar_counts_on_stderr_alone(capsys):
+    hl.solve_many([pinch()] * 3, workers=1, progress=True)
+    out, err = capsys.readouterr()
+    assert "3/3" in err
+    assert not out
+    hl.solve_many([pinch()] * 3, workers=1, progress=False)
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_without_a_proof_nothing_is_searched(workers, monkeypatch):
+    patches.everything_to_processes(monkeypatch)
+    grasps = [g for g in mixture() if not g.solve(8, QUICK, throw=False).held]
+    many = hl.solve_many([*grasps, pinch()], workers=workers, proof=False)
+    assert_same_bits(many, [g.solve(throw=False, proof=False) for g in [*grasps, pinch()]])
+    assert set(many.status[:-1]) == {"UNDECIDED", "NOT_HOLDABLE"}
+    assert many.held[-1]
+    assert not any("search" in line for s in many for line in s.trace)
+
+
+def test_many_scenes_are_packed_as_each_of_them_is():
+    for group in (mixture()[:1] * 3, [hand_grasp()], [mixture()[24]], soft_and_anisotropic()[:4]):
+        one, all_ = packed(group, 8)
+        np.testing.assert_array_equal(one, all_)
+
+
+def test_a_batch_keeps_arrays_alone():
+    grasps = sweep(four(), 600, 0.1)
+    hl.solve_many(grasps[:300], workers=1)
+    tracemalloc.start()
+    try:
+        many = hl.solve_many(grasps, workers=1)
+        kept, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert many.held.all()
+    assert kept / len(grasps) < 1000  # bytes
+    assert most < kept + 256 * 10_000  # the scenes of one shard
+
+
 def test_bad_input_is_named():
+    with pytest.raises(hl.InputError, match="progress: expected True"):
+        hl.solve_many([pinch()], progress=3)
+    with pytest.raises(hl.InputError, match="proof: expected True or False"):
+        hl.solve_many([pinch()], proof="no")
     with pytest.raises(hl.InputError, match=r"grasps\[1\]"):
         hl.solve_many([pinch(), 3])
     with pytest.raises(hl.InputError, match="grasps"):
