@@ -19,15 +19,14 @@ __all__ = ["Group", "groups_of"]
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """The k grasps of a batch whose contacts and joints have the same names; NaN where one is not held.
+    """The k grasps of a batch with n contacts each and joints of the same names; NaN where one is not held.
 
-    at (k,) : their places in the batch. names (n,) : of the contacts. joints (nv,) : of the joints, () without a hand.
+    at (k,) : their places in the batch. joints (nv,) : names, () without a hand.
     forces (k, n, 3), displacement (k, 6), torques (k, nv) : as in the solutions. utilisation (k, nv) : |torque| over
     limit.
     """
 
     at: Ints
-    names: tuple[str, ...]
     joints: tuple[str, ...]
     forces: Array
     displacement: Array
@@ -68,7 +67,7 @@ class Group:
 def groups_of(
     batch: Batch, answers: Sequence[Answers], singles: dict[int, GraspSolution], look: Sequence[GraspSolution]
 ) -> tuple[Group, ...]:
-    """The grasps by the names of their contacts and joints, one group at least.
+    """The grasps by how many contacts they have and by the names of their joints, one group at least.
 
     singles : solutions that are no rows of `answers`. look : the solution of each grasp, made when it is looked at:
     here, where an answer leaves something free.
@@ -89,7 +88,7 @@ def groups_of(
 
 def _put_answers(group: Group, row: Ints, grasps: Sequence[Grasp], found: Answers, some: Ints) -> None:
     """Write these rows of the answers into the group."""
-    at, n, kind = found.at[some], len(group.names), found.kind
+    at, n, kind = found.at[some], found.kind.kind.n, found.kind
     places, members = row[at], [grasps[k] for k in at.tolist()]
     components, twist, centre = found.moves(some)
     group.forces[places] = components[:, : 3 * n].reshape(-1, n, 3)
@@ -102,16 +101,16 @@ def _put_answers(group: Group, row: Ints, grasps: Sequence[Grasp], found: Answer
 
 def _grouped(grasps: Sequence[Grasp]) -> tuple[Ints, Ints, list[Group]]:
     """(m,) the number of each grasp's group, (m,) its row there, and the groups, full of NaN."""
-    keys: dict[tuple[tuple[str, ...], tuple[str, ...]], list[int]] = {}
+    keys: dict[tuple[int, tuple[str, ...]], list[int]] = {}
     for k, g in enumerate(grasps):
-        mechanism = g.spec.mechanism
-        keys.setdefault((g.spec.names, () if mechanism is None else mechanism.names), []).append(k)
+        spec = g.spec
+        keys.setdefault((len(spec.contacts), () if spec.mechanism is None else spec.mechanism.names), []).append(k)
     number, row, groups = np.empty(len(grasps), np.int64), np.empty(len(grasps), np.int64), list[Group]()
-    for (names, joints), own in (keys or {((), ()): list[int]()}).items():
+    for (n, joints), own in (keys or {(0, ()): list[int]()}).items():
         at = np.array(own, dtype=np.int64)
         number[at], row[at] = len(groups), np.arange(len(at))
-        shapes = ((len(names), 3), (6,), (len(joints),), (len(joints),))
-        groups.append(Group(at, names, joints, *[np.full((len(at), *shape), np.nan) for shape in shapes]))
+        shapes = ((n, 3), (6,), (len(joints),), (len(joints),))
+        groups.append(Group(at, joints, *[np.full((len(at), *shape), np.nan) for shape in shapes]))
     return number, row, groups
 
 

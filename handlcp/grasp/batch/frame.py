@@ -9,6 +9,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.batch.columns import Group
+from handlcp.grasp.grasp import Grasp
 
 __all__ = ["frame"]
 
@@ -16,8 +17,9 @@ _OBJECT = ("x", "y", "z", "rx", "ry", "rz")
 _EQUAL = 1e-9  # utilisations as near as that are equal: the first joint binds, as in a solution's own table
 
 
-def frame(m: int, groups: Sequence[Group]) -> dict[str, Any]:
+def frame(grasps: Sequence[Grasp], groups: Sequence[Group]) -> dict[str, Any]:
     """Columns of m rows each, by name, as `Solutions.to_dict` says; NaN where a grasp has no such number."""
+    m = len(grasps)
     fingers: dict[str, Array] = {}
     whole = {f"object.{axis}": np.full(m, np.nan) for axis in _OBJECT}
     joints: dict[str, Array] = {}
@@ -27,9 +29,10 @@ def frame(m: int, groups: Sequence[Group]) -> dict[str, Any]:
         columns.setdefault(name, np.full(m, np.nan))[at] = values
 
     for g in groups:
-        for i, name in enumerate(_distinct(g.names)):
-            for a, axis in enumerate("xyz"):
-                put(fingers, f"{name}.force_{axis}", g.at, g.forces[:, i, a])
+        for names, rows in _by_names(grasps, g).items():
+            for i, name in enumerate(_distinct(names)):
+                for a, axis in enumerate("xyz"):
+                    put(fingers, f"{name}.force_{axis}", g.at[rows], g.forces[rows, i, a])
         for a, axis in enumerate(_OBJECT):
             put(whole, f"object.{axis}", g.at, g.displacement[:, a])
         for j, name in enumerate(g.joints):
@@ -41,6 +44,14 @@ def frame(m: int, groups: Sequence[Group]) -> dict[str, Any]:
         joints["utilisation"] = most
         return {**fingers, **whole, **joints, "binding": binding.tolist()}
     return {**fingers, **whole}
+
+
+def _by_names(grasps: Sequence[Grasp], group: Group) -> dict[tuple[str, ...], list[int]]:
+    """Rows of the group by the names of their contacts."""
+    rows: dict[tuple[str, ...], list[int]] = {}
+    for row, k in enumerate(group.at.tolist()):
+        rows.setdefault(grasps[k].spec.names, []).append(row)
+    return rows
 
 
 def _binding(group: Group) -> Any:

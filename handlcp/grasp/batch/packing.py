@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -17,34 +17,28 @@ from handlcp.grasp.solve.compiled_solve import ScenePattern, solve_scenes
 __all__ = ["Parcel", "answer_rows", "pack_all", "parcel_of", "solve_parcel"]
 
 
+_READ = attrgetter("positions", "frames", "flexibility", "offset", "prescribed", "force", "moment", "mu")
+_SPATIAL = np.eye(6)
+
+
 def pack_all(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
     """(m, width) read-only: the row of each scene as `compiled_answer.pack` writes it, field by field for all at once,
-    in a quarter of the time.
+    in a third of the time.
     """
-    m, at = len(scenes), 0
-    out = np.empty((m, kind.scene_width))
-
-    def put(values: Iterable[Array]) -> None:
-        nonlocal at
-        fields = list(values)
-        first, end = fields[0], at + fields[0].size
-        shared = all([a is first for a in fields])  # as after `replace`
-        out[:, at:end] = first.reshape(-1) if shared else np.concatenate(fields).reshape(m, -1)
+    positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ, scenes), strict=True)
+    none, soft = np.zeros(kind.kind.components), kind.kind.soft
+    fields = [positions, frames, E, offset, [none if a is None else a for a in known]]
+    if soft:
+        fields.append([s.given.spin for s in scenes])
+    fields += [force, moment, [s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL] * len(scenes)]
+    fields.append([s.limits(section) for s in scenes] if soft else mu)
+    out, at = np.empty((len(scenes), kind.scene_width)), 0
+    for own in fields:
+        first, end = own[0], at + own[0].size
+        shared = all([a is first for a in own])  # as after `replace`
+        out[:, at:end] = first.reshape(-1) if shared else np.concatenate(own).reshape(len(own), -1)
         at = end
-
-    for name in ("positions", "frames", "flexibility", "offset"):
-        put(map(attrgetter(name), scenes))
-    none, spatial = np.zeros(kind.kind.components), np.eye(6)
-    put([none if s.prescribed is None else s.prescribed for s in scenes])
-    if kind.kind.soft:
-        put([s.given.spin for s in scenes])
-    put(map(attrgetter("force"), scenes))
-    put(map(attrgetter("moment"), scenes))
-    put([spatial if s.plane is None else s.freedom for s in scenes])
-    if kind.kind.soft:
-        put([s.limits(section) for s in scenes])
-    else:
-        put(map(attrgetter("mu"), scenes))
+    if not soft:
         out[:, -kind.kind.n :] *= section.share
     return read_only(out)
 

@@ -90,7 +90,7 @@ class Solutions(Sequence[GraspSolution]):
         """(m, n, 3) N, of each finger on the object in its contact axes. Raises Unsupported unless all grasps have n
         contacts; `to_dict` takes any.
         """
-        counts = {len(g.names) for g in self._groups}
+        counts = {g.forces.shape[1] for g in self._groups}
         if len(counts) > 1:
             raise Unsupported(f"forces: the grasps have from {min(counts)} to {max(counts)} contacts; {_INSTEAD}")
         return self._over_all([g.forces for g in self._groups])
@@ -127,7 +127,7 @@ class Solutions(Sequence[GraspSolution]):
         the joint that has it (None: no joint with a limit bears a torque, or there is no answer).
         Numbers are NaN where a grasp is not held, or has no finger or joint of that name.
         """
-        return {"status": self.status, "held": self.held, **frame(len(self), self._groups)}
+        return {"status": self.status, "held": self.held, **frame(self._batch.grasps, self._groups)}
 
     @lazy
     def _groups(self) -> tuple[Group, ...]:
