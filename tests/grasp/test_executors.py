@@ -78,9 +78,8 @@ def test_a_pool_that_loses_a_process_says_so(monkeypatch):
     grasps = sweep(four(), 20, 0.1)
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
-        with pytest.raises(BrokenProcessPool) as caught:
+        with pytest.raises(BrokenProcessPool, match=r"terminated abruptly|not usable anymore"):
             hl.solve_many(grasps, executor=pool)
-    assert any("no solutions" in note for note in getattr(caught.value, "__notes__", ["no solutions"]))
 
 
 def test_what_a_progress_raises_stops_the_batch(monkeypatch):

@@ -118,6 +118,15 @@ def test_a_batch_keeps_arrays_alone():
     assert most < kept + 256 * 10_000  # the scenes of one shard
 
 
+def test_a_batch_hangs_nothing_on_its_grasps():
+    grasps = [*[pinch(load=(0, 0, -100.0)) for _ in range(3)], *sweep(four(), 3, 0.1)]
+    before = [set(vars(g.scene)) for g in grasps]
+    many = hl.solve_many(grasps, solver=QUICK, workers=1)
+    assert 3 <= many.held.sum() < len(grasps)
+    for k in (1, 2, 4, 5):  # the first of a kind may keep what the kind was read off
+        assert set(vars(grasps[k].scene)) == before[k]
+
+
 def test_bad_input_is_named():
     with pytest.raises(hl.InputError, match="progress: expected True"):
         hl.solve_many([pinch()], progress=3)

@@ -16,7 +16,7 @@ class Jobs(Generic[J]):
     """Jobs on their way through an executor, each with what its sender knows it by.
 
     Leaving the `with` block cancels what has not begun. An error of a job or of the executor itself, such as a pool
-    that lost a process, comes out of `next_done` as it is.
+    that lost a process, comes out of `send` or `done` as it is.
     """
 
     def __init__(self, executor: Executor) -> None:
@@ -49,9 +49,4 @@ class Jobs(Generic[J]):
             job, size = self._sent.pop(future)
             self.size -= size
             wait = False
-            try:
-                result = future.result()
-            except Exception as e:
-                e.add_note("solve_many: a shard was lost with its worker, or failed there; there are no solutions.")
-                raise
-            yield job, result
+            yield job, future.result()

@@ -36,7 +36,8 @@ class Left:
 def solve_one(batch: Batch, k: int, row: Array | None) -> GraspSolution:
     """The solution of grasp k. row : what its first stage came to, where that is known."""
     g = batch.grasps[k]
-    return _solved(g.spec, g.scene, batch.section(k), batch.solver, batch.proof, row)
+    scene = replace(g.scene)  # a solve hangs matrices on its scene: on one that goes, so that no batch piles them up
+    return at_home(batch, k, _solved(g.spec, scene, batch.section(k), batch.solver, batch.proof, row))
 
 
 def left_of(batch: Batch, at: Sequence[int], rows: dict[int, Array]) -> Left:
@@ -52,7 +53,7 @@ def solve_left(left: Left) -> list[GraspSolution]:
 
 
 def at_home(batch: Batch, k: int, solution: GraspSolution) -> GraspSolution:
-    """A solution that came back, with the scene of its grasp."""
+    """A solution with the scene of its grasp."""
     return replace(solution, scene=batch.grasps[k].scene)
 
 

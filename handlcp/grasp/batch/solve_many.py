@@ -37,8 +37,8 @@ def solve_many(
 
     The solver's first stage takes grasps of one kind as the rows of a matrix, in threads, a few ten microseconds each.
     What it leaves goes through the later stages one by one, and in processes where that takes seconds. An executor
-    gets both in shards. Beside the grasps a batch needs 8 (c + 30) to 8 (3 c + 30) bytes a grasp with c force
-    components, 0.6 kB with five fingers; and some 3 kB for each that the first stage leaves.
+    gets both in shards. Beside the grasps themselves, a batch keeps up to 8 (3 c + n + 27) bytes for each of n contacts
+    with c force components, 0.6 kB with five fingers; and some 6 kB for each that the first stage leaves.
 
     Raises InputError for anything but grasps, and for `workers` beside an executor. What an executor raises, such as
     BrokenProcessPool where a process was killed, comes out as it is, and there are no solutions; a Dask cluster sends
