@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import pickle
 import weakref
 
 import numpy as np
@@ -128,6 +129,14 @@ def test_solutions_that_nobody_holds_are_not_kept():
     gc.collect()
     assert gone() is None
     assert many[1].held
+
+
+def test_a_pickle_has_the_same_answers():
+    many = hl.solve_many([*mixture(), hand_grasp()], 8, QUICK, workers=1)
+    copy = pickle.loads(pickle.dumps(many))
+    assert_same_bits(copy, many)
+    np.testing.assert_array_equal(copy.displacement, many.displacement)
+    assert copy.statuses == many.statuses
 
 
 def test_looking_at_a_solution_twice_says_the_same():

@@ -30,6 +30,7 @@ _SHARES = 64  # shards that a batch is cut into at least, so that many workers h
 _FIRST = 256, 2048  # grasps of a shard in the first stage, least and most
 _LATER = 32  # grasps of a shard in the later stages, most
 _PIECES = 8  # shards for what another shard leaves, at least
+_WEIGHT = 2**22  # bytes of a shard in the first stage, most: Dask warns of 10 MB
 _FLYING = 2**28  # bytes of shards on their way: a batch of any size needs no more memory than that
 
 
@@ -85,7 +86,8 @@ def on_executor(batch: Batch, executor: Executor) -> Found:
     kinds, left = kinds_of(batch)
     rows: dict[int, Array] = {}
     share = -(-len(batch) // _SHARES)
-    first = deque(shards(kinds, min(_FIRST[1], max(_FIRST[0], share))))
+    most = min(_FIRST[1], max(_FIRST[0], share))
+    first = deque([s for own in kinds for s in shards([own], min(most, _WEIGHT // (8 * own.kind.scene_width)))])
     later = deque(_split(left, share))
     with Jobs[Members | list[int]](executor) as jobs:
         while first or later or len(jobs):

@@ -71,6 +71,10 @@ class Solutions(Sequence[GraspSolution]):
             known = self._seen[k] = answered(grasp.spec, grasp.scene, self._batch.section(k), answer)
         return known
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle without what was made meanwhile."""
+        return (type(self), (self._batch, self._answers, self._singles))
+
     def __repr__(self) -> str:
         return f"Solutions({len(self)} grasps, {int(self.held.sum())} held)"
 
