@@ -126,7 +126,7 @@ def test_the_second_opinion_shares_nothing_with_what_it_judges(name):
         ("from handlcp.hand import _needed", "imports handlcp.hand _needed"),
         ("import handlcp as hl\nhl.grasp.friction.Cone()", "reaches hl.grasp.friction"),
         ("grasp._placed()", "uses ._placed"),
-        ("patch('handlcp.grasp.parallel._CHUNK')", "names handlcp.grasp.parallel._CHUNK"),
+        ("patch('handlcp.grasp.batch.first_stage._CHUNK')", "names handlcp.grasp.batch.first_stage._CHUNK"),
     ],
 )
 def test_each_way_inside_is_seen(source, what):

@@ -13,6 +13,8 @@ from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.assembly.problem import GraspProblem
+from handlcp.grasp.batch.solutions import Solutions
+from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.effects.contact_compliance import ContactCompliance
 from handlcp.grasp.effects.finger_force_bound import FingerForceBound
@@ -38,7 +40,6 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parallel import Solutions, solve_many
 from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [

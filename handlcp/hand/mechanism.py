@@ -15,7 +15,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.model.mechanism import JointReading, Mechanism
+from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import tip_flexibility
@@ -95,13 +95,7 @@ class HandMechanism(Mechanism):
     ) -> dict[str, Any]:
         """As `HandGraspSolution` has it."""
         hand = self.posture.hand
-        torque = forces.reshape(-1) @ self.jacobian
-        if torsion is not None:
-            torque = torque + torsion[list(scene.soft)] @ self.turning(scene.soft)
-        total = torque if scene.held is None else torque + scene.held
-        joints = JointReading(total, self.deflection(torque), np.zeros(hand.nv))
-        for e in effects:
-            joints = e.read(scene, forces, extra, joints)
+        joints = self.joints(scene, effects, forces, torsion, extra)
         total, yielded = read_only(joints.torque), read_only(joints.yielded)
         yielding: tuple[str, ...] = ()
         if yielded.any():

@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.scenes import cube_example, pinch, ring
+from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
+from tests.grasp.scenes import cube_example, pinch
 from tests.support import patches
-from tests.support.grasp import arrays
-
-
-def mixture():
-    """Held and not, planar and not, with and without friction and effects, of several sizes; one of them twice."""
-    rng = np.random.default_rng(8)
-    out = []
-    for k in range(24):
-        contacts, more = ring(rng, 2 + k % 4, mu=(0.6, 0.0, 0.2)[k % 3])
-        out.append(hl.Grasp(contacts, **more))
-    flat = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0.001), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
-    out.append(hl.Grasp(flat, (0.2, -1.0, 0.001), flexibility=1e-4, preload=2e-4))
-    bound = hl.TotalForceBound(5.0)
-    out += [cube_example(), pinch(), pinch(load=(0, 0, -100.0)), pinch(effects=[bound]), out[0]]
-    return out
-
-
-QUICK = hl.Auto(search_seconds=0)
+from tests.support.grasp import arrays, packed
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
@@ -45,9 +31,7 @@ def test_each_solution_is_the_grasps_own(workers, faces, monkeypatch):
 
 
 def test_a_hands_grasps_come_back_with_torques():
-    hand = hl.example_hand("five_finger", joint_stiffness=5.0)
-    ball = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
-    g = hand.at(hand.close_on(ball, squeeze=3e-3)).grasp(ball)
+    g = hand_grasp()
     grasps = [g, g.replace(wrench=(0.1, 0, -1.5, 0, 0, 0))]
     for g, s in zip(grasps, hl.solve_many(grasps), strict=True):
         np.testing.assert_array_equal(s.torques, g.solve().torques)
@@ -94,7 +78,60 @@ def test_progress_counts_up_to_all(monkeypatch):
     assert [d for d, _ in seen] == sorted(d for d, _ in seen)
 
 
+def test_a_bar_counts_on_stderr_alone(capsys):
+    hl.solve_many([pinch()] * 3, workers=1, progress=True)
+    out, err = capsys.readouterr()
+    assert "3/3" in err
+    assert not out
+    hl.solve_many([pinch()] * 3, workers=1, progress=False)
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_without_a_proof_nothing_is_searched(workers, monkeypatch):
+    patches.everything_to_processes(monkeypatch)
+    grasps = [g for g in mixture() if not g.solve(8, QUICK, throw=False).held]
+    many = hl.solve_many([*grasps, pinch()], workers=workers, proof=False)
+    assert_same_bits(many, [g.solve(throw=False, proof=False) for g in [*grasps, pinch()]])
+    assert set(many.status[:-1]) == {"UNDECIDED", "NOT_HOLDABLE"}
+    assert many.held[-1]
+    assert not any("search" in line for s in many for line in s.trace)
+
+
+def test_many_scenes_are_packed_as_each_of_them_is():
+    for group in (mixture()[:1] * 3, [hand_grasp()], [mixture()[24]], soft_and_anisotropic()[:4]):
+        one, all_ = packed(group, 8)
+        np.testing.assert_array_equal(one, all_)
+
+
+def test_a_batch_keeps_arrays_alone():
+    grasps = sweep(four(), 600, 0.1)
+    hl.solve_many(grasps[:300], workers=1)
+    tracemalloc.start()
+    try:
+        many = hl.solve_many(grasps, workers=1)
+        kept, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert many.held.all()
+    assert kept / len(grasps) < 1000  # bytes
+    assert most < kept + 256 * 10_000  # the scenes of one shard
+
+
+def test_a_batch_hangs_nothing_on_its_grasps():
+    grasps = [*[pinch(load=(0, 0, -100.0)) for _ in range(3)], *sweep(four(), 3, 0.1)]
+    before = [set(vars(g.scene)) for g in grasps]
+    many = hl.solve_many(grasps, solver=QUICK, workers=1)
+    assert 3 <= many.held.sum() < len(grasps)
+    for k in (1, 2, 4, 5):  # the first of a kind may keep what the kind was read off
+        assert set(vars(grasps[k].scene)) == before[k]
+
+
 def test_bad_input_is_named():
+    with pytest.raises(hl.InputError, match="progress: expected True"):
+        hl.solve_many([pinch()], progress=3)
+    with pytest.raises(hl.InputError, match="proof: expected True or False"):
+        hl.solve_many([pinch()], proof="no")
     with pytest.raises(hl.InputError, match=r"grasps\[1\]"):
         hl.solve_many([pinch(), 3])
     with pytest.raises(hl.InputError, match="grasps"):

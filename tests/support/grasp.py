@@ -16,8 +16,10 @@ from handlcp.grasp.answer.diagnosis import Sentences
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
+from handlcp.grasp.batch.packing import pack_all
 from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
+from handlcp.grasp.solve import compiled_answer as _first
 from handlcp.grasp.solve.force_iteration import force_dependent, missed
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp.kernels.projection import nearest as _nearest
@@ -39,6 +41,7 @@ __all__ = [
     "limit_surface",
     "load_about",
     "nearest_in_polygon",
+    "packed",
     "plain_problem",
     "required_friction",
     "required_preload",
@@ -153,6 +156,16 @@ def nearest_in_polygon(x: float, y: float, distance: float, faces: int) -> tuple
     tangents = 1 if faces == 2 else 2
     _nearest(np.array([x, y, 0.0]), tangents, distance, 0.0, faces, np.zeros((0, 3)), P, np.empty((3, 4)))
     return P[0], P[1]
+
+
+def packed(grasps: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Grasps of one kind as rows for compiled code: each written by itself, and all at once."""
+    scenes, cut = [g.scene for g in grasps], section_of(grasps[0], faces)
+    kind = _first.compiled_kind(scenes[0], cut)
+    rows = np.empty((len(scenes), kind.scene_width))
+    for scene, row in zip(scenes, rows, strict=True):
+        _first.pack(scene, cut, row)
+    return rows, pack_all(scenes, kind, cut)
 
 
 # ---------------------------------------------------------------- the certifier

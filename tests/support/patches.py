@@ -27,6 +27,7 @@ __all__ = [
     "nothing_is_eliminated",
     "paper_command",
     "paper_report",
+    "shards_of",
     "shares_of_a_quarter",
     "ticks_between_shares",
     "ticks_of_equilibria",
@@ -39,12 +40,19 @@ __all__ = [
 # ---------------------------------------------------------------- many grasps
 def chunks_of(patch: Patch, count: int) -> None:
     """`solve_many` hands out so many grasps at a time."""
-    patch.setattr("handlcp.grasp.parallel._CHUNK", count)
+    patch.setattr("handlcp.grasp.batch.first_stage._CHUNK", count)
+
+
+def shards_of(patch: Patch, count: int) -> None:
+    """`solve_many` sends an executor so many grasps at a time."""
+    patch.setattr("handlcp.grasp.batch.run._FIRST", (count, count))
+    patch.setattr("handlcp.grasp.batch.run._LATER", count)
 
 
 def everything_to_processes(patch: Patch) -> None:
     """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
-    patch.setattr("handlcp.grasp.parallel._ALONE", 0.0)
+    for name in ("_LOOK", "_WORTH"):
+        patch.setattr(f"handlcp.grasp.batch.run.{name}", 0.0)
 
 
 # ---------------------------------------------------------------- stages of a solve

@@ -50,7 +50,7 @@ class Mechanism:
     names : (nv,). jacobian : (3n, nv) velocity of the contact points in contact axes [m/rad, m/m].
     root : (nv, m) A of the joints' compliance K⁻¹ = A Aᵀ [rad/(N·m)].
     limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
-    solution : the class of solutions, a subclass of `GraspSolution`.
+    solution : the class of solutions, a subclass of `GraspSolution` with `torques` (nv,).
     """
 
     solution: ClassVar[Any]
@@ -87,6 +87,19 @@ class Mechanism:
     def deflection(self, torque: Array) -> Array:
         """(nv,) K⁻¹ τ [rad]."""
         return np.asarray(self.root @ (torque @ self.root))
+
+    def joints(
+        self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
+    ) -> JointReading:
+        """What the joints do at an answer; arguments as in `read`."""
+        torque = forces.reshape(-1) @ self.jacobian
+        if torsion is not None:
+            torque = torque + torsion[list(scene.soft)] @ self.turning(scene.soft)
+        total = torque if scene.held is None else torque + scene.held
+        joints = JointReading(total, self.deflection(torque), np.zeros(len(self.names)))
+        for e in effects:
+            joints = e.read(scene, forces, extra, joints)
+        return joints
 
     def read(
         self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]

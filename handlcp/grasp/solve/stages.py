@@ -31,9 +31,11 @@ _BRIEF = 2e7  # multiply-adds, some hundredths of a second: most proofs take les
 
 def solve_built(
     spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NOWHERE,
-    proof: bool = True,
+    proof: bool = True, first: CompiledAnswer | None = None,
 ) -> GraspSolution:  # fmt: skip
     """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`, proof as in `Grasp.solve`.
+
+    first : what the compiled first stage came to, where that is known.
 
     The first stage of a scene whose effects follow from its data is one compiled call, and for most scenes there is no
     other.
@@ -41,7 +43,7 @@ def solve_built(
     chain, asked = as_chain(solver), stamped(spec.effects) if spec.effects else ()
     if chain is None or asked:
         return _in_stages(spec, scene, section, solver, start, None, proof)
-    found = solve_scene(scene, section, chain.seed, start)
+    found = solve_scene(scene, section, chain.seed, start) if first is None else first
     if not found.passes:
         return _in_stages(spec, scene, section, solver, start, found.proposal, proof)
     return answered(spec, scene, section, found)

@@ -1,0 +1,99 @@
+"""A batch on any executor has the answers of one process, and says what failed."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, sweep
+from tests.grasp.scenes import pinch
+from tests.support import patches
+
+
+class Later(Executor):
+    """Runs what it is given at once, through pickles, as a cluster would, and counts it."""
+
+    def __init__(self):
+        self.sent = []
+
+    def submit(self, run, /, *cargo):
+        import pickle
+
+        future = Future()
+        self.sent.append(len(pickle.dumps((run, cargo))))
+        run, cargo = pickle.loads(pickle.dumps((run, cargo)))
+        future.set_result(pickle.loads(pickle.dumps(run(*cargo))))
+        return future
+
+
+@pytest.mark.parametrize("size", [1, 3, 1000])
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_the_answers_are_those_of_one_process_whatever_the_shards(size, faces, monkeypatch):
+    grasps = [*mixture(), *sweep(hand_grasp(), 5, 3.0)]
+    alone = hl.solve_many(grasps, faces, QUICK, workers=1)
+    patches.shards_of(monkeypatch, size)
+    with ThreadPoolExecutor(2) as pool:
+        for executor in (pool, Later()):
+            many = hl.solve_many(grasps, faces, QUICK, executor=executor)
+            assert_same_bits(many, alone)
+            np.testing.assert_array_equal(many.displacement, alone.displacement)
+            for s, g in zip(many, grasps, strict=True):
+                assert s.scene is g.scene
+
+
+def test_solvers_without_a_first_stage_go_there_too():
+    grasps = sweep(four(), 5, 0.1)
+    there = Later()
+    assert_same_bits(
+        hl.solve_many(grasps, solver=hl.Lemke(), executor=there), [g.solve(solver=hl.Lemke()) for g in grasps]
+    )
+    assert there.sent
+
+
+def test_loads_of_one_grasp_travel_as_their_own_numbers_alone():
+    there = Later()
+    grasps = sweep(hand_grasp(), 300, 0.1)
+    assert hl.solve_many(grasps, executor=there).held.all()
+    assert len(there.sent) == 2  # of 256 and 44
+    assert sum(there.sent) < 300 * 60 + 2 * 8000
+
+
+def test_progress_counts_up_to_all_on_an_executor(monkeypatch):
+    patches.shards_of(monkeypatch, 2)
+    seen = []
+    hl.solve_many(mixture(), 8, QUICK, executor=Later(), progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (30, 30)
+    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
+
+
+def test_a_pool_that_loses_a_process_says_so(monkeypatch):
+    patches.shards_of(monkeypatch, 1)
+    grasps = sweep(four(), 20, 0.1)
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
+        with pytest.raises(BrokenProcessPool, match=r"terminated abruptly|not usable anymore"):
+            hl.solve_many(grasps, executor=pool)
+
+
+def test_what_a_progress_raises_stops_the_batch(monkeypatch):
+    patches.shards_of(monkeypatch, 1)
+
+    def stop(done, total):
+        raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
+        hl.solve_many(sweep(four(), 20, 0.1), executor=pool, progress=stop)
+
+
+def test_bad_executors_are_named():
+    with pytest.raises(hl.InputError, match=r"executor: expected a concurrent\.futures\.Executor"):
+        hl.solve_many([pinch()], executor=map)
+    with pytest.raises(hl.InputError, match="workers: expected None beside an executor"):
+        hl.solve_many([pinch()], executor=Later(), workers=2)
