@@ -24,7 +24,7 @@ from handlcp.lcp.mode_search import ModeSearch
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.search import search
-from handlcp.lcp.solvers.contact_run import in_units_of_limits
+from handlcp.lcp.solvers.contact_run import measured_by_limits as in_units_of_limits
 from handlcp.lcp.solvers.starts import OtherStarts
 
 # Where the certifiers of answers to problems and to grasps are

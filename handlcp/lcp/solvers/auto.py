@@ -22,13 +22,13 @@ from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.base import ContactSolver
-from handlcp.lcp.solvers.contact_run import FINE, converged, in_units_of_limits
+from handlcp.lcp.solvers.contact_run import FINE, converged, measured_by_limits
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
 
-__all__ = ["BRIEFLY", "FIRST_STAGE", "Auto", "as_chain"]
+__all__ = ["BRIEFLY", "FIRST_STAGE", "Auto", "as_chain", "in_units_of_limits"]
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
@@ -177,7 +177,7 @@ class Auto:
             if not np.isfinite(where).all():
                 return None
             p = _NEWTON.propose_contact(problem, where)
-            return p if converged(p) or not len(problem.blocks) else _in_units_of_limits(_NEWTON, problem, where)
+            return p if converged(p) or not len(problem.blocks) else in_units_of_limits(_NEWTON, problem, where)
 
         # A plane's interval, and contacts without friction, are the same with any faces
         flat = m == 2 or len(problem.blocks) == 0
@@ -187,16 +187,16 @@ class Auto:
                 yield "Lemke", partial(pivoted, own)
             yield f"Newton from Lemke, {own} faces", partial(newton, own)
         others = OtherStarts(_TRIES, seed=seed)
-        yield "Newton from other starts", lambda: _in_units_of_limits(others, problem, None)
+        yield "Newton from other starts", lambda: in_units_of_limits(others, problem, None)
         if problem.flat is not None and not flat:
             for faces in _FACES:
                 if faces != own:
                     yield f"Newton from Lemke, {faces} faces", partial(newton, faces)
 
 
-def _in_units_of_limits(solver: ContactSolver, problem: ContactProblem, start: Array | None) -> Proposal:
+def in_units_of_limits(solver: ContactSolver, problem: ContactProblem, start: Array | None) -> Proposal:
     """A solver on the problem with forces in units of their limits, from `start` (n,) of the problem itself."""
-    other, s = in_units_of_limits(problem)
+    other, s = measured_by_limits(problem)
     p = solver.propose_contact(other, None if start is None else start / s)
     return replace(p, z=s * p.z)
 

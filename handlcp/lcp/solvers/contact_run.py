@@ -11,7 +11,7 @@ from handlcp.lcp.kernels.contact_run import contact_run
 from handlcp.lcp.result import Proposal
 from handlcp.tolerances import SOLVE
 
-__all__ = ["FINE", "converged", "held", "in_units_of_limits", "outcome", "run_contact"]
+__all__ = ["FINE", "converged", "held", "measured_by_limits", "outcome", "run_contact"]
 
 FINE = SOLVE * 1e-2  # friction limits of 1e-6 ask more of a residual than the rest does
 _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank tolerance
@@ -58,7 +58,7 @@ def held(problem: ContactProblem, apart: Bools, slippery: Bools) -> Array:
     return z
 
 
-def in_units_of_limits(problem: ContactProblem) -> tuple[ContactProblem, Array]:
+def measured_by_limits(problem: ContactProblem) -> tuple[ContactProblem, Array]:
     """The same problem with each tangential force measured by its limit, and s (n,): x = s x' leads back.
 
     x = S x', y' = S y and M' = S M S, S diagonal: one on all but tangents, and one factor a block, so that sets keep
