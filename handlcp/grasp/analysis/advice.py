@@ -16,7 +16,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["solve_with_advice"]
+__all__ = ["advised", "solve_with_advice"]
 
 
 def solve_with_advice(
@@ -24,7 +24,11 @@ def solve_with_advice(
     proof: bool = True,
 ) -> GraspSolution:  # fmt: skip
     """As `solve_spec`; NO_EQUILIBRIUM can be asked for the `required_preload` that would hold."""
-    solution = solve_spec(spec, section, solver, start, scene, proof)
+    return advised(solve_spec(spec, section, solver, start, scene, proof), spec, section)
+
+
+def advised(solution: GraspSolution, spec: GraspSpec, section: Section) -> GraspSolution:
+    """The solution that knows where to ask for the squeeze that would help."""
     if solution.status is not Status.NO_EQUILIBRIUM or solution.certificate is not None:  # no squeeze moves a limit
         return solution
     return replace(solution, advise=partial(_squeeze, spec, section))

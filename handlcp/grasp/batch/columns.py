@@ -78,7 +78,7 @@ def groups_of(
             groups[number[k]].put(row[k], batch.grasps[k], solution)
     for found in answers:
         direct = found.unique
-        for k in found.at[~direct].tolist():
+        for k in found.at[found.passing & ~direct].tolist():
             groups[number[k]].put(row[k], batch.grasps[k], look[k])
         for g in np.unique(number[found.at[direct]]).tolist():
             some = np.flatnonzero(direct & (number[found.at] == g))

@@ -13,11 +13,13 @@ from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.packing import Parcel, answer_rows, pack_all, parcel_of
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.solve.compiled_answer import CompiledKind, compiled_kind
-from handlcp.grasp.solve.compiled_solve import HEAD
-from handlcp.lcp import as_chain
+from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE
+from handlcp.lcp import Status, as_chain
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["Answers", "Members", "answers_in_threads", "kinds_of", "parcel", "passing", "shards"]
+__all__ = ["STATUSES", "Answers", "Members", "answers_in_threads", "kinds_of", "parcel", "settled", "shards"]
+
+STATUSES = tuple(Status)
 
 _CHUNK = 256  # grasps that a thread takes at a time: long beside the handing over, short beside the whole
 
@@ -46,7 +48,14 @@ class Answers(NamedTuple):
     @property
     def unique(self) -> Bools:
         """(k,) whether it is an answer that leaves nothing free."""
-        return np.asarray(self.rows[:, 11] == 1.0)
+        return np.asarray(self.rows[:, 11] == UNIQUE)
+
+    @property
+    def status(self) -> Ints:
+        """(k,) the number of each status among all, where the first stage settles it, or nothing more is asked."""
+        none = self.rows[:, 11] == NONE_HOLDS
+        other = np.where(none, STATUSES.index(Status.NOT_HOLDABLE), STATUSES.index(Status.UNDECIDED))
+        return np.where(self.passing, STATUSES.index(Status.SOLVED), other)
 
     def moves(self, some: Ints) -> tuple[Array, Array, Array]:
         """(components (s, c), twist (s, 6), centre (s, 3)) of some of the rows."""
@@ -116,9 +125,11 @@ def _numbers(batch: Batch, shard: Members) -> Array:
     return pack_all(scenes, shard.kind, batch.section(int(shard.at[0])))
 
 
-def passing(found: Answers) -> tuple[Answers, dict[int, Array]]:
-    """The answers that the certifier calls so; and the rows of the others by their places, where later stages go on."""
-    good = found.passing
+def settled(found: Answers, proof: bool) -> tuple[Answers, dict[int, Array]]:
+    """What the first stage settles, everything where no further proof is asked for; and the rows of the others by their
+    places, where later stages go on.
+    """
+    good = found.status != STATUSES.index(Status.UNDECIDED) if proof else np.ones(len(found.at), bool)
     if good.all():
         return found, {}
     lost = dict(zip(found.at[~good].tolist(), found.rows[~good], strict=True))

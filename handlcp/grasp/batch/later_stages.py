@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from handlcp.check import Array
+from handlcp.grasp.analysis.advice import advised
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.batch.batch import Batch
@@ -53,8 +54,9 @@ def solve_left(left: Left) -> list[GraspSolution]:
 
 
 def at_home(batch: Batch, k: int, solution: GraspSolution) -> GraspSolution:
-    """A solution with the scene of its grasp."""
-    return replace(solution, scene=batch.grasps[k].scene)
+    """A solution with the scene of its grasp, and advice that is worked out when it is asked for."""
+    g = batch.grasps[k]
+    return advised(replace(solution, scene=g.scene), g.spec, batch.section(k))
 
 
 def _solved(

@@ -12,7 +12,7 @@ from handlcp.check import Array
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.executors import Jobs
-from handlcp.grasp.batch.first_stage import Answers, Members, answers_in_threads, kinds_of, parcel, passing, shards
+from handlcp.grasp.batch.first_stage import Answers, Members, answers_in_threads, kinds_of, parcel, settled, shards
 from handlcp.grasp.batch.later_stages import at_home, left_of, solve_left, solve_one
 from handlcp.grasp.batch.packing import solve_parcel
 
@@ -49,7 +49,7 @@ def on_cores(batch: Batch, workers: int) -> Found:
     kinds, left = kinds_of(batch)
     rows: dict[int, Array] = {}
     for answers in answers_in_threads(batch, kinds, workers):
-        kept, lost = passing(answers)
+        kept, lost = settled(answers, batch.proof)
         rows |= lost
         if len(kept.at):
             yield kept
@@ -100,7 +100,7 @@ def on_executor(batch: Batch, executor: Executor) -> Found:
                     jobs.send(shard, solve_parcel, cargo, cargo.size)
             for job, result in jobs.done(wait=True):
                 if isinstance(job, Members):
-                    kept, lost = passing(Answers(*job, result))
+                    kept, lost = settled(Answers(*job, result), batch.proof)
                     rows |= lost
                     later.extend(_split(list(lost), share))
                     if len(kept.at):

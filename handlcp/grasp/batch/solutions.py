@@ -15,7 +15,7 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.columns import Group, groups_of
-from handlcp.grasp.batch.first_stage import Answers
+from handlcp.grasp.batch.first_stage import STATUSES, Answers
 from handlcp.grasp.batch.frame import frame
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.solve.stages import answered
@@ -24,7 +24,6 @@ from handlcp.lcp import Status
 
 __all__ = ["Solutions"]
 
-_STATUSES = tuple(Status)
 _INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 
@@ -41,14 +40,15 @@ class Solutions(Sequence[GraspSolution]):
     def __init__(self, batch: Batch, answers: Sequence[Answers], singles: dict[int, GraspSolution]) -> None:
         self._batch, self._answers, self._singles = batch, tuple(answers), singles
         self._where: Ints = np.full((len(batch), 2), -1)  # which of the answers, and which row of it
-        codes = np.full(len(batch), _STATUSES.index(Status.SOLVED), dtype=np.int8)
+        codes = np.zeros(len(batch), dtype=np.int8)
         for number, found in enumerate(self._answers):
+            codes[found.at] = found.status
             self._where[found.at, 0], self._where[found.at, 1] = number, np.arange(len(found.at))
         for k, solution in singles.items():
-            codes[k] = _STATUSES.index(solution.status)
+            codes[k] = STATUSES.index(solution.status)
         self._codes = codes
         self._seen: WeakValueDictionary[int, GraspSolution] = WeakValueDictionary()
-        self.held: Bools = codes == _STATUSES.index(Status.SOLVED)
+        self.held: Bools = codes == STATUSES.index(Status.SOLVED)
         self.held.flags.writeable = False
 
     # ---- a sequence
@@ -82,12 +82,12 @@ class Solutions(Sequence[GraspSolution]):
     @property
     def statuses(self) -> tuple[Status, ...]:
         """The status of each."""
-        return tuple([_STATUSES[c] for c in self._codes.tolist()])
+        return tuple([STATUSES[c] for c in self._codes.tolist()])
 
     @property
     def status(self) -> npt.NDArray[np.str_]:
         """(m,) the names of the statuses, such as "SOLVED"."""
-        return np.array([s.name for s in _STATUSES])[self._codes]
+        return np.array([s.name for s in STATUSES])[self._codes]
 
     @property
     def forces(self) -> Array:

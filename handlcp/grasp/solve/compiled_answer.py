@@ -14,7 +14,7 @@ from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.solve.compiled_solve import HEAD, ScenePattern, solve_scenes
+from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
 from handlcp.grasp.verify.contact_laws import Misses
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp import Proposal
@@ -108,7 +108,13 @@ class CompiledAnswer:
     @property
     def unique(self) -> bool:
         """Whether it is an answer that leaves nothing free."""
-        return self.row.item(11) == 1.0
+        return self.row.item(11) == UNIQUE
+
+    @property
+    def escape(self) -> Array | None:
+        """(dof,) where it is proven that nothing holds the object: the motion in which it escapes, natural units."""
+        at = HEAD + self.kind.kind.components
+        return self.row[at : at + self.kind.kind.dof] if self.row.item(11) == NONE_HOLDS else None
 
     @property
     def residuals(self) -> Residuals:

@@ -18,12 +18,14 @@ from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
 from handlcp.grasp.verify.contact_laws import Friction, examine
+from handlcp.grasp.verify.escape import ESCAPES, find_escape
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.contact_newton import hold
 from handlcp.lcp.kernels.contact_rows import in_order
-from handlcp.lcp.kernels.contact_run import contact_run
+from handlcp.lcp.kernels.contact_run import closed, contact_run, in_turns, newton_first
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
-__all__ = ["HEAD", "ScenePattern", "solve_scenes"]
+__all__ = ["HEAD", "NONE_HOLDS", "UNIQUE", "ScenePattern", "solve_scenes"]
 
 
 class ScenePattern(NamedTuple):
@@ -47,10 +49,12 @@ class ScenePattern(NamedTuple):
     torsional: int
 
 
-# An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `Misses`; one where
-# the answer is locally unique. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c),
-# contact states (n), unknowns (N).
+# An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `Misses`; and what
+# else is known: UNIQUE, locally; NONE_HOLDS, where it is no answer, and in place of its twist there is the proof in
+# natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact states
+# (n), unknowns (N).
 HEAD = 12
+UNIQUE, UNKNOWN, NONE_HOLDS = 1.0, 0.0, -1.0
 
 
 @kernel
@@ -66,14 +70,15 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         g, limits = _read(scenes[k], n, p.torsional, p.dof)
         posed, blocks = pose(g, p.unknown)
         x = np.zeros(p.at[4])
-        row[0], row[1], row[2] = _solved(p, blocks, limits, start, posed, g.freedom, seed, x)
+        t = np.zeros(p.dof)
+        row[0], row[1], row[2], escapes = _solved(p, blocks, limits, start, posed, g.freedom, seed, x, t)
         at = p.at[0], p.at[2], p.at[3]
         forces, free = in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
         twist = np.dot(free, g.freedom)
         friction = Friction(limits, p.faces, p.normals)
         v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
         row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
-        row[11] = 0.0
+        row[11] = UNKNOWN
         end = _put(row, HEAD, forces)
         end = _put(row, end, twist)
         end = _put(row, end, posed.centre)
@@ -84,9 +89,13 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
         if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
             slow = ACTIVE * max(m.motion_size, posed.motion)
             states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
-            row[11] = _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
+            if _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits):
+                row[11] = UNIQUE
             for i in range(n):
                 row[end + i] = states.kind[i]
+        elif escapes:
+            row[11] = NONE_HOLDS
+            _put(row, HEAD + len(forces), t)
 
 
 @kernel
@@ -107,9 +116,12 @@ def _read(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
 
 @kernel
 def _solved(
-    p: ScenePattern, blocks: Blocks, limits: Array, start: Array, posed: Posed, freedom: Array, seed: int, x: Array
-) -> tuple[int, int, float]:
-    """Write the answer's unknowns into x (N,); returns (Kaczmarz steps, Newton steps, residual)."""
+    p: ScenePattern, blocks: Blocks, limits: Array, start: Array, posed: Posed, freedom: Array, seed: int, x: Array,
+    t: Array,
+) -> tuple[int, int, float, bool]:  # fmt: skip
+    """Write the answer's unknowns into x (N,), or the motion in which the object escapes into t (dof,); returns
+    (Kaczmarz steps, Newton steps, residual, whether it escapes).
+    """
     M, q = _stamped(p, blocks)
     own = np.empty(len(p.blocks))
     for k in range(len(own)):
@@ -120,13 +132,22 @@ def _solved(
         _begin(x, start, p, freedom, posed)
         y[:] = x[p.order]
         _, newton, r = contact_run(problem, y, False, seed, 0, True, SOLVE * 1e-2)
-    steps = 0
+    steps, escapes = 0, False
     if not r <= SOLVE:
-        y[:] = 0.0
-        steps, more, r = contact_run(problem, y, True, seed, len(x), True, SOLVE * 1e-2)
+        hold(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
+        best, more, r = newton_first(problem, y, True, SOLVE * 1e-2)
         newton += more
+        if r <= SOLVE * 1e-2:
+            y[:] = best
+        elif find_escape(blocks.every, blocks.w, p.contacts, limits, p.faces, t) == ESCAPES:
+            escapes = True  # no need to look any further
+            y[:] = best
+        else:
+            steps, more, r = in_turns(problem, y, best, r, seed, len(x), True, SOLVE * 1e-2)
+            newton += more
+        closed(problem, y)
     x[p.order] = y
-    return steps, newton, r
+    return steps, newton, r, escapes
 
 
 @kernel
@@ -164,13 +185,13 @@ def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed
 
 
 @kernel
-def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> float:
-    """One where the active conditions leave nothing free; zero where they do, or where contacts rest."""
+def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> bool:
+    """Whether the active conditions leave nothing free, and no contact rests."""
     for k in states.kind:
         if k == RESTING:
-            return 0.0
+            return False
     A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
-    return 1.0 if rank == len(A) else 0.0
+    return bool(rank == len(A))
 
 
 @kernel

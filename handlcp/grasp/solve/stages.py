@@ -19,7 +19,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.search.nonexistence import EquilibriumSearch, Outcome
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
-from handlcp.grasp.verify.holdable import escaping_twist
+from handlcp.grasp.verify.holdable import escape_of, escaping_twist
 from handlcp.grasp.verify.judge import Verdict, judge
 from handlcp.lcp import BRIEFLY, FIRST_STAGE, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
@@ -27,6 +27,7 @@ from handlcp.lcp.solve import AnySolver
 __all__ = ["answered", "solve_built"]
 
 _BRIEF = 2e7  # multiply-adds, some hundredths of a second: most proofs take less, and so do most of its answers
+_PROOF, _NO_PROOF = "nothing holds it", "no proof that nothing holds it"
 
 
 def solve_built(
@@ -44,19 +45,30 @@ def solve_built(
     if chain is None or asked:
         return _in_stages(spec, scene, section, solver, start, None, proof)
     found = solve_scene(scene, section, chain.seed, start) if first is None else first
-    if not found.passes:
-        return _in_stages(spec, scene, section, solver, start, found.proposal, proof)
-    return answered(spec, scene, section, found)
+    if found.passes or found.escape is not None or not proof:
+        return answered(spec, scene, section, found)
+    return _in_stages(spec, scene, section, solver, start, found.proposal, proof)
 
 
 def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
-    """The solution from an answer of the first stage that passes."""
+    """The solution that the first stage comes to by itself: what it found, or the proof that nothing holds."""
+    if not found.passes:
+        return _refused(spec, scene, found)
     judged = Judged(found.candidate, Verdict(found.motion, found.residuals), found.iterations)
     trace = (stage_line(FIRST_STAGE, found.outcome, found.iterations, judged.verdict.residuals.worst),)
     if not found.unique:
         return make_solution(spec, scene, section, found.kind.design.effects, judged, trace)
     arm = spec.reference - found.centre
     return solution_of(spec, scene, judged, found.states, describe(scene, (), arm), trace, arm)
+
+
+def _refused(spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> GraspSolution:
+    """NOT_HOLDABLE where that is proven, else UNDECIDED."""
+    worst, escape = found.residuals.worst, found.escape
+    line = stage_line(FIRST_STAGE, found.outcome, found.iterations, worst)
+    trace = (line, f"holdability: {_NO_PROOF if escape is None else _PROOF}")
+    made = without_numbers(spec, scene, found.residuals, found.iterations, trace)
+    return made if escape is None else not_holdable(made, spec, scene, escape_of(scene, escape))
 
 
 def _in_stages(
@@ -109,8 +121,7 @@ class _Run:
     def escapes(self) -> bool:
         """Whether it is proven that nothing holds the object."""
         self.escape = escaping_twist(self.scene, self.problem.section)
-        proof = "no proof that nothing holds it" if self.escape is None else "nothing holds it"
-        self.trace.append(f"holdability: {proof}")
+        self.trace.append(f"holdability: {_NO_PROOF if self.escape is None else _PROOF}")
         return self.escape is not None
 
     def searched(self, search: EquilibriumSearch, chain: Auto, work: float, name: str) -> bool:

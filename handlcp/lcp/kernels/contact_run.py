@@ -13,7 +13,7 @@ from handlcp.lcp.kernels.contact_newton import contact_newton, hold
 from handlcp.lcp.kernels.contact_rows import Contacts
 from handlcp.lcp.kernels.dense import multiply_add
 
-__all__ = ["contact_run"]
+__all__ = ["closed", "contact_run", "in_turns", "newton_first"]
 
 _ON_BALL = 1e-2  # how well the ball's answer has to be known to name a polygon's faces
 # int64, no literals: kernels are compiled for each literal anew
@@ -36,16 +36,22 @@ def contact_run(
         hold(p, p.q > 0.0, np.zeros(len(p.blocks), np.bool_), x)
     taken, newton, r, best = 0, 0, np.inf, x
     if polish:
-        best, newton, r = _from(p, x, cold, tolerance)
+        best, newton, r = newton_first(p, x, cold, tolerance)
     if not polish or (r > tolerance and most > 0):
-        taken, more, r = _in_turns(p, x, best, r, seed, most, polish, tolerance)
+        taken, more, r = in_turns(p, x, best, r, seed, most, polish, tolerance)
         newton += more
     else:
         x[:] = best
-    for i in range(len(x)):
-        if p.role[i] == 1 and x[i] < 0.0:  # what rounding left of a pair that is apart
-            x[i] = 0.0
+    closed(p, x)
     return taken, newton, r
+
+
+@kernel
+def closed(p: Contacts, x: Array) -> None:
+    """Take out, in place, what rounding left of pairs that are apart."""
+    for i in range(len(x)):
+        if p.role[i] == 1 and x[i] < 0.0:
+            x[i] = 0.0
 
 
 @kernel
@@ -63,7 +69,7 @@ def _newton(p: Contacts, scale: float, x: Array, tolerance: float) -> tuple[int,
 
 
 @kernel
-def _from(p: Contacts, x: Array, cold: bool, tolerance: float) -> tuple[Array, int, float]:
+def newton_first(p: Contacts, x: Array, cold: bool, tolerance: float) -> tuple[Array, int, float]:
     """(answer, steps, residual) of Newton's method from x, which is left alone."""
     best, before, r = x.copy(), 0, np.inf
     if not cold and p.faces > 2:  # a good start lies on the right faces already
@@ -76,7 +82,7 @@ def _from(p: Contacts, x: Array, cold: bool, tolerance: float) -> tuple[Array, i
 
 
 @kernel
-def _in_turns(
+def in_turns(
     p: Contacts, x: Array, best: Array, best_r: float, seed: int, most: int, polish: bool, tolerance: float
 ) -> tuple[int, int, float]:
     """Kaczmarz steps and Newton's method in turn, in place, until Newton's converges; else the best of it all."""
