@@ -17,8 +17,9 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.search.nonexistence import search_equilibrium
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
+from handlcp.grasp.solve.lazy_solution import lazy_solution, trace_of
 from handlcp.grasp.verify.judge import Verdict, judge
-from handlcp.lcp import FIRST_STAGE, Auto, Proposal, Status, as_chain, proposals, stage_line
+from handlcp.lcp import Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
 
 __all__ = ["answered", "solve_built"]
@@ -43,12 +44,13 @@ def solve_built(
 
 def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """The solution from an answer of the first stage that passes."""
+    if found.unique and scene.scale is None and scene.prescribed is None and not scene.soft:
+        return lazy_solution(spec, scene, found)
     judged = Judged(found.candidate, Verdict(found.motion, found.residuals), found.iterations)
-    trace = (stage_line(FIRST_STAGE, found.outcome, found.iterations, judged.verdict.residuals.worst),)
     if not found.unique:
-        return make_solution(spec, scene, section, found.kind.design.effects, judged, trace)
+        return make_solution(spec, scene, section, found.kind.design.effects, judged, trace_of(found))
     arm = spec.reference - found.centre
-    return solution_of(spec, scene, judged, found.states, describe(scene, (), arm), trace, arm)
+    return solution_of(spec, scene, judged, found.states, describe(scene, (), arm), trace_of(found), arm)
 
 
 def _in_stages(

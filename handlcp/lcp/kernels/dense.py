@@ -78,7 +78,7 @@ def _largest(A: Array, work: Array) -> float:
 
 @kernel
 def _pivot_anywhere(A: Array, b: Array, col: Ints, s: int) -> float:
-    """Bring the largest entry of what is left to A[s, s]; returns its size. Rare, so its k² comparisons don't matter."""
+    """Bring the largest entry of what is left to A[s, s]; returns its size. Rare: k² comparisons don't matter."""
     best, p, c = 0.0, s, s
     for i in range(s, len(b)):
         for j in range(s, len(b)):
