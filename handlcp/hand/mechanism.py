@@ -90,6 +90,10 @@ class HandMechanism(Mechanism):
         still = np.zeros((3 * environment, len(self.names)))
         return replace(self, jacobian=read_only(np.concatenate([self.jacobian, still]))) if environment else self
 
+    def torques(self, scene: Scene, forces: Array) -> Array:
+        """(nv,) τ."""
+        return read_only(_with_held(scene, forces.reshape(-1) @ self.jacobian))
+
     def read(
         self, scene: Scene, effects: tuple[Effect, ...], forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:
@@ -98,8 +102,7 @@ class HandMechanism(Mechanism):
         torque = forces.reshape(-1) @ self.jacobian
         if torsion is not None:
             torque = torque + torsion[list(scene.soft)] @ self.turning(scene.soft)
-        total = torque if scene.held is None else torque + scene.held
-        joints = JointReading(total, self.deflection(torque), np.zeros(hand.nv))
+        joints = JointReading(_with_held(scene, torque), self.deflection(torque), np.zeros(hand.nv))
         for e in effects:
             joints = e.read(scene, forces, extra, joints)
         total, yielded = read_only(joints.torque), read_only(joints.yielded)
@@ -111,6 +114,11 @@ class HandMechanism(Mechanism):
             "torque_check": torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding),
             "effort": hand.stiffness.effort(total),
         }  # fmt: skip
+
+
+def _with_held(scene: Scene, torque: Array) -> Array:
+    """(nv,) and what the joints hold besides contact forces [N·m]."""
+    return torque if scene.held is None else torque + scene.held
 
 
 def mechanism_of(

@@ -88,6 +88,10 @@ class Mechanism:
         """(nv,) K⁻¹ τ [rad]."""
         return np.asarray(self.root @ (torque @ self.root))
 
+    def torques(self, scene: Any, forces: Array) -> Array:
+        """(nv,) what the actuators hold under forces (n, 3) of hard contacts [N·m], where no effect changes it."""
+        raise NotImplementedError
+
     def read(
         self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:

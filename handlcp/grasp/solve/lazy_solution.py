@@ -42,7 +42,7 @@ class _Fields:
 
     def __call__(self, name: str) -> dict[str, Any]:
         made = _MADE.get(name)
-        return self.joints() if made is None else {name: made(self)}
+        return self.joints(name) if made is None else {name: made(self)}
 
     @property
     def forces(self) -> Array:
@@ -54,10 +54,13 @@ class _Fields:
         """(3,) from the point that the answer's twist refers to to the grasp's reference [m]."""
         return self.spec.reference - self.found.centre
 
-    def joints(self) -> dict[str, Any]:
-        """What the mechanism adds."""
-        assert self.spec.mechanism is not None  # only its solutions have more fields
-        return self.spec.mechanism.read(self.scene, self.spec.effects, self.forces, None, {})
+    def joints(self, name: str) -> dict[str, Any]:
+        """What the mechanism adds; torques are asked for most, and often alone."""
+        mechanism, effects = self.spec.mechanism, self.spec.effects
+        assert mechanism is not None  # only its solutions have more fields
+        if name == "torques" and not effects:
+            return {name: mechanism.torques(self.scene, self.forces)}
+        return mechanism.read(self.scene, effects, self.forces, None, {})
 
 
 _MADE: dict[str, Callable[[_Fields], Any]] = {
