@@ -49,9 +49,9 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float) -> tuple
     """Semismooth Newton on F in place, with a line search that lets ‖F‖ rise for a while (Grippo, Lampariello &
     Lucidi 1986). Stops at ‖F‖ ≤ tolerance × max(1, largest |x|). Returns (steps, ‖F‖ over that size).
     """
-    n = len(x)
+    n, M, q = len(x), p.M, p.q
     y, F, g = np.empty(n), np.empty(n), work(p)
-    multiply_add(p.M, x, p.q, y)
+    multiply_add(M, x, q, y)
     total = rows(p, x, y, F, g)
     relative = np.sqrt(total) / size(x)
     if relative <= tolerance:  # most often: where every contact sticks
@@ -69,8 +69,9 @@ def contact_newton(p: Contacts, x: Array, steps: int, tolerance: float) -> tuple
         recent[step % _MEMORY] = total
         ceiling, t = np.max(recent), 1.0
         while True:
-            x1[:] = x - t * dx
-            multiply_add(p.M, x1, p.q, y)
+            for i in range(n):
+                x1[i] = x[i] - t * dx[i]
+            multiply_add(M, x1, q, y)
             total = rows(p, x1, y, F, g)
             if total <= (1.0 - 1e-4 * t) * ceiling or t < _SHORTEST:
                 break
