@@ -29,6 +29,8 @@ __all__ = [
     "unit",
 ]
 
+_FLOAT = np.dtype(float)
+
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
@@ -68,17 +70,17 @@ def array(
     try:
         raw = np.array(value)
         # Text, complex numbers and truth values convert too readily to be meant; integers beyond float64 not at all
-        a = raw.astype(float) if raw.dtype.kind in "iuf" or not raw.size else None
+        a = raw if raw.dtype == _FLOAT else raw.astype(float) if raw.dtype.kind in "iuf" or not raw.size else None
     except (TypeError, ValueError, OverflowError):
         a = None
     if a is None:
         raise InputError(argument, f"{what} of shape {_names(shapes)}", _show(value))
-    if shapes and not any(_fits(a.shape, s) for s in shapes):
+    if shapes and a.shape not in shapes and not any(_fits(a.shape, s) for s in shapes):
         raise InputError(argument, f"{what} of shape {_names(shapes)}", f"shape {a.shape}")
-    if not np.isfinite(a).all():
-        raise InputError(argument, what, f"{_show(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
     size = abs(a)
-    if (size > largest).any():
+    if not size.max(initial=0.0) <= largest:  # nor is it where one is not a number
+        if not np.isfinite(a).all():
+            raise InputError(argument, what, f"{_show(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
         raise InputError(argument, f"{what} up to {largest:g} in size", f"{size.max():.3g}")
     a[size < 1.0 / largest**2] = 0.0  # their reciprocals would overflow
     return read_only(a)

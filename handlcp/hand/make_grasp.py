@@ -29,6 +29,9 @@ from handlcp.hand.robot.posture import Posture
 
 __all__ = ["WeightGiven", "make_grasp"]
 
+_GRAVITY = (0.0, 0.0, -9.81)
+_DOWN = array("gravity", _GRAVITY, (3,))
+
 WeightGiven: TypeAlias = bool | Literal["torques"]
 
 
@@ -37,7 +40,7 @@ def make_grasp(
     target: Any,
     friction: Any = None,
     wrench: Any = None,
-    gravity: Any = (0.0, 0.0, -9.81),
+    gravity: Any = _GRAVITY,
     preload: Any = 0.0,
     *,
     offset: Any = None,
@@ -78,7 +81,6 @@ def make_grasp(
     weighed, obj = _weight_given(finger_weight), target if isinstance(target, Object) else None
     if obj is None:
         tips, contacts = _given(state, target, fingers, friction)
-        gaps = np.zeros(len(tips))
     else:
         tips = state.hand.tip_numbers("fingers", fingers)
         laws = _frictions(friction, [state.hand.fingertips[i] for i in tips])
@@ -87,10 +89,12 @@ def make_grasp(
     if around is not None:
         contacts = validate.contacts((*contacts, *around.contacts))
     positions, frames, normal = validate.placed(plane, contacts)
-    positions, frames, g = read_only(positions), read_only(frames), array("gravity", gravity, (3,))
+    positions, frames = read_only(positions), read_only(frames)
+    g = _DOWN if gravity is _GRAVITY else array("gravity", gravity, (3,))
     mechanism = mechanism_of(state, tips, positions[:k], frames[:k], obj, g)
     flexibility, shift = finger_flexibility(mechanism), validate.offset(offset, preload, k)
-    shift = shift + np.outer(gaps, (0.0, 0.0, 1.0))
+    if obj is not None:
+        shift = shift + np.outer(gaps, (0.0, 0.0, 1.0))
     if around is not None:
         mechanism = mechanism.beside(len(around.contacts))
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
@@ -169,7 +173,6 @@ def _own_effects(state: Posture, weighed: WeightGiven, gravity: Array, joint_off
     own: list[Effect] = []
     if weighed:
         own.append(FingerWeight(read_only(state.gravity_torque(gravity)), weighed is True))
-    command = read_joint_offset(joint_offset, state.hand.joint_names)
-    if command.any():
+    if joint_offset is not None and (command := read_joint_offset(joint_offset, state.hand.joint_names)).any():
         own.append(JointOffset(command))
     return tuple(own)

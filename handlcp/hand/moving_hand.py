@@ -33,8 +33,8 @@ class MovingHand:
         self.effects = self.fixed(effects)
         self._weights = [e for e in self.effects if isinstance(e, FingerWeight)]  # one, or none
         self._model, self._data = kinematics.model, kinematics.model.createData()
-        self._tips = list(mechanism.tips)
-        self._support = np.ascontiguousarray(hand.tips.support[self._tips, 0])
+        self._tips = mechanism.tips
+        self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
 
     def checked(self, q: Any) -> Array:

@@ -16,6 +16,7 @@ from scipy.linalg import lapack
 from handlcp.check import Array, Ints, read_only
 from handlcp.lcp.contact import ContactProblem, FrictionSets
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
@@ -42,6 +43,7 @@ class WithMultipliers(LCP):
         self._place = at + many * (at >= first)  # of the unknowns of the contact problem
         M, q = np.zeros((count + many,) * 2), np.zeros(count + many)
         M[np.ix_(self._place, self._place)], q[self._place] = contact.M, contact.q
+        self._whole = len(q)  # unknowns before any are eliminated
         z, w = np.empty(len(q)), np.empty(len(q))
         z[self._place], w[self._place] = contact.units.z, contact.units.w
         self._multipliers = slice(first, first + many)
@@ -65,15 +67,11 @@ class WithMultipliers(LCP):
 
     def lift(self, x: Array) -> Array:
         """(n,) z of this problem from x of the contact problem, natural units: multipliers follow from the slip y_T."""
-        contact, sets = self.contact, self._sets
-        z = np.zeros(contact.n + sum(self.faces))
-        z[self._place] = x
-        slip = contact.M @ x + contact.q
-        lift_flat(slip, contact.blocks, sets.faces, z[self._multipliers])
+        contact, sets, at = self.contact, self._sets, self._multipliers.start
+        z, slip = lift_flat(contact.M, contact.q, x, self._place, contact.blocks, sets.faces, at, self._whole)
         if len(sets.normals) and (contact.blocks[:, 3] >= 0).any():
             from scipy.optimize import nnls  # half a second of import that only soft contacts should pay
 
-            at = self._multipliers.start
             for block, faces in zip(contact.blocks, self.faces, strict=True):
                 if block[3] >= 0:
                     z[at : at + faces] = nnls(sets.normals.T, -slip[block[1:]])[0]
@@ -106,24 +104,31 @@ def _eliminated(M: Array, q: Array, c: int) -> tuple[Array, Array, Array, Array,
 
 
 @kernel
-def lift_flat(slip: Array, blocks: Ints, faces: int, multipliers: Array) -> None:
-    """Write λ ≥ 0 with Σ λ_j n_j = -slip for the blocks before the first with three tangents: on an end of an interval,
-    or on the two faces of a polygon whose normals enclose the slip.
+def lift_flat(
+    M: Array, q: Array, x: Array, place: Ints, blocks: Ints, faces: int, at: int, size: int
+) -> tuple[Array, Array]:
+    """(z, y) for x (n,): z (size,) has x at `place` (n,), and from `at` on λ ≥ 0 with Σ λ_j n_j = -y_T for the blocks
+    before the first with three tangents: on an end of an interval, or on the two faces of a polygon whose normals
+    enclose the slip. y = M x + q.
     """
-    at, step = 0, 2.0 * np.pi / max(faces, 1)
+    z, slip, step = np.zeros(size), np.empty(len(q)), 2.0 * np.pi / max(faces, 1)
+    multiply_add(M, x, q, slip)
+    for i in range(len(x)):
+        z[place[i]] = x[i]
     for k in range(len(blocks)):
         if blocks[k, 3] >= 0:
-            return
+            break
         a = -slip[blocks[k, 1]]
         if blocks[k, 2] < 0:
-            multipliers[at], multipliers[at + 1] = max(a, 0.0), max(-a, 0.0)
+            z[at], z[at + 1] = max(a, 0.0), max(-a, 0.0)
             at += 2
             continue
         b = -slip[blocks[k, 2]]
         angle = np.arctan2(b, a) % (2.0 * np.pi)
         first = int(angle / step)
         rest = angle - first * step
-        size = np.hypot(a, b) / np.sin(step)
-        multipliers[at + first % faces] = size * max(np.sin(step - rest), 0.0)
-        multipliers[at + (first + 1) % faces] += size * max(np.sin(rest), 0.0)
+        length = np.hypot(a, b) / np.sin(step)
+        z[at + first % faces] = length * max(np.sin(step - rest), 0.0)
+        z[at + (first + 1) % faces] += length * max(np.sin(rest), 0.0)
         at += faces
+    return z, slip

@@ -85,13 +85,13 @@ def _contact(grasp: Grasp, s: GraspSolution, i: int) -> dict[str, Any]:
 
 def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
     """Joint by joint; None without a hand."""
-    check: Any = getattr(solution, "torque_check", None)
-    if check is None:
+    check, yielded = (getattr(solution, name, None) for name in ("torque_check", "joint_yield"))
+    if check is None or yielded is None:
         return None
     return [
         pick(row, "joint", torque_Nm="torque", limit_Nm="limit", limit_known="known")
         | {"utilisation": row.utilisation if row.known else None, "binding": row.joint == check.binding, "yield_rad": y}
-        for row, y in zip(check, vars(solution)["joint_yield"], strict=True)
+        for row, y in zip(check, yielded, strict=True)
     ]
 
 

@@ -12,6 +12,7 @@ from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import LCP, ContactProblem, FrictionSets, Pattern, Status, Units
 from handlcp.lcp import certify as _public_certify
 from handlcp.lcp.certify import certify_contact
+from handlcp.lcp.kernels import contact_newton as _contact_newton
 from handlcp.lcp.kernels import contact_rows as _contact_rows
 from handlcp.lcp.kernels import kaczmarz as _kaczmarz
 from handlcp.lcp.kernels import lemke as _lemke
@@ -125,13 +126,10 @@ def contact_rows(problem: Any, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     both, and x, in the order in which the solvers have the unknowns.
     """
     p, n = problem.prepared, problem.n
-    F, g, y = np.empty(n), _contact_rows.work(n), np.empty(n)
+    F, g, y, J = np.empty(n), _contact_rows.work(p), np.empty(n), np.empty((n, n))
     multiply_add(p.M, x, p.q, y)
     _contact_rows.rows(p, x, y, F, g)
-    J = sum(g.b[:, e, None] * p.M[g.row[:, e]] for e in range(3))
-    for i in range(n):
-        for a in range(4):
-            J[i, g.unit[i, a]] += g.c[i, a]
+    _contact_newton.jacobian(p, g, J)
     return F, J
 
 

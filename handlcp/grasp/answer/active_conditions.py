@@ -158,48 +158,54 @@ def active_system(
     """
     dof, c, extra = G.shape[0], G.shape[1], len(coupling)
     k = c + dof + extra
-    A, V = np.zeros((k, k)), np.zeros((c, k))
-    A[:dof, :c] = G
-    V[:, :c] = E * softness
-    V[:, c : c + dof] = G.T
+    # The contacts' rows come first: a finger's meet few columns but its own, so that elimination finds many zeros
+    A, V = np.zeros((k, k)), np.empty((c, k))
+    for i in range(c):
+        for j in range(c):
+            V[i, j] = E[i, j] * softness
+        for j in range(dof):
+            V[i, c + j] = A[c + j, i] = G[j, i]
     for e in range(extra):
         V[:, c + dof + e] = coupling[e]
         A[dof + c + e, :c] = coupling[e]
     across = np.zeros((3, 3))
     for i in range(len(contacts)):
         z, d, kind = 3 * i + 2, 0, states.kind[i]
-        A[dof + z - 2, z - 2] = A[dof + z - 1, z - 1] = 1.0  # what is no tangent carries nothing
+        A[z - 2, z - 2] = A[z - 1, z - 1] = 1.0  # what is no tangent carries nothing
         while d < 3 and contacts[i, d + 1] >= 0:
             d += 1
         held = contacts[i, 0] < 0 or kind == SEPARATED
         if held:
-            A[dof + z, z] = 1.0
+            A[z, z] = 1.0
         else:
-            A[dof + z] = V[z]
+            A[z] = V[z]
         count = states.against[i] if kind == SLIDING else 0
         if kind == SLIDING:
             _complement(states.faces[i], count, d, across)
         for a in range(d):
             j = contacts[i, a + 1]
             if held or kind == GLIDING:
-                A[dof + j, j] = 1.0
+                A[j, j] = 1.0
             elif kind == STICKING:
-                A[dof + j] = V[j]
+                A[j] = V[j]
             elif a < count:
-                A[dof + j, z] = -limits[i]
+                A[j, z] = -limits[i]
                 for b in range(d):
-                    A[dof + j, contacts[i, b + 1]] = states.faces[i, a, b]
+                    A[j, contacts[i, b + 1]] = states.faces[i, a, b]
             else:
-                A[dof + j, j] = 0.0
+                A[j, j] = 0.0
                 for b in range(d):
-                    A[dof + j] += across[a - count, b] * V[contacts[i, b + 1]]
+                    A[j] += across[a - count, b] * V[contacts[i, b + 1]]
                 for b in range(d):
-                    A[dof + j, contacts[i, b + 1]] += states.turn[i] * softness * across[a - count, b]
-    for r in range(k):
-        largest = np.max(np.abs(A[r]))
+                    A[j, contacts[i, b + 1]] += states.turn[i] * softness * across[a - count, b]
+    for row in A:
+        largest = 0.0
+        for value in row:
+            largest = max(largest, abs(value))
         if largest > 0.0:
-            A[r] /= largest
-    return A, solve_ranked(A.copy(), np.zeros(k), np.zeros(k), np.zeros(k, np.int64), RANK)
+            for j in range(k):
+                row[j] /= largest
+    return A, solve_ranked(A.copy(), np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)
 
 
 @kernel

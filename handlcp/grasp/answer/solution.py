@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
+from handlcp.grasp.answer.deferred import Deferred
 from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.model.scene import Scene
@@ -22,7 +23,7 @@ __all__ = ["GraspSolution"]
 
 
 @dataclass(frozen=True)
-class GraspSolution:
+class GraspSolution(Deferred):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
 
     status : the certifier's verdict.

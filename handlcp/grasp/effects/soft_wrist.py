@@ -118,7 +118,7 @@ class SoftWrist(Effect):
 
     def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """Wᵀ C W, symmetric to the last bit; a moment about a soft finger's normal is felt as it is."""
-        W = wrench_map(at.positions - self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
+        W = wrench_map(at.positions, self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
         W[:, 3 * at.of_fingers : 3 * at.n] = 0.0  # it does not carry the environment
         W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_fingers] = 0.0
         E = W.T @ self.flexibility @ W

@@ -102,7 +102,9 @@ class Contact:
 
     def named(self, name: str) -> Contact:
         """The same contact under another name."""
-        return self.placed(self.position, self.rotation, self.friction, self.planar, name)
+        return (
+            self if name == self.name else self.placed(self.position, self.rotation, self.friction, self.planar, name)
+        )
 
     def __repr__(self) -> str:
         name = f"{self.name!r}, " if self.name else ""

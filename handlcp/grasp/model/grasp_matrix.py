@@ -67,7 +67,7 @@ class Posed(NamedTuple):
 def pose(g: Given, index: Ints) -> tuple[Posed, Blocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
     force, length, motion, centre, wrench = _sizes(g)
-    grasp_matrix = wrench_map(g.positions - centre, g.frames, g.spin)
+    grasp_matrix = wrench_map(g.positions, centre, g.frames, g.spin)
     posed = Posed(force, length, motion, centre, wrench, grasp_matrix)
     return posed, _blocks(g, posed, index)
 
@@ -78,28 +78,30 @@ def _sizes(g: Given) -> tuple[float, float, float, Array, Array]:
     distance of the contacts from their centre, motion = force × the mean flexibility; wrench (6,) of the load about the
     centre.
     """
-    n = len(g.positions)
+    positions, offset, flexibility = g.positions, g.offset, g.flexibility
+    n = len(positions)
     centre = np.zeros(3)
     for i in range(n):
-        centre += g.positions[i] / n
+        for k in range(3):
+            centre[k] += positions[i, k] / n
     spread, travel, softness = 0.0, 0.0, 0.0
     for i in range(n):
         for k in range(3):
-            spread += (g.positions[i, k] - centre[k]) ** 2 / n
-            if k < 2 or g.offset[3 * i + k] < 0.0:  # a gap loads nothing, however wide
-                travel += g.offset[3 * i + k] ** 2 / n
-            softness += g.flexibility[3 * i + k, 3 * i + k] / (3 * n)
-    length, away = np.sqrt(spread), np.sqrt(np.sum(centre * centre))
+            spread += (positions[i, k] - centre[k]) ** 2 / n
+            if k < 2 or offset[3 * i + k] < 0.0:  # a gap loads nothing, however wide
+                travel += offset[3 * i + k] ** 2 / n
+            softness += flexibility[3 * i + k, 3 * i + k] / (3 * n)
+    length, away = np.sqrt(spread), np.sqrt(centre[0] ** 2 + centre[1] ** 2 + centre[2] ** 2)
     if length <= 1e-12 * away:  # all at one point: what is left is rounding, no size
         length = away
     if length == 0.0:
         length = 1.0
-    wrench = np.empty(6)
-    wrench[:3] = g.force
-    wrench[3] = g.moment[0] - centre[1] * g.force[2] + centre[2] * g.force[1]
-    wrench[4] = g.moment[1] - centre[2] * g.force[0] + centre[0] * g.force[2]
-    wrench[5] = g.moment[2] - centre[0] * g.force[1] + centre[1] * g.force[0]
-    load = np.sqrt(np.sum(wrench[:3] ** 2) + np.sum(wrench[3:] ** 2) / length**2)
+    wrench, force, moment, load = np.empty(6), g.force, g.moment, 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        wrench[k], wrench[3 + k] = force[k], moment[k] - centre[i] * force[j] + centre[j] * force[i]
+        load += wrench[k] ** 2 + (wrench[3 + k] / length) ** 2
+    load = np.sqrt(load)
     travel = np.sqrt(travel)
     size = load + (travel / softness if softness > 0.0 else 0.0)
     if size == 0.0:
@@ -111,12 +113,14 @@ def _sizes(g: Given) -> tuple[float, float, float, Array, Array]:
 
 
 @kernel
-def wrench_map(arms: Array, frames: Array, spin: Array) -> Array:
-    """(6, 3n + k) G: columns [R; skew(a) R] for arms (n, 3) and frames (n, 3, 3), then [0; spin] for spin (3, k)."""
-    n, k = len(arms), spin.shape[1]
-    G = np.zeros((6, 3 * n + k))
+def wrench_map(points: Array, centre: Array, frames: Array, spin: Array) -> Array:
+    """(6, 3n + k) G: columns [R; skew(a) R] for frames (n, 3, 3) and arms a from the centre (3,) to the points (n, 3),
+    then [0; spin] for spin (3, k).
+    """
+    n, k = len(points), spin.shape[1]
+    G = np.empty((6, 3 * n + k))
     for i in range(n):
-        ax, ay, az = arms[i, 0], arms[i, 1], arms[i, 2]
+        ax, ay, az = points[i, 0] - centre[0], points[i, 1] - centre[1], points[i, 2] - centre[2]
         for a in range(3):
             x, y, z = frames[i, 0, a], frames[i, 1, a], frames[i, 2, a]
             c = 3 * i + a
@@ -124,37 +128,39 @@ def wrench_map(arms: Array, frames: Array, spin: Array) -> Array:
             G[3, c], G[4, c], G[5, c] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
     for j in range(k):
         for a in range(3):
-            G[3 + a, 3 * n + j] = spin[a, j]
+            G[a, 3 * n + j], G[3 + a, 3 * n + j] = 0.0, spin[a, j]
     return G
 
 
 @kernel
 def _blocks(g: Given, p: Posed, index: Ints) -> Blocks:
     """`freedom` projects G and w on what the object is free to do."""
-    dof, columns, m = g.freedom.shape[0], p.grasp_matrix.shape[1], len(index)
+    freedom, flexibility, offset, given = g.freedom, g.flexibility, g.offset, g.prescribed
+    about, wrench = p.grasp_matrix, p.wrench
+    dof, columns, m = freedom.shape[0], about.shape[1], len(index)
     every, w = np.zeros((dof, columns)), np.zeros(dof)
     for i in range(dof):
         for j in range(6):
-            f = g.freedom[i, j]
+            f = freedom[i, j]
             if f != 0.0:
                 if j >= 3:
                     f /= p.length
-                w[i] += f * p.wrench[j] / p.force
+                w[i] += f * wrench[j] / p.force
                 for c in range(columns):
-                    every[i, c] += f * p.grasp_matrix[j, c]
+                    every[i, c] += f * about[j, c]
     G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
     softness = p.force / p.motion
     for a in range(m):
-        d[a] = g.offset[index[a]] / p.motion
+        d[a] = offset[index[a]] / p.motion
         for i in range(dof):
             G[i, a] = every[i, index[a]]
         for b in range(m):
-            E[a, b] = g.flexibility[index[a], index[b]] * softness
+            E[a, b] = flexibility[index[a], index[b]] * softness
     for c in range(columns):
-        r = g.prescribed[c] / p.force
+        r = given[c] / p.force
         if r != 0.0:
             for i in range(dof):
                 w[i] += every[i, c] * r
             for a in range(m):
-                d[a] += g.flexibility[index[a], c] * softness * r
+                d[a] += flexibility[index[a], c] * softness * r
     return Blocks(G, every, E, d, w)

@@ -101,6 +101,11 @@ class Mechanism:
             joints = e.read(scene, forces, extra, joints)
         return joints
 
+    def torques(self, scene: Any, forces: Array) -> Array:
+        """(nv,) what the actuators hold under forces (n, 3) of hard contacts [N·m], where no effect changes it."""
+        torque = forces.reshape(-1) @ self.jacobian
+        return read_only(torque if scene.held is None else torque + scene.held)
+
     def read(
         self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:

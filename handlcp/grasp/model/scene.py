@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -148,7 +149,7 @@ class Scene:
         if self.soft:
             levers = np.zeros(0) if self.scale is None else self.scale[3 * self.n :]
             spin = (self.frames[list(self.soft)][:, :, 2] * levers[:, None]).T.copy()
-        known = np.zeros(self.components) if self.prescribed is None else self.prescribed
+        known = _zeros(self.components) if self.prescribed is None else self.prescribed
         return Given(
             self.positions, self.frames, self.flexibility, self.offset, read_only(known), read_only(spin), self.force,
             self.moment, self.freedom,
@@ -202,3 +203,8 @@ class Scene:
 
 
 _NO_SPIN = read_only(np.zeros((3, 0)))
+
+
+@lru_cache(maxsize=256)
+def _zeros(count: int) -> Array:
+    return read_only(np.zeros(count))

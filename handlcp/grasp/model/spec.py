@@ -42,6 +42,8 @@ class GraspSpec(Placement):
         n = self.n
         shapes = ((n, 3), (n, 3, 3), (6,), (3,), (3 * n, 3 * n), (n, 3))
         arrays = (self.positions, self.frames, self.wrench, self.reference, self.flexibility, self.offset)
+        if tuple([a.shape for a in arrays]) == shapes:
+            return
         for name, array, shape in zip(_ARRAYS, arrays, shapes, strict=True):
             if array.shape != shape:
                 raise InputError(f"GraspSpec.{name}", f"shape {shape} with {n} contacts", array.shape)

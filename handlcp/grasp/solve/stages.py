@@ -19,9 +19,10 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.search.nonexistence import EquilibriumSearch, Outcome
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
+from handlcp.grasp.solve.lazy_solution import lazy_solution, trace_of
 from handlcp.grasp.verify.holdable import escape_of, escaping_twist
 from handlcp.grasp.verify.judge import Verdict, judge
-from handlcp.lcp import BRIEFLY, FIRST_STAGE, Auto, Proposal, Status, as_chain, proposals, stage_line
+from handlcp.lcp import BRIEFLY, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
 
 __all__ = ["answered", "solve_built"]
@@ -54,19 +55,19 @@ def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAns
     """The solution that the first stage comes to by itself: what it found, or the proof that nothing holds."""
     if not found.passes:
         return _refused(spec, scene, found)
+    if found.unique and scene.scale is None and scene.prescribed is None and not scene.soft:
+        return lazy_solution(spec, scene, found)
     judged = Judged(found.candidate, Verdict(found.motion, found.residuals), found.iterations)
-    trace = (stage_line(FIRST_STAGE, found.outcome, found.iterations, judged.verdict.residuals.worst),)
     if not found.unique:
-        return make_solution(spec, scene, section, found.kind.design.effects, judged, trace)
+        return make_solution(spec, scene, section, found.kind.design.effects, judged, trace_of(found))
     arm = spec.reference - found.centre
-    return solution_of(spec, scene, judged, found.states, describe(scene, (), arm), trace, arm)
+    return solution_of(spec, scene, judged, found.states, describe(scene, (), arm), trace_of(found), arm)
 
 
 def _refused(spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> GraspSolution:
     """NOT_HOLDABLE where that is proven, else UNDECIDED."""
-    worst, escape = found.residuals.worst, found.escape
-    line = stage_line(FIRST_STAGE, found.outcome, found.iterations, worst)
-    trace = (line, f"holdability: {_NO_PROOF if escape is None else _PROOF}")
+    escape = found.escape
+    trace = (*trace_of(found), f"holdability: {_NO_PROOF if escape is None else _PROOF}")
     made = without_numbers(spec, scene, found.residuals, found.iterations, trace)
     return made if escape is None else not_holdable(made, spec, scene, escape_of(scene, escape))
 

@@ -53,14 +53,19 @@ def examine(
     offset (c,) : d, with what effects open. growth : see `_sizes`. NaN throughout where a force or the twist is not
     finite.
     """
-    if not (np.isfinite(forces).all() and np.isfinite(twist).all()):
+    total = 0.0
+    for x in forces:
+        total += 0.0 * x  # NaN where any of them is not finite
+    for x in twist:
+        total += 0.0 * x
+    if total != 0.0:
         nan = np.nan
         return np.full(len(forces), nan), Misses(nan, nan, nan, nan, nan, nan, nan, nan)
-    v, own = _motions(p.grasp_matrix, g.flexibility, offset, forces, twist)
-    lost = p.wrench.copy()
+    G, lost = p.grasp_matrix, p.wrench.copy()
+    v, own = _motions(G, g.flexibility, offset, forces, twist)
     for k in range(6):
         for j in range(len(forces)):
-            lost[k] += p.grasp_matrix[k, j] * forces[j]
+            lost[k] += G[k, j] * forces[j]
     lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
     lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
     F, V = _sizes(g, p, contacts, offset, forces, own, growth)
@@ -94,9 +99,9 @@ def _sizes(
     F is the largest force of the candidate, at least the load's size (the natural unit where there is no load) and at
     most `growth` times that. V is the largest term of the contact's own motions, at least its retreat under F.
     """
-    load = 0.0
+    load, wrench, E = 0.0, p.wrench, g.flexibility
     for k in range(6):
-        load += (p.wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
+        load += (wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
     load = np.sqrt(load)
     if load == 0.0:
         load = p.force
@@ -107,7 +112,7 @@ def _sizes(
         count = 4 if contacts[i, 3] >= 0 else 3
         for a in range(count):
             j = 3 * i + a if a < 3 else contacts[i, 3]
-            softness += g.flexibility[j, j] / count
+            softness += E[j, j] / count
             largest, shift = max(largest, own[j]), max(shift, abs(offset[j]))
         # A long slide excuses no overlap: beyond `growth` times what the finger itself can give way, no more allowance
         retreat = softness * F
@@ -124,7 +129,7 @@ def _laws(contacts: Ints, f: Friction, forces: Array, v: Array, F: float, V: Arr
     no tangent, / F. slip: distance of r_T / F from the projection of r_T / F - v_T / V on that set; zero exactly when
     the contact sticks, or slides against a force on the limit (maximum dissipation).
     """
-    normal, cone, slip = 0.0, 0.0, 0.0
+    normal, cone, slip, limits, normals = 0.0, 0.0, 0.0, f.limits, f.normals
     r, s, P, D = np.zeros(3), np.zeros(3), np.empty(3), np.empty((3, 4))
     for i in range(len(contacts)):
         if contacts[i, 0] < 0:
@@ -135,19 +140,20 @@ def _laws(contacts: Ints, f: Friction, forces: Array, v: Array, F: float, V: Arr
         r[:], s[:] = 0.0, 0.0
         while tangents < 3 and contacts[i, tangents + 1] >= 0:
             j = contacts[i, tangents + 1]
-            r[tangents], s[tangents] = forces[j] / F, v[j] / V[i]
+            r[tangents] = forces[j] / F
+            s[tangents] = r[tangents] - v[j] / V[i]
             tangents += 1
         for a in range(min(tangents, 2), 2):
             outside += (forces[3 * i + a] / F) ** 2
         if tangents == 0:
             cone = max(cone, np.sqrt(outside))
             continue
-        a = f.limits[i] * max(push, 0.0)
-        nearest(r, tangents, a, 0.0, f.faces, f.normals, P, D)
+        a = limits[i] * max(push, 0.0)
+        nearest(r, tangents, a, 0.0, f.faces, normals, P, D)
         for k in range(tangents):
             outside += (r[k] - P[k]) ** 2
         cone = max(cone, np.sqrt(outside))
-        nearest(r - s, tangents, a, 0.0, f.faces, f.normals, P, D)
+        nearest(s, tangents, a, 0.0, f.faces, normals, P, D)
         missed = 0.0
         for k in range(tangents):
             missed += (r[k] - P[k]) ** 2

@@ -18,22 +18,22 @@ __all__ = ["Pads", "read_pads", "tip_flexibility"]
 class Pads:
     """Flexibility of n pads: blocks (n, 3, 3) [m/N], PSD, tip axes. isotropic : each is the same in all directions."""
 
-    __slots__ = ("blocks", "isotropic")
+    __slots__ = ("_every", "blocks", "isotropic")
 
     def __init__(self, blocks: Array) -> None:
-        self.blocks = read_only(blocks)
+        self.blocks, self._every = read_only(blocks), tuple(range(len(blocks)))
         self.isotropic = bool((blocks == blocks[:, :1, :1] * np.eye(3)).all())
 
-    def in_axes(self, rotations: Callable[[], Array], tips: Sequence[int]) -> Array:
+    def in_axes(self, rotations: Callable[[], Array], tips: tuple[int, ...]) -> Array:
         """(m, 3, 3) of the m tips numbered `tips`; rotations makes what turns tip axes into those of the result, (m, 3,
         3), and is asked only where a pad is not the same in all axes.
         """
-        pads = self.blocks[list(tips)]
+        pads = self.blocks if tips == self._every else read_only(self.blocks[list(tips)])
         if self.isotropic:
             return pads
         R = rotations()
         turned = R @ pads @ R.transpose(0, 2, 1)
-        return np.asarray((turned + turned.transpose(0, 2, 1)) / 2)
+        return read_only((turned + turned.transpose(0, 2, 1)) / 2)
 
 
 @kernel

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -56,12 +55,12 @@ class Posture:
         pads = self.hand.pads.in_axes(lambda: self.tip_rotations, self.hand.tips.every)
         return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.root, pads))
 
-    def jacobian_at(self, points: Array, tips: Sequence[int]) -> Array:
+    def jacobian_at(self, points: Array, tips: tuple[int, ...]) -> Array:
         """(m, 3, nv) Jacobian v + ω × p of points (m, 3) that move with the tips numbered `tips`, world axes."""
         J = np.dot(points, self._spread[1:]) + self._spread[0]
         return self._independent(J.reshape(len(points), 3, -1), tips)
 
-    def turning(self, tips: Sequence[int]) -> Array:
+    def turning(self, tips: tuple[int, ...]) -> Array:
         """(m, 3, nv) angular Jacobian of the tips numbered `tips`, world axes [rad/rad]."""
         _, a, b, _ = self._spread.reshape(4, 3, -1)
         omega = np.stack([b[2], -a[2], a[1]])
@@ -71,10 +70,10 @@ class Posture:
         """(nv,) torque g(q) that holds the fingers' own weight [N·m]; gravity (3,) [m/s²], world axes."""
         return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
 
-    def _independent(self, J: Array, tips: Sequence[int]) -> Array:
+    def _independent(self, J: Array, tips: tuple[int, ...]) -> Array:
         """(m, 3, nv) from columns (m, 3, joints): 0 where a joint moves no tip; mimic joints added to their masters."""
         support, coupling = self.hand.tips.support, self.hand.kinematics.coupling
-        J *= support if tips is self.hand.tips.every else support[list(tips)]
+        J *= support if tips == self.hand.tips.every else support[list(tips)]
         return J if coupling is None else np.asarray(J @ coupling)
 
     def __setattr__(self, name: str, value: object) -> None:

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row
 
 __all__ = ["contact_kaczmarz"]
+
+
+class _Sums(NamedTuple):
+    """Rows Σ c[i, a] e_unit[i, a] + Σ b[i, e] M[row[i, e]]; unit, c (n, 4); row, b (n, 3)."""
+
+    unit: Ints
+    c: Array
+    row: Ints
+    b: Array
 
 
 @kernel
@@ -23,12 +34,14 @@ def contact_kaczmarz(
     Returns (steps taken, ‖F‖₂).
     """
     n = len(x)
-    F, p2, g2, g = np.empty(n), np.empty(n), np.empty(n), work(n)
+    F, p2, g2, at = np.empty(n), np.empty(n), np.empty(n), work(p)
+    g = _Sums(np.empty((n, 4), np.int64), np.empty((n, 4)), np.empty((n, 3), np.int64), np.empty((n, 3)))
     norm = np.inf
     for step in range(steps + 1):
         if step % (4 * n) == 0 and step > 0:  # y drifts by rounding
             multiply_add(p.M, x, p.q, y)
-        total = rows(p, x, y, F, g)
+        total = rows(p, x, y, F, at)
+        _sums(p, at, g)
         norm = np.sqrt(total)
         frobenius, best = 0.0, 0.0
         for i in range(n):
@@ -44,7 +57,31 @@ def contact_kaczmarz(
 
 
 @kernel
-def _square(M: Array, MMT: Array, g: Subgradient, i: int) -> float:
+def _sums(p: Contacts, at: Subgradient, g: _Sums) -> None:
+    """Write the subgradients of all rows as sums of unit vectors and rows of M."""
+    for i in range(len(p.q)):
+        g.unit[i, :], g.row[i, :], g.c[i, :], g.b[i, :] = i, i, 0.0, 0.0
+        if p.role[i] < 2:
+            g.b[i, 0] = at.scale[i]
+            g.c[i, 0] = 0.0 if at.scale[i] > 0.0 else 1.0
+    for k in range(len(p.blocks)):
+        for a in range(3):
+            i = p.blocks[k, 1 + a]
+            if i < 0:
+                break
+            g.unit[i, :] = p.blocks[k, 0]
+            for e in range(3):
+                j = p.blocks[k, 1 + e]
+                if j < 0:
+                    break
+                d = at.D[k, a, e]
+                g.unit[i, e], g.c[i, e] = j, 1.0 - d if e == a else -d
+                g.row[i, e], g.b[i, e] = j, p.rho[j] * d
+            g.c[i, 3] = -at.D[k, a, 3]
+
+
+@kernel
+def _square(M: Array, MMT: Array, g: _Sums, i: int) -> float:
     """|Σ c e_a + Σ b M_j|² of row i."""
     total = 0.0
     for e in range(3):
@@ -64,7 +101,7 @@ def _square(M: Array, MMT: Array, g: Subgradient, i: int) -> float:
 
 
 @kernel
-def _move(M: Array, MT: Array, MMT: Array, g: Subgradient, i: int, t: float, x: Array, y: Array) -> None:
+def _move(M: Array, MT: Array, MMT: Array, g: _Sums, i: int, t: float, x: Array, y: Array) -> None:
     """Take t times the subgradient of row i from x, and y along with it."""
     for e in range(3):
         f, d = t * g.b[i, e], g.row[i, e]

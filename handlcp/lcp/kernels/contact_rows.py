@@ -10,7 +10,8 @@ P is the projection of `kernels.projection` on the set of the block's one, two o
 slide against a force on the limit (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). The size of the problem
 does not depend on the faces.
 
-The subgradient of row i is Σ c e_a + Σ b M_j with at most four unit vectors and three rows of M.
+With D = (∂P/∂s, ∂P/∂x_N), the subgradient of a tangent's row i is e_i - Σ D_ij e_j - D_iN e_N + Σ ρ D_ij M_j over the
+tangents j of its block.
 """
 
 from __future__ import annotations
@@ -42,20 +43,22 @@ class Contacts(NamedTuple):
 
 
 class Subgradient(NamedTuple):
-    """Rows Σ c[i, a] e_unit[i, a] + Σ b[i, e] M[row[i, e]]; unit, c (n, 4); row, b (n, 3)."""
+    """Of free rows and pairs: scale[i] M_i where scale (n,) is positive, else e_i. D (k, 3, 4): the derivative of each
+    block's projection, as in `nearest`.
+    """
 
-    unit: Ints
-    c: Array
-    row: Ints
-    b: Array
+    scale: Array
+    D: Array
 
 
 @kernel
 def row_scales(M: Array, blocks: Ints) -> Array:
     """(n,) ρ that makes ρ y comparable with x: one over the flexibility that each contact sees, its mean in a block."""
-    own, largest = np.abs(np.diag(M)), 0.0
-    for flexibility in own:
-        largest = max(largest, flexibility)
+    n, largest = len(M), 0.0
+    own = np.empty(n)
+    for i in range(n):
+        own[i] = abs(M[i, i])
+        largest = max(largest, own[i])
     for k in range(len(blocks)):
         total, count = 0.0, 0
         for i in blocks[k]:
@@ -65,7 +68,9 @@ def row_scales(M: Array, blocks: Ints) -> Array:
         for i in blocks[k]:
             if i >= 0:
                 own[i] = total / count
-    return np.where(own > 0.0, 1.0 / np.maximum(own, 1e-6 * largest), 1.0)
+    for i in range(n):
+        own[i] = 1.0 / max(own[i], 1e-6 * largest) if own[i] > 0.0 else 1.0
+    return own
 
 
 @kernel
@@ -73,56 +78,55 @@ def in_order(
     M: Array, q: Array, role: Ints, blocks: Ints, order: Ints, limits: Array, faces: int, normals: Array
 ) -> Contacts:
     """The problem with its unknowns in this order."""
-    n = len(q)
-    place = np.empty(n + 1, np.int64)
-    place[order], place[n] = np.arange(n), -1  # no such tangent stays none
-    there = place[blocks.ravel()].reshape(blocks.shape)
-    scales = row_scales(M, blocks)[order]
-    return Contacts(M[order][:, order], q[order], role[order], scales, there, limits, faces, normals)
+    n, scales = len(q), row_scales(M, blocks)
+    place, there = np.empty(n, np.int64), np.empty(blocks.shape, np.int64)
+    A, b, roles, rho = np.empty((n, n)), np.empty(n), np.empty(n, np.int64), np.empty(n)
+    for i in range(n):
+        k = order[i]
+        place[k], b[i], roles[i], rho[i] = i, q[k], role[k], scales[k]
+        for j in range(n):
+            A[i, j] = M[k, order[j]]
+    for k in range(len(blocks)):
+        for e in range(blocks.shape[1]):
+            there[k, e] = place[blocks[k, e]] if blocks[k, e] >= 0 else -1
+    return Contacts(A, b, roles, rho, there, limits, faces, normals)
 
 
 @kernel
-def work(n: int) -> Subgradient:
-    """Room for n rows."""
-    return Subgradient(np.empty((n, 4), np.int64), np.empty((n, 4)), np.empty((n, 3), np.int64), np.empty((n, 3)))
+def work(p: Contacts) -> Subgradient:
+    """Room for the subgradients of all rows."""
+    return Subgradient(np.empty(len(p.q)), np.empty((len(p.blocks), 3, 4)))
 
 
 @kernel
 def rows(p: Contacts, x: Array, y: Array, F: Array, g: Subgradient) -> float:
     """Write F (n,) and its subgradients g at x and y = M x + q. Returns ‖F‖²."""
-    unit, c, row, b = g.unit, g.c, g.row, g.b
-    for i in range(len(x)):
-        if p.role[i] == 2:
-            continue
-        unit[i, :], row[i, :], c[i, :], b[i, :] = i, i, 0.0, 0.0
-        if p.role[i] == 0:
-            F[i], b[i, 0] = y[i], 1.0
-        elif x[i] > p.rho[i] * y[i]:
-            F[i], b[i, 0] = p.rho[i] * y[i], p.rho[i]
-        else:
-            F[i], c[i, 0] = x[i], 1.0
-    s, P, D = np.zeros(3), np.empty(3), np.empty((3, 4))
-    for k in range(len(p.blocks)):
-        n, tangents = p.blocks[k, 0], 1
-        while tangents < 3 and p.blocks[k, tangents + 1] >= 0:
-            tangents += 1
-        s[:] = 0.0
-        for a in range(tangents):
-            i = p.blocks[k, 1 + a]
-            s[a] = x[i] - p.rho[i] * y[i]
-        radius, slope = (p.limits[k] * x[n], p.limits[k]) if x[n] > 0.0 else (0.0, 0.0)
-        nearest(s, tangents, radius, slope, p.faces, p.normals, P, D)
-        for a in range(tangents):
-            i = p.blocks[k, 1 + a]
-            F[i] = x[i] - P[a]
-            unit[i, :], row[i, :], c[i, :], b[i, :] = n, i, 0.0, 0.0
-            for e in range(tangents):
-                j = p.blocks[k, 1 + e]
-                unit[i, e], c[i, e] = j, -D[a, e]
-                row[i, e], b[i, e] = j, p.rho[j] * D[a, e]
-            c[i, a] += 1.0
-            c[i, 3] = -D[a, 3]
+    # Arrays of a tuple are taken out once: compiled code counts references each time
+    role, rho, blocks, limits, normals, scale = p.role, p.rho, p.blocks, p.limits, p.normals, g.scale
     total = 0.0
     for i in range(len(x)):
+        if role[i] == 2:
+            continue
+        if role[i] == 0:
+            F[i], scale[i] = y[i], 1.0
+        elif x[i] > rho[i] * y[i]:
+            F[i], scale[i] = rho[i] * y[i], rho[i]
+        else:
+            F[i], scale[i] = x[i], 0.0
         total += F[i] * F[i]
+    s, P, D = np.empty(3), np.empty(3), g.D
+    for k in range(len(blocks)):
+        n, tangents = blocks[k, 0], 0
+        while tangents < 3 and blocks[k, tangents + 1] >= 0:
+            i = blocks[k, 1 + tangents]
+            s[tangents] = x[i] - rho[i] * y[i]
+            tangents += 1
+        for a in range(tangents, 3):
+            s[a] = 0.0
+        radius, slope = (limits[k] * x[n], limits[k]) if x[n] > 0.0 else (0.0, 0.0)
+        nearest(s, tangents, radius, slope, p.faces, normals, P, D[k])
+        for a in range(tangents):
+            i = blocks[k, 1 + a]
+            F[i] = x[i] - P[a]
+            total += F[i] * F[i]
     return total

@@ -28,48 +28,72 @@ def solve_ranked(A: Array, b: Array, x: Array, col: Ints, rank_tolerance: float)
     none, and unknowns without a pivot are set to zero: for a consistent singular system that is one solution of many.
     Returns the rank.
     """
-    k, largest = len(b), 0.0
+    k = len(b)
+    tiny, rank, best = rank_tolerance * _largest(A, x), k, 0.0
     for i in range(k):
         col[i] = i
-        for j in range(k):
-            largest = max(largest, abs(A[i, j]))
-    tiny, rank = rank_tolerance * largest, k
+        best = max(best, abs(A[i, 0]))
     for s in range(k):
-        p, c, best = s, s, 0.0
-        for i in range(s, k):
-            best = max(best, abs(A[i, s]))
         if best <= tiny:
-            # No pivot in this column: look everywhere. That is rare, so its k² comparisons don't matter
-            for i in range(s, k):
-                for j in range(s, k):
-                    if abs(A[i, j]) > best:
-                        best, p, c = abs(A[i, j]), i, j
+            best = _pivot_anywhere(A, b, col, s)
             if best <= tiny:
                 rank = s
                 break
-            for i in range(k):
-                A[i, s], A[i, c] = A[i, c], A[i, s]
-            col[s], col[c] = col[c], col[s]
-        else:
-            while abs(A[p, s]) < _NEAR * best:
-                p += 1
+        p = s
+        while abs(A[p, s]) < _NEAR * best:
+            p += 1
         if p != s:
-            for j in range(s, k):
-                A[s, j], A[p, j] = A[p, j], A[s, j]
-            b[s], b[p] = b[p], b[s]
-        pivot = 1.0 / A[s, s]
+            _swap(A, b, s, p)
+        pivot, top, best = 1.0 / A[s, s], A[s, s + 1 :], 0.0
         for i in range(s + 1, k):
-            f = A[i, s] * pivot
+            f, row = A[i, s] * pivot, A[i, s + 1 :]
             if f != 0.0:
-                for j in range(s + 1, k):
-                    A[i, j] -= f * A[s, j]
+                for j in range(len(row)):
+                    row[j] -= f * top[j]
                 b[i] -= f * b[s]
+            best = max(best, abs(row[0]))  # of the next column
     for i in range(rank, k):
         x[col[i]] = 0.0
     for s in range(rank - 1, -1, -1):
-        t = b[s]
-        for j in range(s + 1, rank):
-            t -= A[s, j] * b[j]
-        b[s] = t / A[s, s]
-        x[col[s]] = b[s]
+        t = b[s] / A[s, s]
+        for i in range(s):
+            b[i] -= A[i, s] * t
+        x[col[s]] = t
     return rank
+
+
+@kernel
+def _largest(A: Array, work: Array) -> float:
+    """The largest |entry|, column by column: numbers of one row are compared side by side."""
+    work[:] = 0.0
+    for i in range(len(A)):
+        row = A[i]
+        for j in range(len(work)):
+            work[j] = max(work[j], abs(row[j]))
+    largest = 0.0
+    for value in work:
+        largest = max(largest, value)
+    return largest
+
+
+@kernel
+def _pivot_anywhere(A: Array, b: Array, col: Ints, s: int) -> float:
+    """Bring the largest entry of what is left to A[s, s]; returns its size. Rare: k² comparisons don't matter."""
+    best, p, c = 0.0, s, s
+    for i in range(s, len(b)):
+        for j in range(s, len(b)):
+            if abs(A[i, j]) > best:
+                best, p, c = abs(A[i, j]), i, j
+    for i in range(len(b)):
+        A[i, s], A[i, c] = A[i, c], A[i, s]
+    col[s], col[c] = col[c], col[s]
+    _swap(A, b, s, p)
+    return best
+
+
+@kernel
+def _swap(A: Array, b: Array, s: int, p: int) -> None:
+    """Swap two rows, from column s on."""
+    for j in range(s, len(b)):
+        A[s, j], A[p, j] = A[p, j], A[s, j]
+    b[s], b[p] = b[p], b[s]

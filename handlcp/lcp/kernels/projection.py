@@ -29,8 +29,10 @@ def nearest(s: Array, tangents: int, a: float, slope: float, faces: int, normals
     tangents : how many entries of s count; the others are zero. normals (f, 3) : outward, of a polyhedron. Where the
     projection has a kink, D is one element of its generalised Jacobian.
     """
-    D[:, :] = 0.0
-    p[:] = 0.0
+    for i in range(3):
+        p[i] = 0.0
+        for j in range(4):
+            D[i, j] = 0.0
     if tangents == 1 or faces == 2:
         _in_interval(s, a, slope, p, D)
     elif faces == 0:
@@ -72,6 +74,10 @@ def _in_ball(s: Array, d: int, a: float, slope: float, p: Array, D: Array) -> No
 
 @kernel
 def _in_polygon(s: Array, a: float, slope: float, faces: int, p: Array, D: Array) -> None:
+    if s[0] * s[0] + s[1] * s[1] <= a * a:  # within the inscribed circle
+        p[0], p[1] = s[0], s[1]
+        D[0, 0] = D[1, 1] = 1.0
+        return
     step = 2.0 * np.pi / faces
     j = np.round(np.arctan2(s[1], s[0]) / step)
     c, n = np.cos(j * step), np.sin(j * step)
