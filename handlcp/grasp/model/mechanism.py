@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["JointReading", "Mechanism", "joint_flexibility"]
