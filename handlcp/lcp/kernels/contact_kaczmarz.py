@@ -26,7 +26,7 @@ def contact_kaczmarz(
     F, p2, g2, g = np.empty(n), np.empty(n), np.empty(n), work(n)
     norm = np.inf
     for step in range(steps + 1):
-        if step % (4 * n) == 0 and step > 0:  # y drifts by rounding
+        if step > 0 and step % (4 * n) == 0:  # y drifts by rounding
             multiply_add(p.M, x, p.q, y)
         total = rows(p, x, y, F, g)
         norm = np.sqrt(total)
