@@ -22,6 +22,7 @@ from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, Compile
 from handlcp.grasp.solve.compiled_solve import solve_scenes
 from handlcp.grasp.solve.stages import answered
 from handlcp.lcp import Auto, ContactSolver, Solver, Status, as_chain
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.lcp.solve import AnySolver
 
 __all__ = ["Solutions", "solve_many"]
@@ -102,15 +103,16 @@ def solve_many(
 
     if (chain := as_chain(solver)) is not None:
         parts = [range(at, min(at + _CHUNK, len(every))) for at in range(0, len(every), _CHUNK)]
-        with ThreadPoolExecutor(count) as pool:  # starts no thread before the first is asked for
+        with at_once(len(every)), ThreadPoolExecutor(count) as pool:  # starts no thread before the first is asked for
             spread = map if count == 1 or len(parts) == 1 else pool.map
             for solved in spread(lambda part: _first_stage(every, sections, chain, part, found), parts):
                 say(solved)
     left = [k for k, answer in enumerate(found) if answer is None]
     rest = _one_by_one([every[k] for k in left], [sections[k] for k in left], solver, count)
-    for k, solution in zip(left, rest, strict=True):
-        found[k] = solution
-        say(1)
+    with at_once(len(left)):
+        for k, solution in zip(left, rest, strict=True):
+            found[k] = solution
+            say(1)
     return Solutions(every, sections, found)
 
 
@@ -155,6 +157,7 @@ def _one_by_one(
         yield replace(solution, scene=grasp.scene)
 
 
+@at_once()
 def _batch(grasps: Sequence[Grasp], sections: Sequence[Section], solver: AnySolver) -> list[GraspSolution]:
     """In another process; scenes stay at home."""
     pairs = zip(grasps, sections, strict=True)

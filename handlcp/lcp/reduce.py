@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr
 
 from handlcp.check import Array, Bools
 from handlcp.lcp.problem import Scaled
@@ -71,6 +70,8 @@ def _swap(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, Array]]:
         strength = size * other
         if strength.max(initial=0.0) <= RANK:  # as where nothing is singular, or no pair is left
             return swapped, (U, sv, Vt)
+        from scipy.linalg import qr  # a tenth of a second of import that only singular blocks should pay
+
         _, _, order = qr(column * np.sqrt(strength / np.maximum(size**2, 1e-300)), mode="economic", pivoting=True)
         useful = [j for j in order[: int(null.sum())] if strength[j] > RANK]
         swapped[B[useful or [int(strength.argmax())]]] = True

@@ -5,17 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.compile import at_once, kernel
 
 __all__ = ["fill"]
 
 
-@kernel
+@at_once()  # a picture has a million pixels
 def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     """Draw triangles (m, 3, 3) with their colours rgb (m, 3) into the buffers colour (h, w, 3) and depth (h, w).
 
     Corners are in pixels; z grows towards the viewer. A pixel belongs to the nearest triangle over its centre.
     """
+    _fill(colour, depth, triangles, rgb)
+
+
+@kernel
+def _fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     h, w = depth.shape
     for k in range(len(triangles)):
         ax, ay, az = triangles[k, 0]
