@@ -54,7 +54,7 @@ class WithMultipliers(LCP):
         free, self.eliminated = np.arange(len(q)) >= c, self.rcond > ELIMINATE_RCOND
         if self.eliminated:
             M, q, free, z, w = S, s, free[:c], z[:c], w[:c]
-        self._hold(Scaled(read_only(M), read_only(q), free, Units(read_only(z), read_only(w))))
+        self._hold(Scaled(read_only(M), read_only(q), read_only(free), Units(read_only(z), read_only(w))))
 
     def back(self, z: Array) -> Array:
         """(n,) x of the contact problem from z of this one, natural units."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, Bools
+from handlcp.check import Array, Bools, read_only
 from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import RANK
 
@@ -54,7 +54,8 @@ def reduce(problem: Scaled) -> Reduced:
     full[np.flatnonzero(B), count + np.arange(int(B.sum()))] = 1.0
     rows = np.vstack([full[swapped], M[B] @ full])
     rows[count:, -1] += q[B]
-    return Reduced(np.ascontiguousarray(rows[:, :-1]), rows[:, -1].copy(), full[:, :-1], full[:, -1], consistent)
+    M, q = read_only(np.ascontiguousarray(rows[:, :-1])), read_only(rows[:, -1].copy())
+    return Reduced(M, q, full[:, :-1], full[:, -1], consistent)
 
 
 def _swap(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, Array]]:

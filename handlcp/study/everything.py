@@ -59,7 +59,7 @@ def _every_solver() -> None:
     for solver in (Lemke(), NSNGRK(), NSNGRK(polish=False), SemismoothNewton(), Auto()):
         for free in (None, np.array([False, False, True])):
             solve_lcp(LCP(rows, [-1.0, 1.0, -2.0], free), solver, throw=False)
-        _pinch(1.0).solve(8, solver, throw=False)
+        _pinch(1.0).solve(8, solver, throw=False, start=_pinch(1.0).solve(8))
     for contact_solver in (NSNGRK(), NSNGRK(polish=False), SemismoothNewton()):
         _held().solve("cone", contact_solver, throw=False)
 

@@ -11,7 +11,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-__all__ = ["destination", "fingerprint", "folders", "is_kept", "put", "read"]
+__all__ = ["destination", "fingerprint", "folders", "is_kept", "kept", "put", "read"]
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 _CONSTANTS = ("tolerances.py",)  # files without a kernel whose numbers kernels take over
@@ -72,6 +72,15 @@ def is_kept(name: str) -> bool:
             if any(entry.startswith(f"{name}-") for entry in os.listdir(folder)):
                 return True
     return False
+
+
+def kept() -> tuple[int, Path | None]:
+    """How many kernels have compiled code in the first folder that has any, and that folder; (0, None): none has."""
+    for folder in folders():
+        with contextlib.suppress(OSError):
+            if names := {file.name.rpartition("-")[0] for file in folder.glob("*.nbc")}:
+                return len(names), folder
+    return 0, None
 
 
 def read(name: str) -> bytes | None:

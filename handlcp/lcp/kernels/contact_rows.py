@@ -78,7 +78,8 @@ def in_order(
     place[order], place[n] = np.arange(n), -1  # no such tangent stays none
     there = place[blocks.ravel()].reshape(blocks.shape)
     scales = row_scales(M, blocks)[order]
-    return Contacts(M[order][:, order], q[order], role[order], scales, there, limits, faces, normals)
+    # A copy of the limits, so that read-only ones and others are one type to compiled code
+    return Contacts(M[order][:, order], q[order], role[order], scales, there, limits.copy(), faces, normals)
 
 
 @kernel

@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import at_once, kernel
 
-__all__ = ["fill"]
+__all__ = ["fill", "touch"]
 
 
 @at_once()  # a picture has a million pixels
@@ -17,6 +17,11 @@ def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     Corners are in pixels; z grows towards the viewer. A pixel belongs to the nearest triangle over its centre.
     """
     _fill(colour, depth, triangles, rgb)
+
+
+def touch() -> None:
+    """Draw nothing, so that the kernel is compiled."""
+    fill(np.ones((1, 1, 3)), np.zeros((1, 1)), np.zeros((1, 3, 3)), np.ones((1, 3)))
 
 
 @kernel
