@@ -52,9 +52,10 @@ class WithMultipliers(LCP):
         c = pairs + many
         S, s, self._X, self._x0, self.rcond = _eliminated(M, q, c)
         free, self.eliminated = np.arange(len(q)) >= c, self.rcond > ELIMINATE_RCOND
+        free.flags.writeable = False
         if self.eliminated:
             M, q, free, z, w = S, s, free[:c], z[:c], w[:c]
-        self._hold(Scaled(read_only(M), read_only(q), read_only(free), Units(read_only(z), read_only(w))))
+        self._hold(Scaled(read_only(M), read_only(q), free, Units(read_only(z), read_only(w))))
 
     def back(self, z: Array) -> Array:
         """(n,) x of the contact problem from z of this one, natural units."""
