@@ -234,11 +234,11 @@ def test_compiling_that_takes_long_says_so_once(capfd, monkeypatch, patience, li
 
     k.said_afresh(monkeypatch, patience)
     for _ in range(2):
-        with k.waiting():
+        with k.waiting(30.0):
             time.sleep(0.05)
     said = capfd.readouterr().err
     assert said.count("\n") == lines
-    assert said.startswith("handlcp: compiling" if lines else "")
+    assert said.startswith("handlcp: compiling, about 30 s, once; kept in " if lines else "")
 
 
 @pytest.mark.parametrize(("name", "job"), k.JOBS, ids=[name for name, _ in k.JOBS])

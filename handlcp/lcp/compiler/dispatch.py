@@ -45,7 +45,7 @@ def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     if types not in jit.overloads and not _is_kept(kernel, jit, types):
         if not (when.compiling_at_once() or kernel.pays()):
             return kernel.interpret
-        with waiting():
+        with waiting(kernel.compiling_takes):
             jit.compile(types)
     kernel.begin_anew()
     return type(jit)._compile_for_args(jit, *args)

@@ -67,7 +67,12 @@ class Kernel:
 
     def pays(self) -> bool:
         """Whether it has run as Python for as long as it takes to compile."""
-        return self.spent > when.LEAST and self.spent > when.compiling_takes(self._instructions)
+        return self.spent > when.LEAST and self.spent > self.compiling_takes
+
+    @cached_property
+    def compiling_takes(self) -> float:
+        """Seconds, roughly, with all kernels that it calls."""
+        return when.compiling_takes(self._instructions)
 
     def begin_anew(self) -> None:
         """It has compiled code for these arguments; the next ones that it has none for wait as long."""

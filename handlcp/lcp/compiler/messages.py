@@ -22,10 +22,11 @@ def hint(why: str) -> None:
 
 
 @contextlib.contextmanager
-def waiting() -> Iterator[None]:
-    """Around compiling: a line once it takes more than a second."""
+def waiting(seconds: float) -> Iterator[None]:
+    """Around compiling that may take so many seconds: a line once it takes more than one."""
     where = destination()
-    text = "compiling, about a minute" if where is None else f"compiling, about a minute, once; kept in {where}"
+    text = f"compiling, about {max(seconds, _PATIENCE):.0f} s"
+    text += "" if where is None else f", once; kept in {where}"
     timer = threading.Timer(_PATIENCE, _say, (text,))
     timer.daemon = True
     timer.start()
