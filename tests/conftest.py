@@ -8,3 +8,10 @@ from __future__ import annotations
 import os
 
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
+
+
+def pytest_configure(config):
+    """Whether somebody has compiled before must not show in what tests read on stderr."""
+    from tests.support.messages import silent
+
+    silent()
