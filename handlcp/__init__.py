@@ -7,75 +7,74 @@ s = g.solve()
 print(s)
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from handlcp.errors import (
-    HandLCPError,
-    InputError,
-    NoSolutionFound,
-    NotReached,
-    SceneFileError,
-    UnknownName,
-    Unsupported,
-    URDFError,
-)
-from handlcp.grasp import (
-    Accuracy,
-    AnisotropicCoulomb,
-    Contact,
-    ContactCompliance,
-    Coulomb,
-    Environment,
-    Equilibria,
-    Explanation,
-    FingerForceBound,
-    Frictionless,
-    GeometricStiffness,
-    Grasp,
-    GraspProblem,
-    GraspSolution,
-    KnownForce,
-    PrescribedForce,
-    Pyramid,
-    Required,
-    Residuals,
-    SoftFinger,
-    SoftWrist,
-    Solutions,
-    Suggestions,
-    TorqueSaturation,
-    TotalForceBound,
-    Uniqueness,
-    solve_many,
-    wrench_from_fingertip_forces,
-)
-from handlcp.grasp.effects import effect_kinds
-from handlcp.grasp.friction import friction_laws
-from handlcp.hand import (
-    Audit,
-    Box,
-    Cylinder,
-    Doubt,
-    Ellipsoid,
-    GraspStream,
-    GraspUpdate,
-    Hand,
-    HandGrasp,
-    HandGraspSolution,
-    HandState,
-    Mesh,
-    Sphere,
-    Synergies,
-    Table,
-    Tendons,
-    TorqueCheck,
-    audit_urdf,
-    example_hand,
-)
-from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
 from handlcp.version import VERSION
 
 if TYPE_CHECKING:
+    from handlcp.errors import (
+        HandLCPError,
+        InputError,
+        NoSolutionFound,
+        NotReached,
+        SceneFileError,
+        UnknownName,
+        Unsupported,
+        URDFError,
+    )
+    from handlcp.grasp import (
+        Accuracy,
+        AnisotropicCoulomb,
+        Contact,
+        ContactCompliance,
+        Coulomb,
+        Environment,
+        Equilibria,
+        Explanation,
+        FingerForceBound,
+        Frictionless,
+        GeometricStiffness,
+        Grasp,
+        GraspProblem,
+        GraspSolution,
+        KnownForce,
+        PrescribedForce,
+        Pyramid,
+        Required,
+        Residuals,
+        SoftFinger,
+        SoftWrist,
+        Solutions,
+        Suggestions,
+        TorqueSaturation,
+        TotalForceBound,
+        Uniqueness,
+        solve_many,
+        wrench_from_fingertip_forces,
+    )
+    from handlcp.hand import (
+        Audit,
+        Box,
+        Cylinder,
+        Doubt,
+        Ellipsoid,
+        GraspStream,
+        GraspUpdate,
+        Hand,
+        HandGrasp,
+        HandGraspSolution,
+        HandState,
+        Mesh,
+        Sphere,
+        Synergies,
+        Table,
+        Tendons,
+        TorqueCheck,
+        audit_urdf,
+        example_hand,
+    )
+    from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
     from handlcp.study.accuracy import AccuracyCost, accuracy_cost
 
 __version__ = VERSION
@@ -92,19 +91,42 @@ __all__ = [
     "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
-_STUDIES = {"AccuracyCost": "handlcp.study.accuracy", "accuracy_cost": "handlcp.study.accuracy"}
+# Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
+_ROOMS = {
+    "errors": {
+        "HandLCPError", "InputError", "NoSolutionFound", "NotReached", "SceneFileError", "URDFError", "UnknownName",
+        "Unsupported",
+    },
+    "lcp": {"LCP", "LCPSolution", "Lemke", "NSNGRK", "Auto", "SemismoothNewton", "Status", "solve_lcp"},
+    "hand": {
+        "Audit", "Box", "Cylinder", "Doubt", "Ellipsoid", "GraspStream", "GraspUpdate", "Hand", "HandGrasp",
+        "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
+        "audit_urdf", "example_hand",
+    },
+    "study.accuracy": {"AccuracyCost", "accuracy_cost"},
+    "grasp": set[str](),
+}  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    """Studies are imported when first asked for, so that a solve need not wait for them. Effects and friction laws in
-    files of their own are found by their class: they need no line here.
+    """Everything is imported when first asked for, with what it stands on and nothing else. Effects and friction laws
+    in files of their own are found by their class: they need no line here.
     """
-    from importlib import import_module
-
-    if name in _STUDIES:
-        value = globals()[name] = getattr(import_module(_STUDIES[name]), name)
+    if name in _ROOMS:  # handlcp.hand needs no import of its own
+        return import_module(f"handlcp.{name}")
+    if name in __all__:
+        room = next((room for room, names in _ROOMS.items() if name in names), "grasp")
+        value = globals()[name] = getattr(import_module(f"handlcp.{room}"), name)
         return value
-    for kind in (*[kind for kind in effect_kinds() if kind.file_key is not None], *friction_laws()):
-        if kind.__name__ == name:
-            return kind
+    if not name.startswith("_"):
+        from handlcp.grasp.effects import effect_kinds
+        from handlcp.grasp.friction import friction_laws
+
+        for kind in (*[kind for kind in effect_kinds() if kind.file_key is not None], *friction_laws()):
+            if kind.__name__ == name:
+                return kind
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,19 +1,17 @@
-"""Before the first test: throw away compiled kernels that are older than any kernel's source.
+"""Thousands of small solves: the suite runs compiled kernels from their first call on. Set before handlcp is imported.
 
-numba's cache looks at the file of the caller only; a kernel called from another file would go on running as it was.
+HANDLCP_KERNELS=interpreted runs it without a compiler, for those with time.
 """
 
 from __future__ import annotations
 
-import pathlib
+import os
 
-PACKAGE = pathlib.Path(__file__).parent.parent / "handlcp"
+os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
 
 def pytest_configure(config):
-    if hasattr(config, "workerinput"):  # the workers of a parallel run leave it to their controller
-        return
-    newest = max((p.stat().st_mtime for p in PACKAGE.rglob("*.py")), default=0.0)
-    for compiled in PACKAGE.rglob("__pycache__/*.nb[ic]"):
-        if compiled.stat().st_mtime < newest:
-            compiled.unlink(missing_ok=True)
+    """Whether somebody has compiled before must not show in what tests read on stderr."""
+    from tests.support.messages import silent
+
+    silent()

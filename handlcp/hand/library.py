@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import metadata, resources
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +75,8 @@ def psyonic() -> tuple[Path, Path]:
 
 def _robot_data(path: str) -> tuple[Path, Path]:
     """A file of example-robot-data and its share folder, without the package's loader."""
+    from importlib import metadata  # hundredths of a second that shipped hands should not pay
+
     try:
         share = Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
     except metadata.PackageNotFoundError:

@@ -24,6 +24,7 @@ from handlcp.hand.command import read_joint_offset
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.moving_hand import MovingHand
 from handlcp.hand.update import GraspUpdate
+from handlcp.lcp.kernels.compile import at_once
 
 __all__ = ["GraspStream"]
 
@@ -80,6 +81,7 @@ class GraspStream:
             mechanism, self._effects = self._hand.mechanism, self._hand.effects
         self._at = Placement(spec.contacts, self._positions, self._frames, spec.plane, spec.fingers, mechanism)
         self._lift = validate.lift(scene.positions, grasp.reference, spec.plane)
+        self._compile()
 
     def update(
         self,
@@ -137,6 +139,20 @@ class GraspStream:
             E = self._hand.move(q, self._tips, self._axes)
             self._own[: len(E), : len(E)] = E
         self._flexibility[:] = softened_by(self._effects, self._at, (), self._own)
+
+    @at_once()
+    def _compile(self) -> None:
+        """Compile, or load, all that updates call: none of them should wait for it."""
+        rows = np.empty((1, self._kind.answer_width))
+        solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
+        softened_by(self._effects, self._at, (), self._own)
+        shifted_by(self._effects, self._at, (), self._given.reshape(-1))
+        if self._hand is not None:
+            before = self._hand.mechanism.jacobian.copy()
+            self._hand.move(None, self._tips, self._axes)
+            self._hand.mechanism.jacobian[:] = before  # the same to rounding, and updates start at the very same
+        found = CompiledAnswer(self._kind, rows[0])
+        _ = GraspUpdate(self._first, found, True, self._frames.copy(), None).forces_world
 
     def _solved(self) -> GraspUpdate:
         rows = np.empty((1, self._kind.answer_width))

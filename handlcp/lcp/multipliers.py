@@ -11,7 +11,6 @@ are eliminated, and a standard LCP is left (paper, equation (17)):
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.lcp.contact import ContactProblem, FrictionSets
@@ -29,7 +28,7 @@ class WithMultipliers(LCP):
 
     contact : the contact problem. sets : flat ones to take in place of its own; None: its own. behind : how many pairs,
     the first ones, the multipliers stand behind; None: all. eliminated : whether the free unknowns were. rcond :
-    estimate of the reciprocal condition of their block, which decided that.
+    reciprocal condition of their block, which decided that.
     """
 
     def __init__(self, contact: ContactProblem, sets: FrictionSets | None = None, behind: int | None = None) -> None:
@@ -55,6 +54,7 @@ class WithMultipliers(LCP):
         c = pairs + many
         S, s, self._X, self._x0, self.rcond = _eliminated(M, q, c)
         free, self.eliminated = np.arange(len(q)) >= c, self.rcond > ELIMINATE_RCOND
+        free.flags.writeable = False
         if self.eliminated:
             M, q, free, z, w = S, s, free[:c], z[:c], w[:c]
         self._hold(Scaled(read_only(M), read_only(q), free, Units(read_only(z), read_only(w))))
@@ -94,13 +94,25 @@ def _normals(sets: FrictionSets, tangents: int) -> Array:
 def _eliminated(M: Array, q: Array, c: int) -> tuple[Array, Array, Array, Array, float]:
     """(S, s, X, x₀, rcond) of the module's docstring; without meaning where rcond, of F, is 0: F is singular."""
     F = M[c:, c:]
-    lu, pivots, singular = lapack.dgetrf(F)
-    rcond = 0.0 if singular else float(lapack.dgecon(lu, abs(F).sum(axis=0).max(initial=0.0))[0])
+    rcond = _rcond(F)
     if rcond == 0.0:
         return M, q, F, q[c:], rcond
-    B, _ = lapack.dgetrs(lu, pivots, np.column_stack([M[c:, :c], q[c:]]))
+    B: Array = np.linalg.solve(F, np.column_stack([M[c:, :c], q[c:]])).astype(float, copy=False)
     X, x0 = B[:, :-1], -B[:, -1]
     return M[:c, :c] - M[:c, c:] @ X, q[:c] + M[:c, c:] @ x0, X, x0, rcond
+
+
+def _rcond(F: Array) -> float:
+    """1 / (‖F‖₁ ‖F⁻¹‖₁); 0 where F is singular, 1 where it has no rows."""
+    if not len(F):
+        return 1.0
+    try:
+        inverse = np.linalg.inv(F)
+    except np.linalg.LinAlgError:
+        return 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        rcond = 1.0 / float(abs(F).sum(axis=0).max() * abs(inverse).sum(axis=0).max())
+    return rcond if rcond == rcond else 0.0
 
 
 @kernel

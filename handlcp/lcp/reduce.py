@@ -11,9 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr
 
-from handlcp.check import Array, Bools
+from handlcp.check import Array, Bools, read_only
 from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import RANK
 
@@ -55,7 +54,8 @@ def reduce(problem: Scaled) -> Reduced:
     full[np.flatnonzero(B), count + np.arange(int(B.sum()))] = 1.0
     rows = np.vstack([full[swapped], M[B] @ full])
     rows[count:, -1] += q[B]
-    return Reduced(np.ascontiguousarray(rows[:, :-1]), rows[:, -1].copy(), full[:, :-1], full[:, -1], consistent)
+    M, q = read_only(np.ascontiguousarray(rows[:, :-1])), read_only(rows[:, -1].copy())
+    return Reduced(M, q, full[:, :-1], full[:, -1], consistent)
 
 
 def _swap(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, Array]]:
@@ -71,6 +71,8 @@ def _swap(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, Array]]:
         strength = size * other
         if strength.max(initial=0.0) <= RANK:  # as where nothing is singular, or no pair is left
             return swapped, (U, sv, Vt)
+        from scipy.linalg import qr  # a tenth of a second of import that only singular blocks should pay
+
         _, _, order = qr(column * np.sqrt(strength / np.maximum(size**2, 1e-300)), mode="economic", pivoting=True)
         useful = [j for j in order[: int(null.sum())] if strength[j] > RANK]
         swapped[B[useful or [int(strength.argmax())]]] = True

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import itertools
+import sys
+import textwrap
 import typing
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 from pydantic import BaseModel
 
 from handlcp.scene.kinds import SHAPES
 from handlcp.scene.scene_tables import SceneTables
-from handlcp.scene.table import Expected, MadeWhenRead
+from handlcp.scene.table import Expected, MadeWhenRead, Table
 
 __all__ = ["Key", "keys"]
 
@@ -59,11 +65,27 @@ def _walk(table: str, model: type[BaseModel], shape: str = "", many: bool = Fals
             default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
             words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)
             words = words or _words(field.annotation)
-            meaning = (field.description or "").strip()
+            meaning = (field.description or _docstrings(model).get(field_name, "")).strip()
             yield Key(table, name, words, meaning, field.is_required(), default, shape, many)
         for m in inner:
             several = typing.get_origin(field.annotation) is list
             yield from _walk(f"{table}.{name}" if table else name, m, _shape(m), several)
+
+
+@cache
+def _docstrings(model: type[BaseModel]) -> dict[str, str]:
+    """The strings below a table's fields. pydantic would look for them at every import, a tenth of a second."""
+    found: dict[str, str] = {}
+    for kind in reversed(model.__mro__):
+        written = getattr(sys.modules[kind.__module__], kind.__name__, None) is kind  # others are made when read
+        if issubclass(kind, Table) and written:
+            body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
+            assert isinstance(body, ast.ClassDef)
+            for field, text in itertools.pairwise(body.body):
+                match field, text:
+                    case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(words))):
+                        found[name] = inspect.cleandoc(words)
+    return found
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

@@ -14,7 +14,7 @@ __all__ = ["Expected", "MadeWhenRead", "Table"]
 class Table(BaseModel):
     """A table of a scene file: no keys but its own, no conversions but integers to numbers."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 class Expected(WrapValidator):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -104,6 +103,8 @@ def _actuators(solution: GraspSolution) -> dict[str, Any] | None:
 
 
 def _version(name: str) -> str | None:
+    from importlib.metadata import PackageNotFoundError, version  # for JSON alone
+
     try:
         return version(name)
     except PackageNotFoundError:

@@ -1,25 +1,135 @@
-"""The package's compiled functions as a whole: which there are, and for how many types each has been compiled."""
+"""The package's kernels as a whole, kernels anew, and the places and the times that decide about compiling."""
 
 from __future__ import annotations
 
+import ast
+import importlib
+import pathlib
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from types import ModuleType
+from typing import Any
+from unittest.mock import patch
 
-from numba.core.dispatcher import Dispatcher
+import handlcp
+from handlcp.lcp.compiler import folders, messages, when
+from handlcp.lcp.compiler.kernel import Kernel
+from handlcp.lcp.compiler.when import MANY, at_once
+from handlcp.lcp.kernels import compile as _door
+from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.study.everything import JOBS
 
-__all__ = ["compiled", "kernels"]
+__all__ = [
+    "JOBS", "MANY", "anew", "at_once", "automatic", "cached_in", "compiled", "constants", "decorated",
+    "folder_of_cache", "impatient", "interpreted", "is_compiled", "kernels", "known_files", "loaded", "mode", "put",
+    "roots", "said_afresh", "small", "waiting",
+]  # fmt: skip
+
+PACKAGE = pathlib.Path(handlcp.__file__).parent
+roots, put, waiting, decorated = folders._roots, folders.put, messages.waiting, _door.kernel
 
 
-def kernels() -> Iterator[tuple[ModuleType, str, Dispatcher]]:
-    """(module, name there, function) of every one; a function that several modules import comes several times."""
+def kernels() -> Iterator[tuple[ModuleType, str, Kernel]]:
+    """(module, name there, kernel) of every one; a kernel that several modules import comes several times."""
     for module in [m for name, m in sys.modules.items() if name.startswith("handlcp.")]:
         for name, value in list(vars(module).items()):
-            if isinstance(value, Dispatcher):
+            if isinstance(value, Kernel):
                 yield module, name, value
+
+
+def _distinct() -> list[Kernel]:
+    return list({id(kernel): kernel for _, _, kernel in kernels()}.values())
 
 
 def compiled() -> int:
     """Signatures for which something has been compiled, or loaded from the cache."""
-    functions = {id(kernel): kernel for _, _, kernel in kernels()}
-    return sum(len(kernel.signatures) for kernel in functions.values())
+    return sum(len(kernel.jit.signatures) for kernel in _distinct() if kernel.jit is not None)
+
+
+@contextmanager
+def interpreted() -> Iterator[None]:
+    """All kernels that are imported by now run as Python."""
+    with ExitStack() as stack:
+        for one in _distinct():
+            stack.enter_context(patch.object(one, "run", one.interpret))
+        yield
+
+
+def small() -> Any:
+    """A kernel that takes little to compile: (M, z, q, w) writes M z + q into w."""
+    return multiply_add
+
+
+def anew(one: Any) -> Any:
+    """The same kernel as in a new process."""
+    return Kernel(one.function)
+
+
+def is_compiled(one: Any) -> bool:
+    """Whether compiled code of it has been made or loaded."""
+    return one.jit is not None and bool(one.jit.signatures)
+
+
+def loaded(one: Any) -> int:
+    """How many of its signatures came from the cache."""
+    return sum(one.jit.stats.cache_hits.values())
+
+
+@contextmanager
+def automatic() -> Iterator[None]:
+    """Kernels that are made anew decide for themselves when they compile, whatever the suite asks for."""
+    with patch.object(when, "mode", lambda: "auto"):
+        yield
+
+
+@contextmanager
+def impatient(least: float = 0.0, instruction: float = 0.0) -> Iterator[None]:
+    """Compiling pays after so many seconds."""
+    with patch.object(when, "LEAST", least), patch.object(when, "_INSTRUCTION", instruction):
+        yield
+
+
+@contextmanager
+def cached_in(folder: Any) -> Iterator[None]:
+    """Compiled code is kept there alone."""
+    with (
+        patch.dict("os.environ", {"HANDLCP_CACHE_DIR": str(folder)}),
+        patch.object(folders, "folders", folders.folders.__wrapped__),
+        patch.object(folders, "_unwritable", {}),
+    ):
+        yield
+
+
+def folder_of_cache() -> pathlib.Path:
+    """Where compiled code goes now."""
+    return folders.folders()[0]
+
+
+def said_afresh(monkeypatch: Any, patience: float) -> None:
+    """Nothing has been said yet; a line about waiting comes after so many seconds."""
+    monkeypatch.setattr(messages, "_said", set())
+    monkeypatch.setattr(messages, "_PATIENCE", patience)
+
+
+def mode(monkeypatch: Any, word: str) -> str:
+    """What HANDLCP_KERNELS with this word means."""
+    monkeypatch.setenv("HANDLCP_KERNELS", word)
+    return when.mode.__wrapped__()
+
+
+def known_files() -> set[pathlib.Path]:
+    """The files whose contents the fingerprint stands for."""
+    every = PACKAGE.rglob("*.py")
+    return {f for f in every if b"\n@kernel" in f.read_bytes() or f.name in folders._CONSTANTS}
+
+
+def constants() -> Iterator[tuple[pathlib.Path, str, pathlib.Path]]:
+    """(file with kernels, name in capitals that it imports, file that it comes from) within the package."""
+    for file in known_files():
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("handlcp."):
+                source = PACKAGE.joinpath(*node.module.split(".")[1:]).with_suffix(".py")
+                values = vars(importlib.import_module(node.module))
+                for name in [a.name for a in node.names if a.name.isupper() and not callable(values[a.name])]:
+                    yield file, name, source

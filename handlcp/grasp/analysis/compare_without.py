@@ -35,6 +35,7 @@ from handlcp.grasp.search.nearby import passes
 from handlcp.grasp.solve.compiled_answer import solve_scene, start_from
 from handlcp.grasp.solve.force_iteration import force_dependent, under_forces
 from handlcp.lcp import proposals
+from handlcp.lcp.kernels.compile import at_once
 
 __all__ = ["best_times", "measured", "without"]
 
@@ -54,6 +55,7 @@ def without(spec: GraspSpec, section: Section) -> Iterator[tuple[str, GraspSpec]
         yield ENVIRONMENT.title, spec.fingers_alone()
 
 
+@at_once()
 def measured(
     spec: GraspSpec, section: Section, explanation: Explanation, solution: GraspSolution, clock: Clock | None = None
 ) -> Explanation:

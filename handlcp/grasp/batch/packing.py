@@ -13,6 +13,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledKind
 from handlcp.grasp.solve.compiled_solve import ScenePattern, solve_scenes
+from handlcp.lcp.kernels.compile import at_once
 
 __all__ = ["Parcel", "answer_rows", "pack_all", "parcel_of", "solve_parcel"]
 
@@ -78,6 +79,7 @@ def parcel_of(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> P
     return Parcel(pattern, width, seed, numbers[0].copy(), varying, numbers[:, varying])
 
 
+@at_once()
 def solve_parcel(parcel: Parcel) -> Array:
     """The answers to the scenes of a parcel, wherever it was opened."""
     numbers = np.tile(parcel.common, (len(parcel.values), 1))

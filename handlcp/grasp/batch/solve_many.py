@@ -17,6 +17,7 @@ from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
 from handlcp.lcp import Auto, ContactSolver, Solver
+from handlcp.lcp.kernels.compile import at_once
 
 __all__ = ["solve_many"]
 
@@ -52,7 +53,7 @@ def solve_many(
     count = (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
     answers: list[Answers] = []
     singles: dict[int, GraspSolution] = {}
-    with told(progress, len(batch)) as say:
+    with told(progress, len(batch)) as say, at_once(len(batch)):
         for found in on_cores(batch, count) if executor is None else on_executor(batch, executor):
             if isinstance(found, Single):
                 singles[found.at] = found.solution

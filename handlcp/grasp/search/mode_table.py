@@ -27,6 +27,7 @@ from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.search.mode_steps import Modes
 from handlcp.grasp.search.mode_walk import visit
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.tolerances import RANK
 
 __all__ = ["PER_SECOND", "Table", "coarse", "mode_table"]
@@ -60,7 +61,8 @@ class Table:
         """What the signs of some choice of modes allow, to rounding; and whether all choices were visited. Of a choice
         that leaves something free one member only, when asked for (a millisecond or more); None where it has none.
         """
-        motions, free, complete = visit(self.P, self.c, self.modes, _MOST, _MOST_WHOLE)
+        with at_once(self.choices / 1000):  # of which Python visits ten thousand a second
+            motions, free, complete = visit(self.P, self.c, self.modes, _MOST, _MOST_WHOLE)
         every = itertools.chain(motions, (self._member(mode) for mode in free))
         return (None if y is None else self.problem.candidate(self.back0 + self.back @ y) for y in every), complete
 

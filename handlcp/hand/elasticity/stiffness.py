@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from handlcp.check import Array, array, dimensions, number, per_name, read_only, spd
 from handlcp.errors import InputError
@@ -21,7 +20,7 @@ class JointStiffness(Elasticity):
     def __init__(self, matrix: Array, uniform: bool = False) -> None:
         rigid = np.isinf(np.diagonal(matrix))
         L = np.linalg.cholesky(np.where(np.isinf(matrix), 1.0, matrix))
-        A = solve_triangular(L, np.eye(len(L)), lower=True).T
+        A = np.asarray(np.linalg.inv(L).T, dtype=float)
         A[rigid] = 0.0
         super().__init__(A)
         self._matrix, self.uniform = read_only(matrix), uniform

@@ -1,19 +1,20 @@
-"""One decorator for every compiled kernel, typed so that strict checks see through it."""
+"""One decorator for every kernel, typed so that strict checks see through it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-import numba
+from handlcp.lcp.compiler.kernel import Kernel
+from handlcp.lcp.compiler.when import at_once
 
-__all__ = ["kernel"]
+__all__ = ["at_once", "kernel"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
-    """Compile with numba; cached on disk, so that only the first process ever pays for it. Threads run them side by
-    side.
+    """Run as Python at first and compiled where that pays, by itself or called from other kernels; see
+    `handlcp.lcp.compiler.when`. Compiled code is kept on disk. Threads run it side by side.
     """
-    return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+    return cast(F, Kernel(function))

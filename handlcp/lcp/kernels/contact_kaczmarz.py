@@ -38,7 +38,7 @@ def contact_kaczmarz(
     g = _Sums(np.empty((n, 4), np.int64), np.empty((n, 4)), np.empty((n, 3), np.int64), np.empty((n, 3)))
     norm = np.inf
     for step in range(steps + 1):
-        if step % (4 * n) == 0 and step > 0:  # y drifts by rounding
+        if step > 0 and step % (4 * n) == 0:  # y drifts by rounding
             multiply_add(p.M, x, p.q, y)
         total = rows(p, x, y, F, at)
         _sums(p, at, g)

@@ -89,7 +89,8 @@ def in_order(
     for k in range(len(blocks)):
         for e in range(blocks.shape[1]):
             there[k, e] = place[blocks[k, e]] if blocks[k, e] >= 0 else -1
-    return Contacts(A, b, roles, rho, there, limits, faces, normals)
+    # A copy of the limits, so that read-only ones and others are one type to compiled code
+    return Contacts(A, b, roles, rho, there, limits.copy(), faces, normals)
 
 
 @kernel

@@ -151,7 +151,7 @@ def kaczmarz(
     n, s = len(z), slopes(len(z))
     norm, written = np.inf, 0
     for step in range(steps + 1):
-        if step % (4 * n) == 0 and step > 0:  # w drifts by rounding: renewed at O(n) a step in the mean
+        if step > 0 and step % (4 * n) == 0:  # w drifts by rounding: renewed at O(n) a step in the mean
             multiply_add(p.M, z, p.q, w)
         total, frobenius, best = linearise(p, z, w, s)
         norm = np.sqrt(total)

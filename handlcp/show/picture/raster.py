@@ -5,17 +5,27 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.compile import at_once, kernel
 
-__all__ = ["fill"]
+__all__ = ["fill", "touch"]
 
 
-@kernel
+@at_once()  # a picture has a million pixels
 def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     """Draw triangles (m, 3, 3) with their colours rgb (m, 3) into the buffers colour (h, w, 3) and depth (h, w).
 
     Corners are in pixels; z grows towards the viewer. A pixel belongs to the nearest triangle over its centre.
     """
+    _fill(colour, depth, triangles, rgb)
+
+
+def touch() -> None:
+    """Draw nothing, so that the kernel is compiled."""
+    fill(np.ones((1, 1, 3)), np.zeros((1, 1)), np.zeros((1, 3, 3)), np.ones((1, 3)))
+
+
+@kernel
+def _fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     h, w = depth.shape
     for k in range(len(triangles)):
         ax, ay, az = triangles[k, 0]

@@ -13,6 +13,7 @@ from handlcp.check import integer, number
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import GeometricStiffness, Grasp, GraspSolution
 from handlcp.grasp.friction.sections import MOST_FACES
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.accuracy.left_out import compare, variants
 from handlcp.study.accuracy.measure import Bench
 from handlcp.study.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
@@ -27,6 +28,7 @@ _SHARE = 0.5  # of the time that its method has left: one setting takes no more
 _FEWEST = 100  # steps: a run cut shorter, and shorter than twice the last one, is not worth its time
 
 
+@at_once()
 def accuracy_cost(
     grasp: Grasp,
     *,

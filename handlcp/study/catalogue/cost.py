@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from handlcp.errors import NoSolutionFound
 from handlcp.grasp.analysis.compare_without import best_times
 from handlcp.grasp.analysis.explanation import Description
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.catalogue.effects import entries
 from handlcp.study.catalogue.reference import Trial, trials
 
@@ -44,6 +45,7 @@ def costs(clock: Clock = best_times) -> dict[str, Cost]:
     return {entry.title: cost(entry, clock) for entry in entries()}
 
 
+@at_once()
 def cost(entry: Description, clock: Clock = best_times) -> Cost:
     """The cost of one effect."""
     on, off = trials(entry)

@@ -11,6 +11,7 @@ from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, Pyramid
 from handlcp.lcp import LCP, solve_lcp
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.convergence.runs import Run, Sampling, follow, watch
 from handlcp.study.nsngrk import RES, SEEDS, STEPS, UnitsOf
 
@@ -82,6 +83,7 @@ class Convergence:
         return np.asarray(abs(run.values - self.answer).max(1) / abs(self.answer).max())
 
 
+@at_once()
 def convergence(
     problem: Grasp | LCP,
     faces: int | Pyramid = 8,

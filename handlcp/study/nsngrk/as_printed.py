@@ -12,7 +12,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, integer, number
 from handlcp.lcp import Proposal
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.compile import at_once, kernel
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row, recorded
 from handlcp.lcp.problem import Scaled
@@ -47,6 +47,7 @@ class AsPrinted:
         for name in ("max_iterations", "seed", "stride"):
             object.__setattr__(self, name, integer(name, getattr(self, name), 0))
 
+    @at_once()
     def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None."""
         z = np.zeros(len(problem.q)) if start is None else np.array(start, dtype=float)

@@ -34,7 +34,7 @@ def _steps(
     n, s, norm, written = len(z), slopes(len(z)), np.inf, 0
     w = np.empty(n)
     for step in range(steps + 1):
-        if step % (4 * n) == 0:  # w drifts by rounding: renewed at O(n) a step in the mean
+        if step % max(4 * n, 1) == 0:  # w drifts by rounding: renewed at O(n) a step in the mean
             multiply_add(p.M, z, p.q, w)
         total, _, _ = linearise(p, z, w, s)
         norm = np.sqrt(total)

@@ -16,6 +16,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp import GraspProblem
 from handlcp.lcp import NSNGRK
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.nsngrk import RES, SEEDS, STEPS, UnitsOf, in_units
 from handlcp.study.paper.examples import example
 
@@ -80,6 +81,7 @@ class Case:
         return np.asarray(np.ptp([r.normal for r in runs], axis=0) / np.maximum(size, 1e-3 * size.max()))
 
 
+@at_once()
 def run_case(number: int, faces: int, seeds: Sequence[int] = SEEDS) -> Case:
     """Run all seeds of Example `number`."""
     grasp = example(number).grasp

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from handlcp.grasp import GraspSolution
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.paper.data import raw
 from handlcp.study.paper.misses import Miss
 from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, NoEquilibrium, no_equilibrium
@@ -46,6 +47,7 @@ class PaperReport:
         return json.dumps(plain(data), indent=1, ensure_ascii=False, allow_nan=False)
 
 
+@at_once()
 def run() -> PaperReport:
     """Compute the whole report; takes a few seconds."""
     start = time.perf_counter()

@@ -1,0 +1,86 @@
+"""numba's idea of a cache, kept in `folders`: one file for each kernel and types of arguments. It never raises.
+
+numba's own cache notices changes of the file that holds a kernel, not of those that it calls; its index files can be
+torn by two processes that write at a time; and it raises where it cannot write.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from handlcp.lcp.compiler import folders
+from handlcp.lcp.compiler.messages import hint
+
+__all__ = ["KernelCache"]
+
+
+class KernelCache:
+    """The cache of one kernel, with the methods that numba's dispatcher calls.
+
+    name : of the kernel, dotted. Of kernels outside the package nothing is kept: what they call is not known.
+    """
+
+    def __init__(self, function: Any) -> None:
+        self.name, self._code = f"{function.__module__}.{function.__qualname__}", function.__code__.co_code
+        self._inside = function.__module__.startswith("handlcp.") and "<" not in function.__qualname__
+        self._ready: dict[Any, Any] = {}
+
+    @property
+    def cache_path(self) -> str:
+        """The first folder."""
+        return str(next(iter(folders.folders()), ""))
+
+    def has(self, types: Any, target: Any) -> bool:
+        """Whether there is compiled code for these types; the next `load_overload` finds it ready."""
+        found = self.load_overload(types, target)
+        if found is not None:
+            self._ready[types] = found
+        return found is not None
+
+    def load_overload(self, types: Any, target: Any) -> Any:
+        """The compiled function, or None."""
+        if (found := self._ready.pop(types, None)) is not None:
+            return found
+        if not self._inside:
+            return None
+        try:
+            if (data := folders.read(self._file(types, target.codegen()))) is None:
+                return None
+            target.refresh()
+            return CompileResult._rebuild(target, *pickle.loads(data))
+        except Exception:  # whatever is wrong with a file, it can be compiled anew
+            return None
+
+    def save_overload(self, types: Any, found: Any) -> None:
+        """Keep a compiled function; say once where that fails."""
+        if not self._inside or found.library.has_dynamic_globals or any(not x.can_cache for x in found.lifted):
+            return
+        try:
+            why = folders.put(self._file(types, found.codegen), dumps(found._reduce()))
+        except Exception as error:
+            why = f"{type(error).__name__}: {error}"
+        if why is not None:
+            hint(why)
+
+    def enable(self) -> None:
+        """Nothing: it is."""
+
+    def disable(self) -> None:
+        """Nothing: HANDLCP_CACHE_DIR says where it is, and an unwritable folder is none."""
+
+    def flush(self) -> None:
+        """Nothing: files of an earlier source are never read."""
+
+    def _file(self, types: Any, codegen: Any) -> str:
+        """Its name says all that the code depends on: types, processor, versions, and the function itself."""
+        versions = numba.__version__, llvmlite.__version__, np.__version__
+        said = repr((types, codegen.magic_tuple(), versions, self._code))
+        return f"{self.name}-{hashlib.sha256(said.encode()).hexdigest()[:24]}.nbc"

@@ -1,0 +1,61 @@
+"""Kernels and numba: the dispatcher of a kernel, which runs what is compiled and asks `when` about anything else."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numba
+from numba.extending import typeof_impl
+
+from handlcp.lcp.compiler import when
+from handlcp.lcp.compiler.cache import KernelCache
+from handlcp.lcp.compiler.messages import waiting
+
+__all__ = ["dispatcher"]
+
+_lock = threading.RLock()
+
+
+def dispatcher(kernel: Any) -> Any:
+    """That of a `Kernel`, made at the first call. Calling it costs no more than one that numba made alone.
+
+    For types of arguments that it has no code for, it loads some, or compiles where that pays by now, or else lets the
+    kernel run as Python.
+    """
+    with _lock:
+        if kernel.jit is None:
+            typeof_impl.register(type(kernel))(_typeof)
+            jit = numba.njit(error_model="numpy", nogil=True)(kernel.function)
+            jit._cache = KernelCache(kernel.function)
+            jit._compile_for_args = lambda *args: _decide(kernel, jit, args)  # numba's C code calls what it returns
+            kernel.jit = kernel.run = jit
+        return kernel.jit
+
+
+def _typeof(kernel: Any, _: Any) -> Any:
+    """Compiled kernels call others by their global names."""
+    return numba.types.Dispatcher(dispatcher(kernel))
+
+
+def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
+    """What is to run for these arguments: compiled code, or the kernel as Python."""
+    types = tuple([jit.typeof_pyval(a) for a in args])
+    jit._types_active_call.clear()
+    if types not in jit.overloads and not _is_kept(kernel, jit, types):
+        if not (when.compiling_at_once() or kernel.pays()):
+            return kernel.interpret
+        with waiting(kernel.compiling_takes):
+            jit.compile(types)
+    kernel.begin_anew()
+    return type(jit)._compile_for_args(jit, *args)
+
+
+def _is_kept(kernel: Any, jit: Any, types: Any) -> bool:
+    """Whether compiled code for these types is there to load; asked once."""
+    if types in kernel.missing:
+        return False
+    if jit._cache.has(types, jit.targetctx):
+        return True
+    kernel.missing.add(types)
+    return False

@@ -1,0 +1,134 @@
+"""Folders of compiled code: where they may lie, and a name that changes with the source they were compiled from."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+__all__ = ["destination", "fingerprint", "folders", "is_kept", "kept", "put", "read"]
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+_CONSTANTS = ("tolerances.py",)  # files without a kernel whose numbers kernels take over
+_OLD = 3  # folders of earlier sources that are left when a new one is made
+
+_unwritable: dict[Path, str] = {}  # folder → why nothing could be written there
+
+
+@cache
+def fingerprint() -> str | None:
+    """16 digits that stand for the contents of all files with kernels; None where the source cannot be read.
+
+    A kernel is compiled together with those that it calls, from whatever file: so all of them count.
+    """
+    digest = hashlib.sha256()
+    try:
+        for file in sorted(_PACKAGE.rglob("*.py")):
+            text = file.read_bytes()
+            if b"\n@kernel" in text or file.name in _CONSTANTS:
+                digest.update(str(file.relative_to(_PACKAGE)).encode() + b"\0" + text + b"\0")
+    except OSError:
+        return None
+    return digest.hexdigest()[:16]
+
+
+@cache
+def folders() -> tuple[Path, ...]:
+    """Where compiled code of this source may lie, best first: what HANDLCP_CACHE_DIR or NUMBA_CACHE_DIR names, else the
+    package's own folder and then the user's cache folder. They need not exist. Empty where there is no fingerprint.
+    """
+    mark = fingerprint()
+    name = f"{sys.implementation.cache_tag}-{mark}"
+    return () if mark is None else tuple(root / name for root in _roots())
+
+
+def _roots() -> list[Path]:
+    for variable, below in (("HANDLCP_CACHE_DIR", "."), ("NUMBA_CACHE_DIR", "handlcp")):
+        if given := os.environ.get(variable):
+            return [Path(os.path.expanduser(given), below).absolute()]
+    home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/.cache")
+    own = [_PACKAGE / "__pycache__" / "kernels"]
+    return [*own, Path(home, "handlcp")] if os.path.isabs(home) else own  # "~" stays where there is no home
+
+
+def destination() -> Path | None:
+    """The folder that new code will go to, as far as can be seen without writing; None: there is none."""
+    for folder in folders():
+        above = next((f for f in (folder, *folder.parents) if f.exists()), folder)
+        if folder not in _unwritable and above.is_dir() and os.access(above, os.W_OK):
+            return folder
+    return None
+
+
+def is_kept(name: str) -> bool:
+    """Whether there is compiled code of this kernel, for whatever types of arguments."""
+    for folder in folders():
+        with contextlib.suppress(OSError):
+            if any(entry.startswith(f"{name}-") for entry in os.listdir(folder)):
+                return True
+    return False
+
+
+def kept() -> tuple[int, Path | None]:
+    """How many kernels have compiled code in the first folder that has any, and that folder; (0, None): none has."""
+    for folder in folders():
+        with contextlib.suppress(OSError):
+            if names := {file.name.rpartition("-")[0] for file in folder.glob("*.nbc")}:
+                return len(names), folder
+    return 0, None
+
+
+def read(name: str) -> bytes | None:
+    """The contents of the file of this name, from the first folder that has it whole; None: none has."""
+    for folder in folders():
+        with contextlib.suppress(OSError):
+            data = (folder / name).read_bytes()
+            if data[:32] == hashlib.sha256(data[32:]).digest():  # not truncated, nor written by somebody else
+                return data[32:]
+    return None
+
+
+def put(name: str, data: bytes) -> str | None:
+    """Write the file of this name into the first folder that takes it, at once or not at all: other processes may read
+    and write there. Returns None, or why no folder takes it, in words.
+    """
+    why = "its source cannot be read"
+    for folder in folders():
+        if folder not in _unwritable:
+            try:
+                _write(folder, name, hashlib.sha256(data).digest() + data)
+            except OSError as error:
+                _unwritable[folder] = f"{folder}: {error.strerror or error}"
+            else:
+                return None
+        why = _unwritable[folder]
+    return why
+
+
+def _write(folder: Path, name: str, data: bytes) -> None:
+    if not folder.is_dir():
+        folder.mkdir(parents=True, exist_ok=True)
+        _forget_old(folder)
+    handle, beside = tempfile.mkstemp(dir=folder, prefix=".")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.replace(beside, folder / name)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(beside)
+        raise
+
+
+def _forget_old(folder: Path) -> None:
+    """Remove all but the newest folders of earlier sources beside this one; of this interpreter alone."""
+    tag = folder.name.removesuffix(folder.name.rpartition("-")[2])
+    with contextlib.suppress(OSError):
+        old = [f for f in folder.parent.glob(f"{tag}{'[0-9a-f]' * 16}") if f != folder]
+        for one in sorted(old, key=lambda f: f.stat().st_mtime)[:-_OLD]:
+            shutil.rmtree(one, ignore_errors=True)

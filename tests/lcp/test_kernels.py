@@ -1,0 +1,246 @@
+"""When kernels are compiled, what is kept of that, and that nothing about it is ever an error."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import pickle
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.support import kernels as k
+
+ROOT = pathlib.Path(__file__).parents[2]
+
+
+def run_small(kernel):
+    """(3,) what the small kernel writes."""
+    out = np.zeros(3)
+    kernel(np.eye(3), np.arange(3.0), np.ones(3), out)
+    return out
+
+
+def process(code, folder, **environment):
+    """A new Python process with a cache of its own."""
+    env = {n: v for n, v in os.environ.items() if n != "HANDLCP_KERNELS"}
+    env |= {"HANDLCP_CACHE_DIR": str(folder)} | environment
+    return subprocess.Popen(
+        [sys.executable, "-c", code], cwd=ROOT, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+# ---------------------------------------------------------------- lazy
+def test_importing_the_package_loads_nothing_and_a_first_answer_no_compiler(tmp_path):
+    code = """
+import sys
+import handlcp as hl
+loaded = {"numpy", "scipy", "numba", "rich", "pinocchio", "typer"} & set(sys.modules)
+assert not loaded, loaded
+out = [(1, 0, 0), (-0.6, 0.8, 0), (-0.6, -0.8, 0)]
+c = [hl.Contact((x / 100, y / 100, z), (-x, -y, z), hl.Coulomb(0.5)) for x, y, z in out]
+assert hl.Grasp(c, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve().held
+loaded = {"scipy", "numba", "rich", "pinocchio", "typer", "pydantic"} & set(sys.modules)
+assert not loaded, loaded
+"""
+    done = process(code, tmp_path)
+    assert done.communicate() == ("", "")
+    assert done.returncode == 0
+    assert not list(tmp_path.iterdir())
+
+
+def test_every_public_name_is_found_and_listed():
+    assert set(hl.__all__) <= set(dir(hl))
+    assert {getattr(hl, name).__name__ for name in hl.__all__} == set(hl.__all__)
+    assert hl.lcp.LCP is hl.LCP
+    with pytest.raises(AttributeError, match="no attribute 'Nothing'"):
+        _ = hl.Nothing
+
+
+# ---------------------------------------------------------------- when
+def test_a_kernel_runs_as_python_until_compiling_pays(tmp_path):
+    kernel = k.anew(k.small())
+    with k.cached_in(tmp_path), k.automatic():
+        run_small(kernel)
+        run_small(kernel)
+        assert not k.is_compiled(kernel)
+        with k.impatient():
+            kernel.spent = 1.0  # more than loading takes
+            np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        assert k.is_compiled(kernel)
+
+
+def test_arguments_of_other_types_run_as_python_again(tmp_path):
+    kernel = k.anew(k.small())
+    with k.cached_in(tmp_path), k.automatic():
+        with k.at_once():
+            run_small(kernel)
+        assert len(kernel.jit.signatures) == 1
+        out = np.zeros(3, np.float32)
+        kernel(np.eye(3), np.ones(3), np.ones(3), out)
+        np.testing.assert_array_equal(out, 2.0)
+        assert len(kernel.jit.signatures) == 1
+
+
+def test_at_once_compiles_at_the_first_call_where_there_are_many(tmp_path):
+    few, many = k.anew(k.small()), k.anew(k.small())
+    with k.cached_in(tmp_path), k.automatic():
+        with k.at_once(k.MANY - 1):
+            run_small(few)
+        assert not k.is_compiled(few)
+        with k.at_once(k.MANY), ThreadPoolExecutor(2) as pool:  # other threads, too
+            list(pool.map(lambda _: run_small(many), range(4)))
+        assert len(many.jit.signatures) == 1
+
+
+@pytest.mark.parametrize("word", ["auto", "compiled", "interpreted"])
+def test_a_word_in_the_environment_decides(monkeypatch, word):
+    assert k.mode(monkeypatch, word) == word
+
+
+def test_another_word_is_refused(monkeypatch):
+    with pytest.raises(hl.InputError, match='HANDLCP_KERNELS: expected "auto", "compiled" or "interpreted"'):
+        k.mode(monkeypatch, "fast")
+
+
+def test_a_kernel_of_another_package_is_compiled_and_not_kept(tmp_path):
+    @k.decorated
+    def double(x):
+        return 2.0 * x
+
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        assert double(4.0) == 8.0
+        assert k.is_compiled(double)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_kernel_is_pickled_by_its_name():
+    assert pickle.loads(pickle.dumps(k.small())) is k.small()
+
+
+# ---------------------------------------------------------------- what is kept
+def test_a_second_process_loads_what_the_first_compiled(tmp_path):
+    for hits in (0, 1):
+        kernel = k.anew(k.small())
+        with k.cached_in(tmp_path), k.automatic():
+            with k.at_once():
+                run_small(kernel)
+            assert k.loaded(kernel) == hits
+    kernel = k.anew(k.small())
+    with k.cached_in(tmp_path), k.automatic():
+        kernel.spent = 1.0  # as Python, which is longer than loading takes
+        run_small(kernel)
+        assert k.loaded(kernel) == 1
+
+
+@pytest.mark.parametrize(
+    "spoil", [lambda data: data[: len(data) // 2], lambda data: b"", lambda data: b"garbage" * 100], ids=range(3)
+)
+def test_a_spoilt_file_is_compiled_anew_without_a_word(tmp_path, capfd, spoil):
+    for hits in (0, 0, 1):
+        kernel = k.anew(k.small())
+        with k.cached_in(tmp_path), k.automatic(), k.at_once():
+            np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+            file = next(k.folder_of_cache().glob("*.nbc"))
+        assert k.loaded(kernel) == hits
+        if spoil is not None:
+            file.write_bytes(spoil(file.read_bytes()))
+            spoil = None
+    assert capfd.readouterr().err == ""
+
+
+def test_a_file_that_holds_something_else_is_compiled_anew(tmp_path):
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        run_small(k.anew(k.small()))
+        name = next(k.folder_of_cache().glob("*.nbc")).name
+        k.put(name, pickle.dumps(("of another time",)))
+        np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
+
+
+def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, monkeypatch):
+    k.said_afresh(monkeypatch, 60.0)
+    (tmp_path / "file").write_text("no folder")
+    for _ in range(2):
+        with k.cached_in(tmp_path / "file" / "below"), k.automatic(), k.at_once():
+            np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1
+    assert "Set HANDLCP_CACHE_DIR to a folder that can be written" in said
+
+
+def test_a_full_disk_is_no_error(tmp_path, capfd, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    k.said_afresh(monkeypatch, 60.0)
+    monkeypatch.setattr("os.replace", full)
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
+        assert not list(k.folder_of_cache().iterdir())
+    assert "No space left on device" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("home", [None, "/dev/null", "relative"])
+def test_a_home_that_is_none_leaves_the_packages_own_folder(monkeypatch, home):
+    for name in ("HANDLCP_CACHE_DIR", "NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    if home is not None:
+        monkeypatch.setenv("HOME", home)
+    assert k.roots()[0].parts[-3:] == ("handlcp", "__pycache__", "kernels")
+    assert all(root.is_absolute() for root in k.roots())
+
+
+def test_several_processes_may_fill_a_cache_at_a_time(tmp_path):
+    code = """
+import numpy as np
+from tests.support.kernels import loaded, small
+w = np.zeros(3)
+small()(np.eye(3), np.arange(3.0), np.ones(3), w)
+print(w, loaded(small()))
+"""
+    several = [process(code, tmp_path, HANDLCP_KERNELS="compiled") for _ in range(3)]
+    for done in [*several, process(code, tmp_path, HANDLCP_KERNELS="compiled")]:
+        out, err = done.communicate()
+        assert (out[:10], done.returncode) == ("[1. 2. 3.]", 0)
+        assert all(line.startswith("handlcp: compiling") for line in err.splitlines())  # on a busy machine
+    last = process(code, tmp_path, HANDLCP_KERNELS="compiled")
+    assert last.communicate() == ("[1. 2. 3.] 1\n", "")
+
+
+def test_folders_of_earlier_sources_do_not_pile_up(tmp_path):
+    with k.cached_in(tmp_path):
+        tag = k.folder_of_cache().name.rpartition("-")[0]
+        for i in range(6):
+            (tmp_path / f"{tag}-{i:016x}").mkdir()
+        (tmp_path / "mine").mkdir()
+        k.put("a", b"b")
+        left = {p.name for p in tmp_path.iterdir()}
+        assert len(left) == 5
+        assert {"mine", k.folder_of_cache().name} <= left
+
+
+def test_the_fingerprint_covers_the_constants_that_kernels_take_over():
+    assert len(k.known_files()) > 20
+    assert [(file.name, name) for file, name, source in k.constants() if source not in k.known_files()] == []
+
+
+@pytest.mark.parametrize(("patience", "lines"), [(0.0, 1), (60.0, 0)])
+def test_compiling_that_takes_long_says_so_once(capfd, monkeypatch, patience, lines):
+    import time
+
+    k.said_afresh(monkeypatch, patience)
+    for _ in range(2):
+        with k.waiting(30.0):
+            time.sleep(0.05)
+    said = capfd.readouterr().err
+    assert said.count("\n") == lines
+    assert said.startswith("handlcp: compiling, about 30 s, once; kept in " if lines else "")
+
+
+@pytest.mark.parametrize(("name", "job"), k.JOBS, ids=[name for name, _ in k.JOBS])
+def test_what_is_compiled_beforehand_runs(name, job):
+    job()
