@@ -31,7 +31,7 @@ class HandGraspSolution(GraspSolution):
     joint_deflection: Array
     joint_yield: Array
     torque_check: TorqueCheck
-    effort: Effort | None = None
+    effort: Effort | None
 
     @cached_property
     def diagnosis(self) -> str:

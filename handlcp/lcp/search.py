@@ -19,7 +19,8 @@ from handlcp.errors import InputError
 from handlcp.lcp.certify import certify
 from handlcp.lcp.contact import ContactProblem, FrictionSets, Pattern
 from handlcp.lcp.kernels.newton import active_set
-from handlcp.lcp.mode_search import ModeSearch
+from handlcp.lcp.kernels.residual import product
+from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.status import Status
 from handlcp.tolerances import SOLVE
@@ -74,7 +75,7 @@ def search(
     number("work", work, above=0.0)
     size = _WIDE * (1.0 + float(abs(s.q).max(initial=0.0)))
     Z, W = _bound("bound_z", bound_z, size, s.free, np.inf), _bound("bound_w", bound_w, size, s.free, 0.0)
-    ok = accept or (lambda z: certify(problem, z * s.units.z)[0] is Status.SOLVED)
+    ok = accept or (lambda z: certify(problem, product(z, s.units.z))[0] is Status.SOLVED)
     pairs = ContactProblem(s.M, s.q, Pattern.of(s.free, _NO_BLOCKS), FrictionSets(_NO_LIMITS, 0), s.units)
     modes = ModeSearch(pairs, Z, W)
     near = (c for x in modes.candidates(work, end) for c in (_polish(s, s.free | (x > 0.0)), x))

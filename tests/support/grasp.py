@@ -214,12 +214,13 @@ def describe_motion(twist: Any, positions: Any, reference: Any, names: Any, slid
 
 def diagnose(
     status: hl.Status, names: Any, positions: Any, *, reference: Any, forces: Any = None, states: Any = (),
-    offset: Any = None, loose: Any = (), forces_determined: bool = True, **more: Any,
+    offset: Any = None, loose: Any = (), forces_determined: bool = True, required_preload: float | None = None,
+    **more: Any,
 ) -> str:  # fmt: skip
     """The sentence about a solution with these parts, of a grasp that is not built."""
     n = len(names)
     given = {f.name: None for f in fields(hl.GraspSolution)} | {
-        "status": status, "names": names, "contact_state": states, "cause": "", "reference": reference,
+        "advise": lambda: required_preload, "status": status, "names": names, "contact_state": states, "cause": "", "reference": reference,
         "forces": np.ones((n, 3)) if forces is None else forces,
         "uniqueness": hl.Uniqueness(len(loose), np.reshape(loose, (-1, 6)), forces_determined),
         "scene": SimpleNamespace(

@@ -16,12 +16,12 @@ from handlcp.lcp.kernels import contact_newton as _contact_newton
 from handlcp.lcp.kernels import contact_rows as _contact_rows
 from handlcp.lcp.kernels import kaczmarz as _kaczmarz
 from handlcp.lcp.kernels import lemke as _lemke
-from handlcp.lcp.kernels import mode_generators as _modes
-from handlcp.lcp.kernels.active_columns import new_active
 from handlcp.lcp.kernels.dense import multiply_add
-from handlcp.lcp.kernels.mode_fit import fit
 from handlcp.lcp.kernels.projection import nearest as _nearest
-from handlcp.lcp.mode_search import ModeSearch
+from handlcp.lcp.modes import generators as _modes
+from handlcp.lcp.modes.active_columns import new_active
+from handlcp.lcp.modes.fit import fit
+from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.search import search

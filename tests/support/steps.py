@@ -135,7 +135,7 @@ def told(found: Any) -> Any:
     return SimpleNamespace(
         proposal=found.proposal, outcome=found.proposal.outcome, iterations=found.iterations,
         forces=found.candidate.forces, twist=found.twist, motion=found.motion, residuals=found.residuals,
-        states=found.states, passes=found.passes, unique=found.unique,
+        states=found.states, passes=found.passes, unique=found.unique, escape=found.escape,
     )  # fmt: skip
 
 

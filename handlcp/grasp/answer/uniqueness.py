@@ -65,9 +65,14 @@ def describe(scene: Scene, branches: tuple[Branch, ...], arm: Array) -> Uniquene
     c = scene.components
     U, s, _ = np.linalg.svd(np.hstack([b.basis[c:] for b in branches]), full_matrices=False)
     moving = U[:, s > 1e-9]
+    if moving.size:  # whichever way a basis comes out, a direction is told by its largest component, upwards
+        moving = moving * np.sign(moving[abs(moving).argmax(axis=0), np.arange(moving.shape[1])])
     twists = np.array([shifted(scene.twist(t), arm) for t in moving.T]).reshape(-1, 6)
     determined = all(float(abs(b.basis[:c]).max()) < 1e-9 for b in branches)
     return Uniqueness(moving.shape[1], read_only(twists), determined, others)
+
+
+_ROUNDING = 1e-14  # of a unit vector's entries
 
 
 def minimum_norm(
@@ -86,7 +91,7 @@ def minimum_norm(
     x0 = np.concatenate([forces, scene.natural_twist(candidate.twist)])
     best, extra, limited = x0, candidate.extra, limits_at_answer(scene, effects, candidate)
     for branch in branches:
-        B = branch.basis
+        B = np.where(abs(branch.basis) > _ROUNDING, branch.basis, 0.0)  # between rigid bodies any motion would count
         rows, now = inequalities(scene, section, branch.kind, states, forces, moved, np.arange(scene.n))
         # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h. Rounding must neither shut out the present member (now ≥ 0)
         # nor make a condition of a row that these directions do not touch.

@@ -1,7 +1,7 @@
 """Where the solvers fail on a grasp that could be held: an exact search, for an answer or the proof of none.
 
 limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
-contact modes          all of them at once (`lcp.mode_search`): pyramids and planes exactly, the cone by arcs that are
+contact modes          all of them at once (`lcp.modes`): pyramids and planes exactly, the cone by arcs that are
                        refined where they do not decide
 moments, with faces    the active sets of the LCP with a multiplier a face (`lcp.search`)
 
@@ -25,7 +25,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.verify.holdable import jammed, least_total
 from handlcp.grasp.verify.limit_load import overload
-from handlcp.lcp.mode_search import ModeSearch
+from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.search import search
 from handlcp.tolerances import ACTIVE
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.active_columns import new_active
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.mode_fit import fit
-from handlcp.lcp.kernels.mode_generators import STUCK, Cones, reach, support
+from handlcp.lcp.modes.active_columns import new_active
+from handlcp.lcp.modes.fit import fit
+from handlcp.lcp.modes.generators import STUCK, Cones, reach, support
 from handlcp.tolerances import CERTIFY
 
 __all__ = ["BALANCED", "ESCAPES", "UNCLEAR", "find_escape"]

@@ -1,8 +1,9 @@
 """The default: a chain of methods, in the order of what they solve in the time they take.
 
 Of 2,370 contact problems that are solved (480 scenes of the peers' corpus and the hard cases, 4, 8 and 16 faces and the
-cone) the first stage solves five in six: four by Newton's steps alone, one after Kaczmarz steps. Lemke's method on the
-own pyramid, and Newton's method from its answer, solve nearly all others. What follows is there for 1 in 60.
+cone) the first stage solves five in six: four by Newton's steps alone, one after Kaczmarz steps. Of the others a brief
+search over contact modes solves three in four, and proves for most of the rest that they have no answer; Lemke's method
+on the own pyramid, and Newton's method from its answer, solve nearly all of what is left.
 """
 
 from __future__ import annotations
@@ -47,11 +48,11 @@ class Auto:
     """Stages until the certifier is content; `plan` lists them for a problem, the solution's `trace` those that ran.
 
     On contact problems, and on LCPs that have such a form: NSNGRK that begins with Newton's steps, on a small budget;
-    Lemke's method on the problem's own pyramid; Newton's method from its answer (the cone: from that of 8 faces), from
-    where other subsets of the contacts stick or stay apart, and from the answers of other pyramids.
+    of a grasp, the proof that nothing could hold it, and a brief search; Lemke's method on the problem's own pyramid;
+    Newton's method from its answer (the cone: from that of 8 faces), from where other subsets of the contacts stick or
+    stay apart, and from the answers of other pyramids; of a grasp, the rest of the search.
     On other LCPs: NSNGRK, Lemke's method with one, then with other covering vectors, Newton's method from other active
-    sets, NSNGRK again with other seeds and more steps.
-    Then the proof that there is none, by a Farkas vector, or of a grasp that nothing could hold it; last the search.
+    sets, NSNGRK again with other seeds and more steps; a Farkas vector, which proves that there is none; the search.
 
     seed : of the first run; later runs use the seeds that follow.
     restarts : NSNGRK runs with other seeds on LCPs without a contact form, after all else.
@@ -90,13 +91,15 @@ class Auto:
         """What would run on this problem, in order, until one answer is certified; `Grasp.plan` says it of a grasp.
 
         Stages may be passed over (where Lemke's method has no answer, nothing starts from it); none is added. The
-        solution's `trace` begins its lines with these names. The end of a contact problem's plan is what `Grasp.solve`
-        does; `solve_lcp` stops before it. Raises InputError for anything but a problem.
+        solution's `trace` begins its lines with these names. Holdability and search belong to `Grasp.solve`; `solve_lcp`
+        of a contact problem does without them. Raises InputError for anything but a problem.
         """
         search = (self.search_stage,) if self.searches else ()
         if isinstance(problem, ContactProblem):
-            names = tuple(name for name, _ in self._on_contacts(problem, None, None))
-            return (*names, "holdability", *search) if hasattr(problem, "scene") else names
+            first, *rest = (name for name, _ in self._on_contacts(problem, None, None))
+            if not hasattr(problem, "scene"):
+                return (first, *rest)
+            return (first, "holdability", *((BRIEFLY,) if search else ()), *rest, *search)
         if not isinstance(problem, LCP):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
         return (*(name for name, _ in self._on_lcp(problem, None)), "Farkas vector", *search)
@@ -105,7 +108,7 @@ class Auto:
     def search_stage(self) -> str:
         """Name of the exact search in plans and traces."""
         clock = "" if self.search_seconds == math.inf else f" or {self.search_seconds:g} s"
-        return f"search, {self.search_work:.0e} multiply-adds{clock} at most"
+        return f"search, {self.search_work / 1e6:g} million multiply-adds{clock} at most"
 
     @property
     def searches(self) -> bool:

@@ -23,7 +23,7 @@ from handlcp.study.paper.examples import PRELOAD, example
 __all__ = ["FORCE_BOUND", "MOTION_BOUND", "PRELOAD_FACES", "NoEquilibrium", "no_equilibrium", "search_grasp"]
 
 FORCE_BOUND, MOTION_BOUND = 1000.0, 1e-3  # N, m
-SECONDS = 30.0  # for each search
+WORK = 1e10  # multiply-adds for each search, a minute at most
 FACES = (4, 6, 8)
 PRELOAD_FACES = 8
 
@@ -54,7 +54,7 @@ def search_grasp(grasp: Grasp, faces: int) -> SearchResult:
     problem = grasp.problem(faces)
     force = np.array([label.startswith("r_N") for label in problem.labels])
     z, w = np.where(force, FORCE_BOUND, MOTION_BOUND), np.where(force, MOTION_BOUND, FORCE_BOUND)
-    return search(problem, z / problem.scaled.units.z, w / problem.scaled.units.w, SECONDS)
+    return search(problem, z / problem.scaled.units.z, w / problem.scaled.units.w, WORK)
 
 
 def no_equilibrium() -> NoEquilibrium:

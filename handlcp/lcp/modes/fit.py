@@ -11,14 +11,15 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.active_columns import Active, add, drop, put_rest, put_weights
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.mode_generators import Cones, reach, support
+from handlcp.lcp.modes.active_columns import Active, add, drop, put_rest, put_weights
+from handlcp.lcp.modes.generators import Cones, reach, support
 
 __all__ = ["fit", "proves_none", "put_parts"]
 
 _FITS = 1e-11  # of |b|: what is left may be rounding
 _REACHES = 1e-13  # of |r|: a generator reaches along the rest by more than rounding
+_FURTHER = 1.0 + 1e-9  # of two that reach equally far the first is taken, whatever rounding says
 _TINY = 1e-11  # a column this short is rounding, as of slips that the object's own motion makes
 _MOST = 20  # changes of the active columns, in numbers of equations; a dozen in all is usual
 
@@ -46,7 +47,7 @@ def fit(c: Cones, codes: Ints, corners: Array, a: Active) -> tuple[float, int]:
                 if values[k] > 0.0 and not banned[i, k]:
                     size = _size(c, i, k, of[k])
                     value = values[k] / size if size > _TINY else 0.0
-                    if value > best:
+                    if value > best * _FURTHER:
                         best, owner, kind = value, i, k
         if owner < 0:
             break
@@ -135,7 +136,7 @@ def _settle(a: Active) -> int:
         for s in range(k):
             if a.fitted[s] <= 0.0:
                 share = a.weights[s] / (a.weights[s] - a.fitted[s]) if a.weights[s] > a.fitted[s] else 0.0
-                if first < 0 or share < step:
+                if first < 0 or share * _FURTHER < step:
                     step, first = share, s
         for s in range(k):
             a.weights[s] += step * (a.fitted[s] - a.weights[s])

@@ -18,8 +18,8 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.mode_generators import Cones
-from handlcp.lcp.kernels.mode_search import CANDIDATE, EXHAUSTED, advance, new_tree
+from handlcp.lcp.modes.generators import Cones
+from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, advance, new_tree
 from handlcp.tolerances import RANK
 
 __all__ = ["ModeSearch"]
@@ -103,5 +103,6 @@ class ModeSearch:
         for i, places in enumerate(self._own):
             x[places], y[places] = self._x[i, : len(places)], self._y[i, : len(places)]
         k = len(self._size)
-        x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - p.q - p.M @ x)) / self._size)
+        with np.errstate(over="ignore", invalid="ignore"):  # the certifier refuses what is not finite
+            x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - p.q - p.M @ x)) / self._size)
         return x

@@ -12,15 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.active_columns import Active, new_active
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.mode_fit import fit, proves_none, put_parts
-from handlcp.lcp.kernels.mode_generators import ANY, OPEN, SLIDES, STUCK, Cones, first_patch, parts, patches, split
 from handlcp.lcp.kernels.projection import nearest
+from handlcp.lcp.modes.active_columns import Active, new_active
+from handlcp.lcp.modes.fit import fit, proves_none, put_parts
+from handlcp.lcp.modes.generators import ANY, OPEN, SLIDES, STUCK, Cones, first_patch, parts, patches, split
 
 __all__ = ["CANDIDATE", "EXHAUSTED", "SPENT", "Tree", "advance", "new_tree"]
 
 EXHAUSTED, CANDIDATE, SPENT = 0, 1, 2  # why `advance` returned
+_MORE = 1.0 + 1e-6  # of two that miss it equally the first is taken, whatever rounding says
 _HOLDS = 1e-9  # of the largest force and motion: a contact's law holds
 _FINEST = 14  # splits of an arc, after which it is 1e-4 rad wide; of a triangle half as many
 
@@ -123,7 +124,7 @@ def _worst(
         if codes[i] == SLIDES and (splits[i] >= finest or parts(corners[i], d, c.faces) == 0):
             continue
         miss = _miss(c, i, normals, x[i], y[i])
-        if miss > most:
+        if miss > most * _MORE:
             worst, most = i, miss
     return worst
 
