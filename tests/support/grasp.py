@@ -220,7 +220,8 @@ def diagnose(
     """The sentence about a solution with these parts, of a grasp that is not built."""
     n = len(names)
     given = {f.name: None for f in fields(hl.GraspSolution)} | {
-        "advise": lambda: required_preload, "status": status, "names": names, "contact_state": states, "cause": "", "reference": reference,
+        "advise": lambda: required_preload,
+        "status": status, "names": names, "contact_state": states, "cause": "", "reference": reference,
         "forces": np.ones((n, 3)) if forces is None else forces,
         "uniqueness": hl.Uniqueness(len(loose), np.reshape(loose, (-1, 6)), forces_determined),
         "scene": SimpleNamespace(

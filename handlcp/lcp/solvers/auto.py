@@ -91,8 +91,8 @@ class Auto:
         """What would run on this problem, in order, until one answer is certified; `Grasp.plan` says it of a grasp.
 
         Stages may be passed over (where Lemke's method has no answer, nothing starts from it); none is added. The
-        solution's `trace` begins its lines with these names. Holdability and search belong to `Grasp.solve`; `solve_lcp`
-        of a contact problem does without them. Raises InputError for anything but a problem.
+        solution's `trace` begins its lines with these names. Holdability and search belong to `Grasp.solve`;
+        `solve_lcp` of a contact problem does without them. Raises InputError for anything but a problem.
         """
         search = (self.search_stage,) if self.searches else ()
         if isinstance(problem, ContactProblem):
