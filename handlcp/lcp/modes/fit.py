@@ -26,7 +26,8 @@ _MOST = 20  # changes of the active columns, in numbers of equations; a dozen in
 
 @kernel
 def fit(c: Cones, codes: Ints, corners: Array, a: Active) -> tuple[float, int]:
-    """(what is left, of |b|; multiply-adds spent). `a` holds generators to begin with, and then those of the fit.
+    """(what is left, of |b|, 0 where it is rounding; multiply-adds spent). `a` holds generators to begin with, and then
+    those of the fit.
 
     codes (n,), corners (n, 3, 3) : mode and patch of every contact.
     """
@@ -62,7 +63,7 @@ def fit(c: Cones, codes: Ints, corners: Array, a: Active) -> tuple[float, int]:
             banned[:, :] = False
         else:
             banned[owner, kind] = True  # rounding alone made it look useful
-    return length / target if target > 0.0 else 0.0, spent
+    return length / target if length > _FITS * target else 0.0, spent
 
 
 @kernel

@@ -26,7 +26,7 @@ __all__ = ["ModeSearch"]
 
 _PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
 _MOST_REFUSED = 8  # candidates at the end of their branch; then the search gives up
-_EARLY = 30  # candidates further up that are handed out: where they help, the first ones do
+_EARLY = 12  # candidates further up that are handed out: where they help, the first ones do
 
 
 class ModeSearch:
