@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import pickle
 import re
 from collections.abc import Callable
@@ -234,3 +235,17 @@ def test_what_makes_no_sense_is_named(
         chain_hand(write, joint_stiffness=make())
     assert type(e.value) is kind
     assert e.value.argument == argument
+
+
+def test_each_field_of_a_solution_is_there_whichever_is_read_first() -> None:
+    """Fields are made when they are asked for; a pickle has all of them."""
+    hand = example_hand("five_finger", joint_stiffness=Tendons(np.full((1, 10), 0.01), 2e4, 3.0))
+    grasp = hand.at(hand.close_on(BALL, squeeze=3e-3)).grasp(BALL, preload=5e-3)
+    every = pickle.loads(pickle.dumps(grasp.solve()))
+    assert every.effort is not None
+    for field in dataclasses.fields(every):
+        first, after = getattr(grasp.solve(), field.name), getattr(every, field.name)
+        assert type(first) is type(after), field.name
+        if isinstance(first, np.ndarray):
+            np.testing.assert_array_equal(first, after, err_msg=field.name)
+    assert grasp.solve().tendon_tension is not None

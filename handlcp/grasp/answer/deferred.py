@@ -12,7 +12,8 @@ Maker = Callable[[str], dict[str, Any]]
 
 
 class Deferred:
-    """Base of a dataclass without slots, most fields of which nobody reads. A field with a default is made at once.
+    """Base of a dataclass without slots, most fields of which nobody reads. A default is an attribute of the class and
+    found before anything is made, so that a field that is made later has none.
 
     Equality, repr, replace, copies and pickles ask for all fields, and find them.
     """
