@@ -5,7 +5,7 @@ A bad argument is an `InputError`, which is also a `ValueError`; it names the ar
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from typing import Any
 
@@ -66,8 +66,19 @@ class Unsupported(HandLCPError, NotImplementedError):
 
 
 class NoSolutionFound(HandLCPError):
-    """Raised by `throw=True` unless the status is SOLVED. Carries problem and solution, and says what to try."""
+    """Raised by `throw=True` unless the status is SOLVED. Carries problem and solution, and says what to try.
 
-    def __init__(self, message: str, problem: Any, solution: Any) -> None:
-        self.problem, self.solution = problem, solution
-        super().__init__(message)
+    message : or what makes it, when somebody reads it: advice on a grasp takes many solves.
+    """
+
+    def __init__(self, message: str | Callable[[], str], problem: Any, solution: Any) -> None:
+        self.message, self.problem, self.solution = message, problem, solution
+        super().__init__(message, problem, solution)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled with its message, and without the problem, which is made of functions."""
+        return (NoSolutionFound, (str(self), None, self.solution))
+
+    def __str__(self) -> str:
+        """The message."""
+        return self.message if isinstance(self.message, str) else self.message()

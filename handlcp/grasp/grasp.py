@@ -8,8 +8,8 @@ from typing import Any, Self, overload
 import numpy as np
 
 from handlcp.check import Array, number, read_only
-from handlcp.errors import InputError, NoSolutionFound
-from handlcp.grasp.analysis.advice import solve_with_advice
+from handlcp.errors import InputError
+from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
 from handlcp.grasp.analysis.compare_without import measured
 from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
 from handlcp.grasp.analysis.explanation import Explanation, explain
@@ -178,12 +178,7 @@ class Grasp:
         reached = solution.accuracy
         if not throw or (solution.held and (reached is None or reached.met)):
             return solution
-        lines = (str(solution), *solution.trace)
-        if solution.held and reached is not None:
-            advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"
-            lines = (f"no setting is shown to keep what was asked for: {reached}", advice, *lines)
-        problem = assemble(self.scene, section, stamped(self.spec.effects))
-        raise NoSolutionFound("\n  ".join(lines), problem, solution)
+        raise no_solution(assemble(self.scene, section, stamped(self.spec.effects)), solution)
 
     def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
         """The same grasp with other numbers; None: as they are.

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from handlcp.grasp.analysis.required import required_preload
 from handlcp.grasp.model import effect as _effect
 from handlcp.grasp.solve import compiled_answer as _first
 from tests.support.clocks import Ticking, a_quarter_less
@@ -18,6 +19,7 @@ from tests.support.steps import told
 Patch = pytest.MonkeyPatch
 
 __all__ = [
+    "advice_is_watched",
     "another_effect",
     "chunks_of",
     "costs_of_effects",
@@ -82,6 +84,18 @@ def watched_first_stage(patch: Patch) -> list[Any]:
 
     patch.setattr("handlcp.grasp.analysis.compare_without.solve_scene", watched)
     return seen
+
+
+def advice_is_watched(patch: Patch) -> list[Any]:
+    """Each time that somebody asks for the squeeze that would hold."""
+    asked: list[Any] = []
+
+    def watched(*arguments: Any) -> Any:
+        asked.append(arguments)
+        return required_preload(*arguments)
+
+    patch.setattr("handlcp.grasp.analysis.advice.required_preload", watched)
+    return asked
 
 
 # ---------------------------------------------------------------- clocks

@@ -1,4 +1,4 @@
-"""A solve with advice: for a proven "no", the squeeze that would help."""
+"""A solve with advice: for a proven "no", the squeeze that would help, worked out when somebody asks."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from dataclasses import replace
 from functools import partial
 
 from handlcp.check import Array
+from handlcp.errors import NoSolutionFound
 from handlcp.grasp.analysis.required import required_preload
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.problem import AnyProblem
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -16,7 +18,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["advised", "solve_with_advice"]
+__all__ = ["advised", "no_solution", "solve_with_advice"]
 
 
 def solve_with_advice(
@@ -36,3 +38,16 @@ def advised(solution: GraspSolution, spec: GraspSpec, section: Section) -> Grasp
 
 def _squeeze(spec: GraspSpec, section: Section) -> float | None:
     return required_preload(spec, section).value
+
+
+def no_solution(problem: AnyProblem, solution: GraspSolution) -> NoSolutionFound:
+    """The error that carries them; its message, advice included, is made when somebody reads it."""
+    return NoSolutionFound(partial(_told, solution), problem, solution)
+
+
+def _told(solution: GraspSolution) -> str:
+    lines, reached = [str(solution), *solution.trace], solution.accuracy
+    if solution.held and reached is not None:
+        advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"
+        lines = [f"no setting is shown to keep what was asked for: {reached}", advice, *lines]
+    return "\n  ".join(lines)

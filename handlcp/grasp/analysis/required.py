@@ -15,21 +15,19 @@ from dataclasses import dataclass, field, replace
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.nearby import passes
-from handlcp.grasp.solve.compiled_answer import solve_scene
-from handlcp.grasp.solve.force_iteration import force_dependent
 from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.solve.stages import BRIEF
 from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.grasp.verify.limit_load import overload
-from handlcp.lcp import Auto, proposals
+from handlcp.lcp import Auto
 
 __all__ = ["Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
 
 Holds = Callable[[GraspSpec, Section], bool]
 
+_CHAIN = Auto(search_work=BRIEF)
 _FIRST = 2.0**-10  # of the natural size: the first step upwards
 _FRICTION = 10.0  # the largest coefficient that is tried
 
@@ -42,7 +40,7 @@ class Required:
     fails : the largest value tried below `value` that does not hold, value - fails ≤ tolerance · value or, for a
         tolerance finer than that, one rounding step; None when value is 0.
     proven : whether below `value` nothing can hold, because no force in the friction cones balances the load there
-        (or, where value is None, at any value). Otherwise `fails` only means that no solver found an equilibrium.
+        (or, where value is None, at any value). Otherwise `fails` only means that no equilibrium was found.
     unit : "m" of squeeze or "" for a friction coefficient. limit : largest value tried. tolerance : relative.
     checked : ((value, whether it holds), …) in the order tried.
     hint : what to change instead where value is None, "" if nothing is known.
@@ -70,18 +68,8 @@ class Required:
 
 
 def holds(spec: GraspSpec, section: Section) -> bool:
-    """Whether the solver chain finds an equilibrium that the certifier passes; no exhaustive search is made."""
-    if force_dependent(spec):
-        return solve_spec(spec, section, Auto(search_seconds=0.0)).held
-    # A third less time than a solve, which has an answer to describe, and a proof to look for where there is none
-    scene, asked, first = build(spec), stamped(spec.effects), None
-    if not asked:
-        found = solve_scene(scene, section, 0)
-        if found.passes:
-            return True
-        first = found.proposal
-    problem = GraspContactProblem(scene, section, asked)
-    return any(passes(problem, problem.candidate(p.z)) for _, p in proposals(problem, Auto(), None, first))
+    """Whether the solver chain, with a brief search, finds an equilibrium that the certifier passes."""
+    return solve_spec(spec, section, _CHAIN).held
 
 
 def required_preload(

@@ -2,7 +2,7 @@
 
 limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
 contact modes          all of them at once (`lcp.modes`): pyramids and planes exactly, the cone by arcs that are
-                       refined where they do not decide
+                       refined where they do not decide; on pyramids one by one (`mode_walk`) where that leaves doubt
 moments, with faces    the active sets of the LCP with a multiplier a face (`lcp.search`)
 
 Budgets count multiply-adds, so that what is proven depends on no clock.
@@ -10,6 +10,7 @@ Budgets count multiply-adds, so that what is proven depends on no clock.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field, replace
 
@@ -22,6 +23,7 @@ from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.search.mode_table import mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.verify.holdable import jammed, least_total
 from handlcp.grasp.verify.limit_load import overload
@@ -31,6 +33,8 @@ from handlcp.tolerances import ACTIVE
 
 __all__ = ["EquilibriumSearch", "Outcome", "OverModes"]
 
+_EACH = 200.0  # multiply-adds that one choice takes
+_MOST_CANDIDATES = 100  # of those one by one; a few are usual
 _WIDE = 1e3  # of the box in which nothing is proven to exist, times 1 + max|d̂|
 
 
@@ -64,6 +68,8 @@ class EquilibriumSearch:
             return self._at_once
         problem, scene = self.problem, self.problem.scene
         found = _on_active_sets(problem, work, end) if self._modes is None else self._modes.run(work, end)
+        if self._modes is not None and self._modes.doubtful and found.candidate is None:
+            found = _one_by_one(problem, work, found)
         if found.bounds is not None and not any(e.present(scene) for e in problem.effects) and jammed(scene):
             return replace(found, cause="rigid fingers cannot give way to the squeeze")
         return found
@@ -108,6 +114,11 @@ class OverModes:
         return Outcome(f"{self._words} unknown")
 
     @property
+    def doubtful(self) -> bool:
+        """Whether all was visited, and something that might have been an answer was refused."""
+        return self._search.exhausted and not self._search.none
+
+    @property
     def _words(self) -> str:
         return f"{self._search.nodes:,} choices of contact modes,"
 
@@ -141,6 +152,22 @@ def _overloaded(scene: Scene, section: Section, effects: tuple[Effect, ...], pro
     verb = "together leave" if len(parts) > 1 else "leave" if parts[0].endswith("s") else "leaves"
     cause = least or f"the {' and the '.join(parts)} {verb} no force that balances it"
     return Outcome("limits on the forces, none", None, _wide(scene), cause, t, yielding)
+
+
+def _one_by_one(problem: GraspContactProblem, work: float, unknown: Outcome) -> Outcome:
+    """By every choice of contact modes on its own, each solved to the last digit, where they are few enough."""
+    table = mode_table(problem)
+    if table is None or table.choices * _EACH > work:
+        return unknown
+    candidates, every = table.visit()
+    words, doubtful = f"all {table.choices:,.0f} choices of contact modes one by one,", not every
+    for c in itertools.islice(candidates, _MOST_CANDIDATES):
+        candidate = None if c is None else first_certified(problem, [c])
+        if candidate is not None:
+            return Outcome(f"{words} solution", candidate)
+        doubtful |= c is not None
+    doubtful |= next(candidates, None) is not None
+    return unknown if doubtful else Outcome(f"{words} none", bounds=_wide(problem.scene))
 
 
 def _on_active_sets(problem: GraspContactProblem, work: float, end: float) -> Outcome:

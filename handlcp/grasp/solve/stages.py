@@ -25,9 +25,9 @@ from handlcp.grasp.verify.judge import Verdict, judge
 from handlcp.lcp import BRIEFLY, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["answered", "solve_built"]
+__all__ = ["BRIEF", "answered", "solve_built"]
 
-_BRIEF = 2e7  # multiply-adds, some hundredths of a second: most proofs take less, and so do most of its answers
+BRIEF = 2e7  # multiply-adds, some hundredths of a second: most proofs take less, and so do most of its answers
 _PROOF, _NO_PROOF = "nothing holds it", "no proof that nothing holds it"
 
 
@@ -90,7 +90,7 @@ def _in_stages(
         return run.solution()
     assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
     search = EquilibriumSearch(problem) if chain.searches else None
-    if search is not None and search.brief and run.searched(search, chain, min(_BRIEF, chain.search_work), BRIEFLY):
+    if search is not None and search.brief and run.searched(search, chain, min(BRIEF, chain.search_work), BRIEFLY):
         return run.solution()
     if not run.solved(stages) and search is not None:
         run.searched(search, chain, chain.search_work, chain.search_stage)
