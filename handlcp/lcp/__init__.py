@@ -9,7 +9,7 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.result import LCPSolution, Proposal, stage_line
 from handlcp.lcp.scaling import Units
 from handlcp.lcp.solve import proposals, solve_lcp
-from handlcp.lcp.solvers.auto import BRIEFLY, FIRST_STAGE, Auto, as_chain
+from handlcp.lcp.solvers.auto import BRIEFLY, FIRST_STAGE, LONGER, SOON, Auto, as_chain
 from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
@@ -20,7 +20,9 @@ __all__ = [
     "BRIEFLY",
     "FIRST_STAGE",
     "LCP",
+    "LONGER",
     "NSNGRK",
+    "SOON",
     "Auto",
     "ContactProblem",
     "ContactSolver",

@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.make_solution import Judged, make_solution, not_holdable, solution_of, without_numbers
 from handlcp.grasp.answer.solution import GraspSolution
@@ -22,12 +24,14 @@ from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_s
 from handlcp.grasp.solve.lazy_solution import lazy_solution, trace_of
 from handlcp.grasp.verify.holdable import escape_of, escaping_twist
 from handlcp.grasp.verify.judge import Verdict, judge
-from handlcp.lcp import BRIEFLY, Auto, Proposal, Status, as_chain, proposals, stage_line
+from handlcp.lcp import BRIEFLY, LONGER, SOON, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
 
 __all__ = ["BRIEF", "answered", "solve_built"]
 
-BRIEF = 2e7  # multiply-adds, some hundredths of a second: most proofs take less, and so do most of its answers
+# Multiply-adds of the first search, milliseconds, and of the second one, hundredths of a second. What the first leaves
+# open is more often an answer that Lemke's method finds at once than one that is not there
+BRIEF, _LONG = 2e6, 2e7
 _PROOF, _NO_PROOF = "nothing holds it", "no proof that nothing holds it"
 
 
@@ -89,11 +93,17 @@ def _in_stages(
     if run.solved(itertools.islice(stages, 1)) or run.escapes() or chain is None or not proof:
         return run.solution()
     assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
-    search = EquilibriumSearch(problem) if chain.searches else None
-    if search is not None and search.brief and run.searched(search, chain, min(BRIEF, chain.search_work), BRIEFLY):
+    if not chain.searches:
+        run.solved(stages)
         return run.solution()
-    if not run.solved(stages) and search is not None:
-        run.searched(search, chain, chain.search_work, chain.search_stage)
+    search = EquilibriumSearch(problem)
+    # Each search goes on where the one before it stopped; then come so many of the stages that look for an answer
+    for name, work, then in ((BRIEFLY, BRIEF, SOON), (LONGER, _LONG, None), (chain.search_stage, np.inf, 0)):
+        begun = search.brief or name == chain.search_stage
+        if begun and run.searched(search, chain, min(work, chain.search_work), name):
+            break
+        if run.solved(itertools.islice(stages, then)):
+            break
     return run.solution()
 
 

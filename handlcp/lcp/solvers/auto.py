@@ -29,12 +29,13 @@ from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
 
-__all__ = ["BRIEFLY", "FIRST_STAGE", "Auto", "as_chain", "in_units_of_limits"]
+__all__ = ["BRIEFLY", "FIRST_STAGE", "LONGER", "SOON", "Auto", "as_chain", "in_units_of_limits"]
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
 FIRST_STAGE = "NSNGRK, Newton first"
-BRIEFLY = "search, briefly"
+BRIEFLY, LONGER = "search, briefly", "search, longer"
+SOON = 2  # stages between these two
 _PLAIN = "NSNGRK"
 _ON_SET = ", on the friction set"  # ends the names of stages that work on an LCP's contact form
 _FACES = (16, 4)  # of pyramids whose answers are worth a start, besides the own or one of 8 faces
@@ -48,9 +49,10 @@ class Auto:
     """Stages until the certifier is content; `plan` lists them for a problem, the solution's `trace` those that ran.
 
     On contact problems, and on LCPs that have such a form: NSNGRK that begins with Newton's steps, on a small budget;
-    of a grasp, the proof that nothing could hold it, and a brief search; Lemke's method on the problem's own pyramid;
-    Newton's method from its answer (the cone: from that of 8 faces), from where other subsets of the contacts stick or
-    stay apart, and from the answers of other pyramids; of a grasp, the rest of the search.
+    of a grasp, the proof that nothing could hold it, and a brief search; Lemke's method on the problem's own pyramid,
+    and Newton's method from its answer (the cone: from that of 8 faces); of a grasp, a longer search; Newton's method
+    from where other subsets of the contacts stick or stay apart, and from the answers of other pyramids; of a grasp, the
+    rest of the search.
     On other LCPs: NSNGRK, Lemke's method with one, then with other covering vectors, Newton's method from other active
     sets, NSNGRK again with other seeds and more steps; a Farkas vector, which proves that there is none; the search.
 
@@ -99,7 +101,9 @@ class Auto:
             first, *rest = (name for name, _ in self._on_contacts(problem, None, None))
             if not hasattr(problem, "scene"):
                 return (first, *rest)
-            return (first, "holdability", *((BRIEFLY,) if search else ()), *rest, *search)
+            if not search:
+                return (first, "holdability", *rest)
+            return (first, "holdability", BRIEFLY, *rest[:SOON], LONGER, *rest[SOON:], *search)
         if not isinstance(problem, LCP):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
         return (*(name for name, _ in self._on_lcp(problem, None)), "Farkas vector", *search)
