@@ -31,7 +31,7 @@ __all__ = ["BRIEF", "answered", "solve_built"]
 
 # Multiply-adds of the first search, milliseconds, and of the second one, hundredths of a second. What the first leaves
 # open is more often an answer that Lemke's method finds at once than one that is not there
-BRIEF, _LONG = 2e6, 2e7
+BRIEF, _LONG = 1e6, 2e7
 _PROOF, _NO_PROOF = "nothing holds it", "no proof that nothing holds it"
 
 

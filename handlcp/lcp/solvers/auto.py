@@ -51,8 +51,8 @@ class Auto:
     On contact problems, and on LCPs that have such a form: NSNGRK that begins with Newton's steps, on a small budget;
     of a grasp, the proof that nothing could hold it, and a brief search; Lemke's method on the problem's own pyramid,
     and Newton's method from its answer (the cone: from that of 8 faces); of a grasp, a longer search; Newton's method
-    from where other subsets of the contacts stick or stay apart, and from the answers of other pyramids; of a grasp, the
-    rest of the search.
+    from where other subsets of the contacts stick or stay apart, and from the answers of other pyramids; of a grasp,
+    the rest of the search.
     On other LCPs: NSNGRK, Lemke's method with one, then with other covering vectors, Newton's method from other active
     sets, NSNGRK again with other seeds and more steps; a Farkas vector, which proves that there is none; the search.
 
