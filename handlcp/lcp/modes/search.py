@@ -19,7 +19,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.modes.generators import Cones
-from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, advance, new_tree
+from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
 from handlcp.tolerances import RANK
 
 __all__ = ["ModeSearch"]
@@ -55,12 +55,12 @@ class ModeSearch:
         limits = np.array([mu for _, mu in own], dtype=float)
         self._cones = Cones(columns.reshape(R, len(own), 8), products, tangents, limits, problem.faces)
         first = np.array([places[0] for places in self._own], dtype=np.int64)
-        self._most = np.column_stack([most_x[first], most_y[first]])
+        most = np.column_stack([most_x[first], most_y[first]])
         # What N leaves of the free unknowns' columns, by rounding, with unknowns as large as any bound
-        self._slack = RANK * size.max(initial=0.0) * float(self._most.max(initial=0.0))
+        self._claim = Claim(most, RANK * float(size.max(initial=0.0) * most.max(initial=0.0)))
         self._b, self._tree = -N.T @ problem.q, new_tree(self._cones)
         self._early = 0
-        self._x, self._y = np.zeros((len(own), 4)), np.zeros((len(own), 4))
+        self._node = new_node(self._cones)
 
     @property
     def nodes(self) -> int:
@@ -87,9 +87,9 @@ class ModeSearch:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
             ended = int(counts[2])
+            budget = int(min(left, _PAUSE))
             what = advance(
-                self._tree, self._cones, self._b, self.problem.sets.normals, self._most, self._slack,
-                int(min(left, _PAUSE)), self._x, self._y,
+                self._tree, self._cones, self._b, self.problem.sets.normals, self._claim, budget, self._node
             )  # fmt: skip
             self.exhausted = what == EXHAUSTED
             if what == CANDIDATE and (counts[2] > ended or self._early < _EARLY):
@@ -101,7 +101,7 @@ class ModeSearch:
         p = self.problem
         x, y = np.zeros(p.n), np.zeros(p.n)
         for i, places in enumerate(self._own):
-            x[places], y[places] = self._x[i, : len(places)], self._y[i, : len(places)]
+            x[places], y[places] = self._node.x[i, : len(places)], self._node.y[i, : len(places)]
         k = len(self._size)
         with np.errstate(over="ignore", invalid="ignore"):  # the certifier refuses what is not finite
             x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - p.q - p.M @ x)) / self._size)

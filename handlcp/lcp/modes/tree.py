@@ -18,7 +18,7 @@ from handlcp.lcp.modes.active_columns import Active, new_active
 from handlcp.lcp.modes.fit import fit, proves_none, put_parts
 from handlcp.lcp.modes.generators import ANY, OPEN, SLIDES, STUCK, Cones, first_patch, parts, patches, split
 
-__all__ = ["CANDIDATE", "EXHAUSTED", "SPENT", "Tree", "advance", "new_tree"]
+__all__ = ["CANDIDATE", "EXHAUSTED", "SPENT", "Claim", "Node", "Tree", "advance", "new_node", "new_tree"]
 
 EXHAUSTED, CANDIDATE, SPENT = 0, 1, 2  # why `advance` returned
 _MORE = 1.0 + 1e-6  # of two that miss it equally the first is taken, whatever rounding says
@@ -41,6 +41,25 @@ class Tree(NamedTuple):
     counts: Ints
 
 
+class Node(NamedTuple):
+    """One node, as it is visited: codes (n,), corners (n, 3, 3) and splits (n,) of the contacts; forces and motions
+    that fit it, x and y (n, 4), normal component first.
+    """
+
+    codes: Ints
+    corners: Array
+    splits: Ints
+    x: Array
+    y: Array
+
+
+class Claim(NamedTuple):
+    """What "none" speaks of, as in `proves_none`: bounds most (n, 2), and slack of the equations."""
+
+    most: Array
+    slack: float
+
+
 @kernel
 def new_tree(c: Cones) -> Tree:
     """The tree with its root: every contact may do anything."""
@@ -57,39 +76,43 @@ def new_tree(c: Cones) -> Tree:
 
 
 @kernel
-def advance(
-    t: Tree, c: Cones, b: Array, normals: Array, most: Array, slack: float, work: int, x: Array, y: Array
-) -> int:
-    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in x and y (n, 4).
+def new_node(c: Cones) -> Node:
+    """Room for one."""
+    n = len(c.tangents)
+    return Node(np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64), np.zeros((n, 4)), np.zeros((n, 4)))
 
-    b (R,) : what the equations ask for. normals : as in `ContactProblem`. most, slack : as in `proves_none`.
+
+@kernel
+def advance(t: Tree, c: Cones, b: Array, normals: Array, claim: Claim, work: int, node: Node) -> int:
+    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in the node's x and y.
+
+    b (R,) : what the equations ask for. normals : as in `ContactProblem`.
     """
-    n, a, end = len(c.tangents), new_active(b), t.counts[4] + work
-    codes, corners, splits = np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64)
+    a, end = new_active(b), t.counts[4] + work
+    codes, corners = node.codes, node.corners
     while t.counts[0] > 0:
         if t.counts[4] >= end:
             return SPENT
         at = t.counts[0] - 1
-        codes[:], corners[:, :, :], splits[:] = t.codes[at], t.corners[at], t.splits[at]
+        codes[:], corners[:, :, :], node.splits[:] = t.codes[at], t.corners[at], t.splits[at]
         _warm(t, at, a)
         t.counts[0], t.counts[1] = at, t.counts[1] + 1
         left, spent = fit(c, codes, corners, a)
         t.counts[4] += spent
-        if left > 0.0 and proves_none(c, codes, corners, a.rest, b, most, slack):
+        if left > 0.0 and proves_none(c, codes, corners, a.rest, b, claim.most, claim.slack):
             continue
-        put_parts(a, x, y)
-        worst = _worst(c, codes, corners, splits, normals, x, y)
-        if worst < 0:
-            for i in range(n):
+        put_parts(a, node.x, node.y)
+        worst, decided = _worst(c, node, normals), True
+        if worst < 0:  # should the answer be refused, there may be another below
+            for i in range(len(codes)):
                 worst = i if codes[i] == ANY else worst
-            if worst >= 0:  # should the answer be refused, there may be another below
-                _branch(t, c, a, codes, corners, splits, worst, x, y)
-            else:
-                t.counts[2] += 1
-            return CANDIDATE
-        decided = codes[worst] != ANY and splits[worst] % 4 == 0
-        _branch(t, c, a, codes, corners, splits, worst, x, y)
-        if decided and np.all(codes != ANY):
+        else:
+            decided = codes[worst] != ANY and node.splits[worst] % 4 == 0 and bool(np.all(codes != ANY))
+        if worst >= 0:
+            _branch(t, c, a, node, worst)
+        else:
+            t.counts[2] += 1
+        if decided:
             return CANDIDATE
     return EXHAUSTED
 
@@ -107,10 +130,9 @@ def _warm(t: Tree, at: int, a: Active) -> None:
 
 
 @kernel
-def _worst(
-    c: Cones, codes: Ints, corners: Array, splits: Ints, normals: Array, x: Array, y: Array
-) -> int:  # fmt: skip
+def _worst(c: Cones, node: Node, normals: Array) -> int:
     """The contact that misses its law by most among those that can be branched on; -1: none, or all laws hold."""
+    codes, corners, splits, x, y = node
     size = 1.0
     for i in range(len(codes)):
         for q in range(4):
@@ -144,34 +166,33 @@ def _miss(c: Cones, i: int, normals: Array, x: Array, y: Array) -> float:
 
 
 @kernel
-def _branch(
-    t: Tree, c: Cones, a: Active, codes: Ints, corners: Array, splits: Ints, i: int, x: Array, y: Array
-) -> None:  # fmt: skip
+def _branch(t: Tree, c: Cones, a: Active, node: Node, i: int) -> None:
     """Put the nodes below this one, in which contact i has each of its modes or patches, the likeliest last."""
+    codes, corners, _, x, y = node
     d = c.tangents[i]
     if codes[i] == SLIDES:
         for k in range(parts(corners[i], d, c.faces)):
-            at = _put(t, a, codes, corners, splits, i)
+            at = _put(t, a, node, i)
             split(corners[i], k, d, c.faces, t.corners[at, i])
             t.splits[at, i] += 1
         return
     for k in range(patches(d)):
-        at = _put(t, a, codes, corners, splits, i)
+        at = _put(t, a, node, i)
         t.codes[at, i] = SLIDES
         first_patch(k, d, c.faces, t.corners[at, i])
     force, motion = 0.0, 0.0
     for q in range(4):
         force, motion = max(force, abs(x[i, q])), max(motion, abs(y[i, q]))
     for k in range(2):
-        at = _put(t, a, codes, corners, splits, i)
+        at = _put(t, a, node, i)
         t.codes[at, i] = OPEN if (k == 0) == (force > motion) else STUCK
 
 
 @kernel
-def _put(t: Tree, a: Active, codes: Ints, corners: Array, splits: Ints, i: int) -> int:
+def _put(t: Tree, a: Active, node: Node, i: int) -> int:
     """One more node, as the one that is visited; returns its place."""
     at = t.counts[0]
-    t.codes[at], t.corners[at], t.splits[at] = codes, corners, splits
+    t.codes[at], t.corners[at], t.splits[at] = node.codes, node.corners, node.splits
     t.warm[at, :, 0] = -1.0
     for s in range(a.used[0]):
         if a.owner[s] != i:
