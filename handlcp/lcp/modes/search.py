@@ -18,6 +18,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.lcp.contact import ContactProblem
+from handlcp.lcp.kernels.compile import at_once
 from handlcp.lcp.modes.generators import Cones
 from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
 from handlcp.tolerances import RANK
@@ -25,6 +26,7 @@ from handlcp.tolerances import RANK
 __all__ = ["ModeSearch"]
 
 _PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
+_A_CALL = 1e5  # multiply-adds that take as long as a call of other kernels where they run as plain Python
 _MOST_REFUSED = 8  # candidates at the end of their branch; then the search gives up
 _EARLY = 12  # candidates further up that are handed out: where they help, the first ones do
 
@@ -88,9 +90,10 @@ class ModeSearch:
                 return
             ended = int(counts[2])
             budget = int(min(left, _PAUSE))
-            what = advance(
-                self._tree, self._cones, self._b, self.problem.sets.normals, self._claim, budget, self._node
-            )  # fmt: skip
+            with at_once(work / _A_CALL):
+                what = advance(
+                    self._tree, self._cones, self._b, self.problem.sets.normals, self._claim, budget, self._node
+                )  # fmt: skip
             self.exhausted = what == EXHAUSTED
             if what == CANDIDATE and (counts[2] > ended or self._early < _EARLY):
                 self._early += counts[2] == ended
