@@ -27,6 +27,7 @@ __all__ = [
     "spd",
     "symmetric",
     "unit",
+    "yes_or_no",
 ]
 
 _FLOAT = np.dtype(float)
@@ -122,6 +123,13 @@ def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int
     if not whole or not least <= int(value) <= most:
         raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", _show(value))
     return int(value)
+
+
+def yes_or_no(argument: str, value: Any) -> bool:
+    """True or False, and nothing that is only taken for one of them. Raises InputError."""
+    if not isinstance(value, bool):
+        raise InputError(argument, "True or False", repr(value)[:80])
+    return value
 
 
 def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any, Self, overload
 
 import numpy as np
 
-from handlcp.check import Array, number, read_only
+from handlcp.check import Array, number, read_only, yes_or_no
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
 from handlcp.grasp.analysis.compare_without import measured
@@ -169,7 +169,7 @@ class Grasp:
         where = start_from(start, self.scene)
         if accuracy is None:
             section = self._section(8 if faces is None else faces)
-            solution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
+            solution = solve_with_advice(self.spec, section, solver, where, self.scene, yes_or_no("proof", proof))
         elif faces is None:
             asked = number("accuracy", accuracy, above=0.0)
             section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where)

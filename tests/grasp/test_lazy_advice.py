@@ -52,3 +52,9 @@ def test_without_proof_a_solve_stops_at_not_found(faces):
     prop = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), hl.Coulomb(0.5))], (0, 0, 5.0, 0, 0, 0), flexibility=1e-4)
     assert prop.solve(faces, throw=False, proof=False).status is hl.Status.NOT_HOLDABLE
     assert pinch().solve(faces, proof=False).held
+
+
+def test_proof_is_asked_for_or_not():
+    for bad in ("no", 1, None):
+        with pytest.raises(hl.InputError, match="proof"):
+            pinch().solve(proof=bad)

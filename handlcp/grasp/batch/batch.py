@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from handlcp.check import yes_or_no
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.grasp import Grasp
@@ -42,6 +43,4 @@ def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySol
     for k, g in enumerate(every):
         if not isinstance(g, Grasp):
             raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])
-    if not isinstance(proof, bool):
-        raise InputError("proof", "True or False", repr(proof)[:80])
-    return Batch(every, as_section(faces), as_section(faces, planar=True), solver, proof)
+    return Batch(every, as_section(faces), as_section(faces, planar=True), solver, yes_or_no("proof", proof))
