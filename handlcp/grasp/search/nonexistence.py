@@ -76,8 +76,10 @@ class EquilibriumSearch:
 
     @property
     def brief(self) -> bool:
-        """Whether a small budget may decide: a search over active sets begins anew each time."""
-        return self._at_once is not None or self._modes is not None
+        """Whether a small budget may decide: a search over active sets begins anew each time, and what is impossible
+        stays so.
+        """
+        return self._modes is not None or (self._at_once is not None and self._at_once.bounds is not None)
 
 
 def _at_once(problem: GraspContactProblem) -> Outcome | None:
@@ -115,8 +117,8 @@ class OverModes:
 
     @property
     def doubtful(self) -> bool:
-        """Whether all was visited, and something that might have been an answer was refused."""
-        return self._search.exhausted and not self._search.none
+        """Whether the search is over, and something that might have been an answer was refused."""
+        return self._search.ended and not self._search.none
 
     @property
     def _words(self) -> str:

@@ -75,6 +75,11 @@ class ModeSearch:
         return int(self._tree.counts[2])
 
     @property
+    def ended(self) -> bool:
+        """Whether nothing more will come, whatever the budget."""
+        return self.exhausted or self.refused > _MOST_REFUSED
+
+    @property
     def none(self) -> bool:
         """Whether it is proven that there is no answer within the bounds, unless one was accepted."""
         return self.exhausted and not self.refused
@@ -85,7 +90,7 @@ class ModeSearch:
         end : of `time.monotonic`, if earlier.
         """
         counts = self._tree.counts
-        while not self.exhausted and counts[2] <= _MOST_REFUSED:
+        while not self.ended:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
             ended = int(counts[2])
