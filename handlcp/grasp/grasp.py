@@ -166,13 +166,13 @@ class Grasp:
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
-        where = start_from(start, self.scene)
+        where, proof = start_from(start, self.scene), yes_or_no("proof", proof)
         if accuracy is None:
             section = self._section(8 if faces is None else faces)
-            solution = solve_with_advice(self.spec, section, solver, where, self.scene, yes_or_no("proof", proof))
+            solution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
         elif faces is None:
             asked = number("accuracy", accuracy, above=0.0)
-            section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where)
+            section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where, proof)
         else:
             raise InputError("accuracy", "no faces beside it: it chooses them", f"faces={faces!r}")
         reached = solution.accuracy

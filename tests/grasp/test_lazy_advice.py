@@ -54,6 +54,12 @@ def test_without_proof_a_solve_stops_at_not_found(faces):
     assert pinch().solve(faces, proof=False).held
 
 
+def test_without_proof_an_accuracy_asks_for_none_either():
+    s = pinch(squeeze=0.0).solve(accuracy=1e-3, throw=False, proof=False)
+    assert s.status is hl.Status.UNDECIDED
+    assert not any(line.startswith("search") for line in s.trace)
+
+
 def test_proof_is_asked_for_or_not():
     for bad in ("no", 1, None):
         with pytest.raises(hl.InputError, match="proof"):

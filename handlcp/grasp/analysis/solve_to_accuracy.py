@@ -33,18 +33,21 @@ _NEWTON = SemismoothNewton()
 _FINEST = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's method go
 
 
-def solve_to_accuracy(spec: GraspSpec, accuracy: float, solver: AnySolver, start: Array) -> GraspSolution:
+def solve_to_accuracy(
+    spec: GraspSpec, accuracy: float, solver: AnySolver, start: Array, proof: bool = True
+) -> GraspSolution:  # fmt: skip
     """The solution on the exact section with its `Accuracy`, and more Newton steps where the request needs them.
 
     A proof that nothing holds the object, or that there is no equilibrium, is a final answer and passes unchanged.
+    proof : as in `Grasp.solve`.
     Raises Unsupported for soft fingers, and for a solver that knows no cones where there is one.
     """
     begun, scene = time.perf_counter(), build(spec)
     if scene.soft:
         raise Unsupported("accuracy= knows no soft fingers: solve(faces) and solve('cone') do")
     section, words = _exact(scene, solver)
-    solution, solves = solve_with_advice(spec, section, solver, start, scene), 1
-    if solution.status is Status.UNDECIDED and isinstance(section, Cone):
+    solution, solves = solve_with_advice(spec, section, solver, start, scene, proof), 1
+    if proof and solution.status is Status.UNDECIDED and isinstance(section, Cone):
         solution, solves, words = _through_pyramids(spec, scene, solver, solution)
     error = _error(spec, scene, solution)
     if solution.held and not error <= accuracy and scene.frictional:
