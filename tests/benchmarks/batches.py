@@ -13,7 +13,6 @@ import os
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 
-import argparse
 import json
 import tempfile
 import time
@@ -26,7 +25,7 @@ from quantecon.optimize import lcp_lemke
 
 import handlcp as hl
 from tests.benchmarks.clock import Task, best_times
-from tests.benchmarks.corpus import PeersFolder, as_case
+from tests.benchmarks.corpus import PeersFolder, as_case, family_options
 from tests.benchmarks.report import conditions, opened, plain_table
 
 __all__ = ["main"]
@@ -90,14 +89,8 @@ def halves(scenes: list[Any], count: int, proofs: int, rounds: int) -> dict[str,
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--families", nargs="*", default=["ring", "sphere"])
-    parser.add_argument("--fingers", nargs="*", type=int, default=[3, 5])
-    parser.add_argument("--count", type=int, default=60, help="scenes of a family")
+    parser = family_options(__doc__)
     parser.add_argument("--proofs", type=int, default=10, help="grasps that don't hold of a batch with proofs at most")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--json", type=Path, help="write everything measured to this file")
     o = parser.parse_args()
     console, folder = opened(120), PeersFolder(o.folder)
     console.print(conditions(), highlight=False)
@@ -109,8 +102,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as directory:
         for family in o.families:
             for fingers in o.fingers:
-                options = ("--count", str(o.count), "--family", family, "--fingers", str(fingers))
-                scenes = folder.read(folder.generate(Path(directory) / f"{family}{fingers}.npz", *options))
+                scenes = folder.family(Path(directory), family, fingers, o.count)
                 pairs = np.array([p for s in scenes if (p := beside_lemke(folder, s, o.rounds)) is not None])
                 ours, theirs = np.median(pairs, axis=0)
                 ratios = {"solve_many / QuantEcon": ours / theirs, **halves(scenes, 2 * o.count, o.proofs, o.rounds)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import json
 import subprocess
@@ -16,7 +17,7 @@ import numpy as np
 import handlcp as hl
 from tests.hard_cases.scenes import Case
 
-__all__ = ["Faces", "PeersFolder", "as_case", "read_oracle"]
+__all__ = ["Faces", "PeersFolder", "as_case", "family_options", "read_oracle"]
 
 Faces = int | str  # of the pyramid, or "cone"
 
@@ -55,6 +56,11 @@ class PeersFolder:
             sys.exit(f"--families: none called {', '.join(sorted(unknown))} in {corpus}")
         return [s for s in scenes if not wanted or s.family in wanted]
 
+    def family(self, directory: Path, family: str, fingers: int, count: int) -> list[Any]:
+        """So many scenes of a family, made anew in the directory."""
+        options = ("--count", str(count), "--family", family, "--fingers", str(fingers))
+        return self.read(self.generate(directory / f"{family}{fingers}.npz", *options))
+
     def residual(self, scene: Any, forces: np.ndarray, twist: np.ndarray, faces: Faces) -> float:
         """The checker's worst relative residual of forces (n, 3) [N] and twist (6,) about the origin."""
         found = self.problems.check(scene, np.ravel(forces), twist, None if faces == "cone" else faces)
@@ -63,6 +69,18 @@ class PeersFolder:
     def residual_of(self, scene: Any, solution: hl.GraspSolution, faces: Faces) -> float:
         """The same of our own answer."""
         return self.residual(scene, solution.forces, solution.object_displacement, faces)
+
+
+def family_options(about: str | None) -> argparse.ArgumentParser:
+    """The command line of a measure over families of scenes made anew."""
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--families", nargs="*", default=["ring", "sphere"])
+    parser.add_argument("--fingers", nargs="*", type=int, default=[3, 5])
+    parser.add_argument("--count", type=int, default=60, help="scenes of a family")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--json", type=Path, help="write everything measured to this file")
+    return parser
 
 
 def as_case(scene: Any, faces: Faces) -> Case:

@@ -13,7 +13,6 @@ import os
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 
-import argparse
 import json
 import tempfile
 import time
@@ -24,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from tests.benchmarks.clock import best_times
-from tests.benchmarks.corpus import Faces, PeersFolder, as_case
+from tests.benchmarks.corpus import Faces, PeersFolder, as_case, family_options
 from tests.benchmarks.report import conditions, opened, plain_table
 
 __all__ = ["main"]
@@ -50,14 +49,7 @@ def measured(scenes: list[Any], faces: Faces, rounds: int) -> dict[str, list[flo
 
 def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--families", nargs="*", default=["ring", "sphere"])
-    parser.add_argument("--fingers", nargs="*", type=int, default=[3, 5])
-    parser.add_argument("--count", type=int, default=60, help="scenes of a family")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--json", type=Path, help="write everything measured to this file")
-    o = parser.parse_args()
+    o = family_options(__doc__).parse_args()
     console, folder = opened(120), PeersFolder(o.folder)
     console.print(conditions(), highlight=False)
     table = plain_table(
@@ -70,8 +62,7 @@ def main() -> None:
         for fingers in o.fingers:
             scenes = []
             for family in o.families:
-                options = ("--count", str(o.count), "--family", family, "--fingers", str(fingers))
-                scenes += folder.read(folder.generate(Path(directory) / f"{family}{fingers}.npz", *options))
+                scenes += folder.family(Path(directory), family, fingers, o.count)
             for faces in (8, "cone"):
                 times = measured(scenes, faces, o.rounds)
                 held = float(np.median(times["SOLVED"]))

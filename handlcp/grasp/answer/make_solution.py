@@ -22,7 +22,9 @@ from handlcp.grasp.verify.contact_laws import in_world
 from handlcp.grasp.verify.judge import Residuals, Verdict, judge
 from handlcp.lcp import Status
 
-__all__ = ["Judged", "candidate_of", "make_solution", "not_holdable", "solution_of", "without_numbers"]
+__all__ = [
+    "Judged", "candidate_of", "certificate_of", "make_solution", "not_holdable", "solution_of", "without_numbers",
+]  # fmt: skip
 
 
 class Judged(NamedTuple):
@@ -80,8 +82,12 @@ def solution_of(
 
 def not_holdable(made: GraspSolution, spec: GraspSpec, scene: Scene, twist: Array) -> GraspSolution:
     """The solution without numbers, with the proof that nothing holds: a motion (6,) about the contacts' centre."""
-    certificate = read_only(shifted(twist, spec.reference - scene.units.centre))
-    return replace(made, status=Status.NOT_HOLDABLE, certificate=certificate)
+    return replace(made, status=Status.NOT_HOLDABLE, certificate=certificate_of(spec, scene, twist))
+
+
+def certificate_of(spec: GraspSpec, scene: Scene, twist: Array) -> Array:
+    """(6,) as a solution tells a motion about the contacts' centre: about the grasp's reference."""
+    return read_only(shifted(twist, spec.reference - scene.units.centre))
 
 
 def without_numbers(

@@ -8,8 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from handlcp.check import Array, read_only
-from handlcp.grasp.answer.make_solution import Judged, make_solution, not_holdable, solution_of, without_numbers
+from handlcp.check import Array
+from handlcp.grasp.answer.make_solution import (
+    Judged,
+    certificate_of,
+    make_solution,
+    not_holdable,
+    solution_of,
+    without_numbers,
+)
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
 from handlcp.grasp.assembly.candidate import Candidate
@@ -160,9 +167,7 @@ class _Run:
             return not_holdable(made, spec, scene, self.escape)
         if (found := self.proof) is None:
             return made
-        certificate = None
-        if found.escape is not None:
-            certificate = read_only(shifted(scene.twist(found.escape), spec.reference - scene.units.centre))
+        certificate = None if found.escape is None else certificate_of(spec, scene, scene.twist(found.escape))
         return replace(
             made, status=Status.NO_EQUILIBRIUM, bounds=found.bounds, cause=found.cause, certificate=certificate,
             yielding=found.yielding,
