@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         GraspProblem,
         GraspSolution,
         KnownForce,
+        Loading,
         PrescribedForce,
         Pyramid,
         Required,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
         SoftFinger,
         SoftWrist,
         Solutions,
+        Stage,
         Suggestions,
         TorqueSaturation,
         TotalForceBound,
@@ -84,11 +86,11 @@ __all__ = [
     "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria", "Explanation",
     "FingerForceBound", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspStream",
     "GraspUpdate", "Hand", "HandGrasp", "HandGraspSolution", "HandLCPError", "HandState", "InputError", "KnownForce",
-    "LCPSolution", "Lemke", "Mesh", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Required",
-    "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Status",
-    "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError",
-    "Uniqueness", "UnknownName", "Unsupported", "accuracy_cost", "audit_urdf", "example_hand", "solve_lcp",
-    "solve_many", "wrench_from_fingertip_forces",
+    "LCPSolution", "Lemke", "Loading", "Mesh", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid",
+    "Required", "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere",
+    "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
+    "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "accuracy_cost", "audit_urdf",
+    "example_hand", "solve_lcp", "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp

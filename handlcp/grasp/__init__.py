@@ -33,6 +33,9 @@ from handlcp.grasp.friction import (
     SoftFinger,
 )
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.loading.events import Event
+from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.loading.stage import Stage
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import Environment
 from handlcp.grasp.model.file_key import FileKey
@@ -44,8 +47,9 @@ from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [
     "Accuracy", "AnisotropicCoulomb", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
-    "Equilibria", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless", "GeometricStiffness",
-    "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "Placement", "PrescribedForce",
-    "Pyramid", "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist", "Solutions", "Suggestion", "Suggestions",
-    "TorqueSaturation", "TotalForceBound", "Uniqueness", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
+    "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
+    "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "Loading",
+    "Placement", "PrescribedForce", "Pyramid", "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist",
+    "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound", "Uniqueness",
+    "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip

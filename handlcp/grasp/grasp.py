@@ -8,7 +8,7 @@ from typing import Any, Self, overload
 import numpy as np
 
 from handlcp.check import Array, number, read_only, yes_or_no
-from handlcp.errors import InputError
+from handlcp.errors import InputError, NoSolutionFound
 from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
 from handlcp.grasp.analysis.compare_without import measured
 from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
@@ -22,6 +22,7 @@ from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section, as_section
+from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, joined, offset_beside
@@ -218,6 +219,24 @@ class Grasp:
         faces : see `problem`. Friction can hold an object in several ways under one load; `solve` returns one of them.
         """
         return equilibria(self.spec, self._section(faces), number("seconds", seconds, above=0.0))
+
+    def follow(
+        self, load: Any = None, order: Any = ("squeeze", "load"), geometry: str | None = None,
+        throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
+    ) -> Loading:  # fmt: skip
+        """The grasp loaded in quasi-static steps: is the end reached, what slips on the way, where is it lost and why.
+
+        load : (6,) beside the object's weight at the end, about the reference; None: the grasp's own; (m, 6): one after
+        the other. order : stages "squeeze" (preload and joint offset), "load" (weight and load), "together", or
+        `Stage`s. geometry : "followed", contacts detected anew in every step; "fixed", those of this posture; None: the
+        first where hand and object are known. steps : of a stage, more where something happens. tolerance : how far a
+        step's end may be from where its contacts were taken, as a share of their radii; None: 3e-4. faces : as in
+        `problem`. Raises InputError, Unsupported (known forces); with `throw`, NoSolutionFound where it is lost.
+        """
+        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance)
+        if throw and not found.reached:
+            raise NoSolutionFound(found.why, found, found.solution)
+        return found
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.kind.planar)

@@ -12,13 +12,16 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import tip_flexibility
+from handlcp.hand.following import FollowedHand
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.posture import Posture
@@ -73,6 +76,29 @@ class HandMechanism(Mechanism):
     def weight(self) -> Array | None:
         """g(q), where gravity is not zero."""
         return read_only(self.posture.gravity_torque(self.gravity)) if self.gravity.any() else None
+
+    def followed(self, spec: GraspSpec) -> FollowedHand:
+        """Of this grasp."""
+        return FollowedHand(spec)
+
+    @property
+    def ranges(self) -> tuple[Array, Array]:
+        """Of the joints, as the URDF has them."""
+        hand = self.posture.hand
+        return hand.lower, hand.upper
+
+    def at_end(self, q: Array, pose: Any) -> tuple[Posture, Object | None]:
+        """A hand's posture, and its object moved."""
+        placed = None
+        if self.target is not None:
+            R, t = pose
+            placed = self.target.moved_to(pin.SE3(R, t) * self.target.placement)
+        return type(self.posture)(self.posture.hand, q), placed
+
+    def weight_of_object(self) -> Array:
+        """Its mass times gravity."""
+        mass = 0.0 if self.target is None else self.target.mass
+        return read_only(mass * self.gravity)
 
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
         """The transmission."""

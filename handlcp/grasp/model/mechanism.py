@@ -72,6 +72,23 @@ class Mechanism:
         """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
         return None
 
+    def followed(self, spec: Any) -> Any:
+        """The `Geometry` of this grasp as it moves; None where only its first posture is known."""
+        return None
+
+    @property
+    def ranges(self) -> tuple[Array, Array] | None:
+        """(nv,) lower and upper ends of the joints' ranges [rad, m]; None where they are not known."""
+        return None
+
+    def at_end(self, q: Array, pose: Any) -> tuple[Any, Any]:
+        """The posture with joints at q (nv,), and the object in this pose of `followed`; None for what is not known."""
+        return None, None
+
+    def weight_of_object(self) -> Array:
+        """(3,) [N] of the object, in the load of the grasp; zero where it is not known apart from it."""
+        return read_only(np.zeros(3))
+
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
         """(title, equation, whether it is on, why) of what else it is made of, for `explain()`."""
         return ()

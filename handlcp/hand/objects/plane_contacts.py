@@ -15,9 +15,10 @@ from handlcp.grasp.model.contact import frame
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 
-__all__ = ["RIM", "plane_contacts"]
+__all__ = ["RIM", "plane_contacts", "rolling_point"]
 
 RIM = 8  # points on each rim of a cylinder
+_LIES = 0.2  # sine of the angle between a cylinder's axis and the plane's normal: less, and it stands on its rim
 _FLAT = 1e-9  # times the object's size: smaller differences of height and distances from a line are zero
 
 
@@ -34,6 +35,22 @@ def plane_contacts(obj: Object, point: Array, normal: Array, max_gap: float) -> 
         kept = _needed(points, gaps, normal)
         points, gaps = points[kept], gaps[kept]
     return points, gaps, float(heights.min())
+
+
+def rolling_point(obj: Object, normal: Array, near: Array) -> Array | None:
+    """(3,) where a round object touches a plane with this unit normal, world axes; None for an object that stands on
+    corners. near (3,) : where it touched before; of a cylinder it tells which rim.
+    """
+    R, p = obj.placement.rotation, obj.placement.translation
+    down = -(R.T @ normal)
+    match obj:
+        case Sphere() | Ellipsoid():
+            return np.asarray(_extremes(obj, normal)[0])
+        case Cylinder() if float(np.hypot(down[0], down[1])) > _LIES:
+            rims = _rims(obj, down)[::RIM]
+            upper = float(R[:, 2] @ (near - p)) > 0.0
+            return np.asarray(R @ rims[int(upper)] + p)
+    return None
 
 
 def _extremes(obj: Object, normal: Array) -> Array:

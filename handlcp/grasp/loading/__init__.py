@@ -1,0 +1,1 @@
+"""Quasi-static loading: a grasp followed through its stages, step by step."""

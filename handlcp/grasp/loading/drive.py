@@ -1,0 +1,116 @@
+"""A grasp driven through its stages: steps that are halved where something happens, or where they do not settle.
+
+The geometry of a step is taken where the last two steps lead: a step of a smooth path is second order in its length
+and takes one solve. A step in which a contact or a joint changes its state is halved until it is short, so that the
+change is located and the path has no corner inside a step. A step that does not settle is halved, too; the grasp is
+lost where that does not help.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.loading.events import Event, Watch
+from handlcp.grasp.loading.geometry import Where
+from handlcp.grasp.loading.stage import Controls, Goal
+from handlcp.grasp.loading.state import Failure, Guess, State
+from handlcp.grasp.loading.step import Stepper
+
+__all__ = ["Run", "drive"]
+
+_LOCATED = 2.0**-5  # of a step: events are located to this share
+_SMALLEST = 2.0**-10  # of a step: what does not settle then is lost
+_ALONG = 2.0  # a path is not continued further than this many times its last step
+
+
+@dataclass(slots=True)
+class Run:
+    """states, stages (number of the stage) and shares of all steps, the state before anything included; events;
+    failure : why the last stage was not finished, None where it was; lost_at : share of it that was reached.
+    """
+
+    states: list[State]
+    stages: list[int]
+    shares: list[float]
+    events: list[Event] = field(default_factory=list)
+    failure: Failure | None = None
+    lost_at: float | None = None
+
+
+def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int, watch: Watch) -> Run:
+    """Every stage in about so many steps, until the end or until the object is lost."""
+    state = stepper.beginning(first)
+    run = Run([state], [0], [0.0])
+    settled = stepper.step(state, first, state.same)  # gaps may open where fingers sag under their own weight
+    if isinstance(settled, Failure):
+        run.failure, run.lost_at = settled, 0.0
+        return run
+    run.states[0] = settled
+    for k, goal in enumerate(goals):
+        if not _through(stepper, run, k, goal, steps, watch):
+            break
+    return run
+
+
+def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int, watch: Watch) -> bool:
+    """One stage; whether its end is reached."""
+    state, share, before = run.states[-1], 0.0, None
+    begin, base = state.controls, 1.0 / steps
+    step, failure = base, None
+    while share < 1.0 - 1e-12:
+        size = min(step, 1.0 - share)
+        controls = begin.toward(goal.end, share + size)
+        found = _stepped(stepper, state, before, controls, size)
+        if isinstance(found, Failure):
+            failure, step = found, size / 2
+            if step < _SMALLEST * base:
+                last = _last_try(stepper, state, controls)
+                if isinstance(last, Failure):
+                    run.failure, run.lost_at = failure, share
+                    return False
+                found, step = last, base * _LOCATED
+            else:
+                continue
+        happens = watch.changed(state, found)
+        if happens and size > 1.5 * _LOCATED * base:
+            step = size / 2
+            continue
+        share += size
+        run.events += watch.events(state, found, goal.name, share)
+        run.states.append(found)
+        run.stages.append(stage)
+        run.shares.append(share)
+        before, state = (None if happens else (state, size)), found
+        step = min(2 * size, base) if not happens else base
+    return True
+
+
+def _stepped(
+    stepper: Stepper, state: State, before: tuple[State, float] | None, controls: Controls, size: float
+) -> State | Failure:
+    """One step, from where the path leads; where that fails, from where it stands."""
+    if before is not None:
+        earlier, length = before
+        found = stepper.step(state, controls, _further(stepper, earlier, state, min(size / length, _ALONG)))
+        if isinstance(found, State):
+            return found
+    return stepper.step(state, controls, state.same)
+
+
+def _last_try(stepper: Stepper, state: State, controls: Controls) -> State | Failure:
+    """The same with all stages of the solver that look for an answer."""
+    return stepper.step(state, controls, state.same, patient=True)
+
+
+def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:
+    """What goes on from `before` to `now` by this share of the way between them."""
+
+    def on(a: Array, b: Array) -> Array:
+        return np.asarray(b + share * (b - a))
+
+    a, b = before.where, now.where
+    where = Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), stepper.geometry.further(a.pose, b.pose, share))
+    return Guess(where, on(before.start, now.start) if len(before.start) == len(now.start) else now.start)

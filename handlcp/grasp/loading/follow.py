@@ -1,0 +1,165 @@
+"""A grasp followed through its loading: whether the end is reached, what happens on the way, and where it is lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, integer, number, read_only
+from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.friction import Section
+from handlcp.grasp.loading.drive import Run, drive
+from handlcp.grasp.loading.events import Event, Watch
+from handlcp.grasp.loading.geometry import FixedGeometry, Geometry
+from handlcp.grasp.loading.stage import Goal, read_stages
+from handlcp.grasp.loading.state import State
+from handlcp.grasp.loading.step import Stepper
+from handlcp.grasp.loading.steps import Steps
+from handlcp.grasp.loading.why import why_lost
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.lazy import lazy
+
+__all__ = ["Loading", "follow"]
+
+TOLERANCE = 3e-4  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """What becomes of a grasp under loading in steps; made by `Grasp.follow`.
+
+    reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
+    reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
+    events : in order. steps : every step as arrays. stages : their names.
+    """
+
+    reached: bool
+    lost_at: float | None
+    lost_stage: str | None
+    why: str
+    events: tuple[Event, ...]
+    steps: Steps
+    stages: tuple[str, ...]
+    section: Section
+
+    @property
+    def last(self) -> State:
+        """The last step."""
+        return self.steps.states[-1]
+
+    @lazy
+    def solution(self) -> GraspSolution:
+        """The last step as a certified solution of its own grasp: contact forces, torques, contact states. Its slip,
+        gap and object motion are those of that step; `displacement` is the whole motion.
+        """
+        last = self.last
+        return solve_spec(last.spec, self.section, start=last.start, proof=False)
+
+    @property
+    def displacement(self) -> Array:
+        """(6,) of the object since the start: of the reference point [m], and its rotation vector [rad], world axes."""
+        return self.steps.geometry.displacement(self.last.where.pose)
+
+    @property
+    def state(self) -> Any:
+        """The hand's posture at the last step; None without a hand."""
+        return self._end[0]
+
+    @property
+    def object(self) -> Any:
+        """The object where it is at the last step; None where it is not known."""
+        return self._end[1]
+
+    @lazy
+    def _end(self) -> tuple[Any, Any]:
+        mechanism, geometry, where = self.last.look.mechanism, self.steps.geometry, self.last.where
+        if mechanism is None:
+            return None, None
+        if geometry.follows:
+            return mechanism.at_end(where.q, where.pose)
+        return None, None
+
+    def __str__(self) -> str:
+        lines = [self.why, *(f"  {event}" for event in self.events)]
+        return "\n".join(lines)
+
+
+def follow(
+    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any, seed: int = 0
+) -> Loading:
+    """See `Grasp.follow`."""
+    body = _geometry(spec, geometry)
+    count = integer("steps", steps, 1)
+    limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
+    if held := [e for e in spec.effects if e.prescribed()]:
+        names = ", ".join(type(e).__name__ for e in held)
+        raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
+    weight = np.zeros(3) if spec.mechanism is None else spec.mechanism.weight_of_object()
+    stepper = Stepper(spec, body, section, weight, limit, seed)
+    command = np.zeros(len(stepper.grasp.posture))
+    for e in spec.effects:
+        if isinstance(e, JointOffset):
+            command = e.command
+    beside = spec.wrench.copy()
+    beside[:3] -= weight
+    beside[3:] -= cross_rows(stepper.first.weight_arm, weight)
+    squeezes = stepper.grasp.squeezes or bool(command.any())
+    first, goals = read_stages(order, load, read_only(beside), command, squeezes)
+    run = drive(stepper, first, goals, count, _watch(stepper))
+    return _loading(run, goals, spec, body, section)
+
+
+def _watch(stepper: Stepper) -> Watch:
+    """All contacts and joints."""
+    mechanism, spec = stepper.first.mechanism, stepper.grasp.spec
+    near = 1e-6 * float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
+    if mechanism is None:
+        none = np.zeros(0)
+        return Watch(spec.names, (), none, none, none, near)
+    lower, upper = mechanism.ranges or (np.full(len(mechanism.names), -np.inf), np.full(len(mechanism.names), np.inf))
+    if not stepper.geometry.follows:  # joints are measured from the posture, whose place in the ranges is not asked for
+        lower, upper = -np.inf * np.ones_like(lower), np.inf * np.ones_like(upper)
+    return Watch(spec.names, mechanism.names, mechanism.limits, lower, upper, near)
+
+
+def _geometry(spec: GraspSpec, asked: Any) -> Geometry:
+    """Followed where a hand and its contacts' shapes are known, fixed otherwise. Raises InputError."""
+    if asked not in (None, "followed", "fixed"):
+        raise InputError("geometry", '"followed", "fixed" or None', repr(asked))
+    if asked == "fixed":
+        return FixedGeometry(spec)
+    moving = None if spec.mechanism is None else spec.mechanism.followed(spec)
+    if moving is None and asked == "followed":
+        expected = '"fixed" for a grasp without a hand: only its first posture is known'
+        raise InputError("geometry", expected, repr(asked))
+    return FixedGeometry(spec) if moving is None else moving
+
+
+def _loading(run: Run, goals: list[Goal], spec: GraspSpec, body: Geometry, section: Section) -> Loading:
+    events, lost = list(run.events), run.failure is not None
+    stage = goals[run.stages[-1] if not lost else _lost_stage(run)].name if goals else None
+    steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), body)
+    if lost:
+        assert run.lost_at is not None
+        why = why_lost(run, spec)
+        events.append(Event("lost", why, str(stage), run.lost_at))
+        sentence = f"lost in stage {stage!r} at {words.percent(run.lost_at)}: {why}"
+    else:
+        sentence = f"reached the end of {' and '.join(repr(g.name) for g in goals)}"
+    names = tuple([g.name for g in goals])
+    return Loading(
+        not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section
+    )  # fmt: skip
+
+
+def _lost_stage(run: Run) -> int:
+    """The stage after that of the last step, where that step ended it."""
+    last, share = run.stages[-1], run.shares[-1]
+    return last + 1 if len(run.states) > 1 and share >= 1.0 - 1e-12 else last

@@ -1,0 +1,141 @@
+"""Where contacts are while a grasp is loaded: what a step needs to know, and the geometry that stays as it was given.
+
+A geometry answers one question: with the joints at q, the pads deformed by s and the object in this pose, where are the
+contacts, how far apart are their bodies, and how do joints move them? `FixedGeometry` answers from one posture, for
+small motions. A hand that knows its object answers from kinematics and contact detection
+(`handlcp.hand.following`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.model.mechanism import Mechanism
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows, shifted
+
+__all__ = ["FixedGeometry", "Geometry", "Look", "Where"]
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """A configuration. q (nv,) joint positions [rad, m]. give (n, 3) : how far each finger's pad, or the environment,
+    is pushed away at its contact, world axes [m]. turn (n,) : how far soft pads are twisted about their normals [rad].
+    pose : of the object, as its geometry has it.
+    """
+
+    q: Array
+    give: Array
+    turn: Array
+    pose: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The contacts in one configuration, world axes.
+
+    positions (n, 3) [m]. frames (n, 3, 3) : contact axes in columns. gap (n,) : distance between object and deformed
+    fingertip [m], < 0 where they overlap. flexibility (3n, 3n) : of joints, pads and environment, contact axes [m/N].
+    radius (n,) : length over which the contact's geometry changes [m]. reference (3,) : the object's point that loads
+    refer to. weight_arm (3,) : from there to its centre of mass. gravity_torque (nv,) : that holds the fingers' weight,
+    None where it is not asked for. bodies : what the geometry itself remembers.
+    """
+
+    at: Where
+    positions: Array
+    frames: Array
+    gap: Array
+    mechanism: Mechanism | None
+    flexibility: Array
+    radius: Array
+    reference: Array
+    weight_arm: Array
+    gravity_torque: Array | None
+    bodies: Any
+
+
+class Geometry:
+    """What moves where. start : the configuration before anything is loaded. follows : whether contacts move."""
+
+    start: Where
+    follows: bool
+
+    def look(self, at: Where, before: Look | None) -> Look:
+        """The contacts there; frames turn as little as they can from those before."""
+        raise NotImplementedError
+
+    def slipped(self, a: Look, b: Look) -> Array:
+        """(n, 3) how far the object has moved past the fingertips' surfaces from a to b: along x and y [m], and turned
+        about z [rad]. From b to a it is the opposite.
+        """
+        raise NotImplementedError
+
+    def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
+        """The pose after a small motion (6,) about a point (3,)."""
+        raise NotImplementedError
+
+    def further(self, before: Any, now: Any, share: float) -> Any:
+        """The pose that goes on from `before` to `now` by this share of the way between them."""
+        raise NotImplementedError
+
+    def displacement(self, pose: Any) -> Array:
+        """(6,) motion of the object since the start: of the reference point [m], and the rotation vector [rad]."""
+        raise NotImplementedError
+
+
+class FixedGeometry(Geometry):
+    """Contacts, normals and levers stay as the grasp has them; gaps and slips change in proportion to the motions.
+
+    A pose is the object's twist (6,) about the grasp's reference since the start.
+    """
+
+    follows = False
+
+    def __init__(self, spec: GraspSpec) -> None:
+        n, mechanism = spec.n, spec.mechanism
+        nv = 0 if mechanism is None else len(mechanism.names)
+        self.spec, self._arms = spec, spec.positions - spec.reference
+        self._jacobian = np.zeros((3 * n, nv)) if mechanism is None else mechanism.jacobian
+        self._turning = np.zeros((n, nv)) if mechanism is None else _turning(mechanism, spec)
+        self._gap = np.maximum(spec.offset[:, 2], 0.0)
+        self._radius = read_only(np.full(n, np.inf))
+        self._none = read_only(np.zeros(3))
+        self.start = Where(read_only(np.zeros(nv)), np.zeros((n, 3)), np.zeros(n), np.zeros(6))
+
+    def look(self, at: Where, before: Look | None) -> Look:
+        spec, R = self.spec, self.spec.frames
+        u, omega = at.pose[:3], at.pose[3:]
+        moved = u + cross_rows(np.tile(omega, (len(self._arms), 1)), self._arms) - at.give
+        along = np.einsum("nji,nj->ni", R, moved) - (self._jacobian @ at.q).reshape(-1, 3)
+        turned = R[:, :, 2] @ omega - self._turning @ at.q - at.turn
+        slips = np.column_stack([along[:, :2], turned])
+        weight = None if spec.mechanism is None else spec.mechanism.weight()
+        return Look(
+            at, spec.positions, R, self._gap + along[:, 2], spec.mechanism, spec.flexibility, self._radius,
+            spec.reference, self._none, weight, slips,
+        )  # fmt: skip
+
+    def slipped(self, a: Look, b: Look) -> Array:
+        return np.asarray(b.bodies - a.bodies)
+
+    def moved(self, pose: Any, twist: Array, centre: Array) -> Array:
+        return np.asarray(pose + shifted(twist, self.spec.reference - centre))
+
+    def further(self, before: Any, now: Any, share: float) -> Array:
+        return np.asarray(now + share * (now - before))
+
+    def displacement(self, pose: Any) -> Array:
+        return read_only(np.array(pose))
+
+
+def _turning(mechanism: Mechanism, spec: GraspSpec) -> Array:
+    """(n, nv) how fast joints turn the fingertips of soft contacts about their normals; others do not matter."""
+    soft = tuple([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0])
+    rows = np.zeros((spec.n, len(mechanism.names)))
+    if soft:
+        rows[list(soft)] = mechanism.turning(soft)
+    return rows

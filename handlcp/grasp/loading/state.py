@@ -1,0 +1,62 @@
+"""The grasp at the end of a step of loading, what is expected of the next step, and why a step fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from handlcp.check import Array
+from handlcp.grasp.loading.geometry import Look, Where
+from handlcp.grasp.loading.stage import Controls
+from handlcp.grasp.model.mechanism import JointReading
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["Failure", "Guess", "State"]
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """where : the configuration at the end of the step. look : the contacts as the step was solved with them.
+    carry (n, 3) : slip between that look and the end, as `Geometry.slipped` has it.
+    forces (n, 3), torsion (n,) : on the object, contact axes. slip (n, 3) : in this step. gap (n,) [m].
+    kinds (n,) : "separated", "sticking", "sliding". joints : what they do; None without a hand.
+    controls : what was asked for. spec : the step's own grasp, for those who want its solution.
+    start : where the next solve begins. looks : how many the step took.
+    """
+
+    where: Where
+    look: Look
+    carry: Array
+    forces: Array
+    torsion: Array
+    slip: Array
+    gap: Array
+    kinds: tuple[str, ...]
+    joints: JointReading | None
+    controls: Controls
+    spec: GraspSpec
+    start: Array
+    looks: int
+
+    @property
+    def same(self) -> Guess:
+        """That the next step changes nothing."""
+        return Guess(self.where, self.start)
+
+
+@dataclass(frozen=True, slots=True)
+class Guess:
+    """What is expected of a step's end. where : its configuration. start : forces and motion, as `State.start`."""
+
+    where: Where
+    start: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Why a step has no end. kind : "no balance" (nothing within friction balances the load), "no answer" (these
+    fingers do not create such forces), "runs away" (the end moves on however often it is looked at).
+    motion (6,) : of the object about its reference, when it runs away; None: not known.
+    """
+
+    kind: str
+    motion: Array | None = None

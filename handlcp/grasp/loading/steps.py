@@ -1,0 +1,120 @@
+"""All steps of a loading path as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array, Ints, read_only
+from handlcp.grasp.loading.geometry import Geometry
+from handlcp.grasp.loading.state import State
+from handlcp.lazy import lazy
+
+__all__ = ["Steps"]
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """m steps, the state before anything is loaded first; arrays are made when asked for, and read-only.
+
+    stage (m,) : number of the stage. share (m,) : of the stage. names (n,) : of the contacts.
+    """
+
+    stage: Ints
+    share: Array
+    names: tuple[str, ...]
+    states: tuple[State, ...]
+    geometry: Geometry
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    @lazy
+    def load(self) -> Array:
+        """(m, 6) on the object besides its weight, about the reference, world axes [N, N·m]."""
+        return _rows([s.controls.load for s in self.states])
+
+    @lazy
+    def weight(self) -> Array:
+        """(m,) share of the weights that is there."""
+        return _rows([s.controls.weight for s in self.states])
+
+    @lazy
+    def command(self) -> Array:
+        """(m, nv) how far the joints are commanded beyond the grasp's posture [rad, m]."""
+        return _rows([s.controls.command for s in self.states])
+
+    @lazy
+    def forces(self) -> Array:
+        """(m, n, 3) on the object, contact axes of the step [N]."""
+        return _rows([s.forces for s in self.states])
+
+    @lazy
+    def forces_world(self) -> Array:
+        """(m, n, 3) on the object, world axes [N]."""
+        return read_only(np.einsum("mnij,mnj->mni", self.frames, self.forces))
+
+    @lazy
+    def torsion(self) -> Array:
+        """(m, n) moments about the normals, of soft fingers [N·m]."""
+        return _rows([s.torsion for s in self.states])
+
+    @lazy
+    def contact_state(self) -> tuple[tuple[str, ...], ...]:
+        """Of each step and contact: "separated", "sticking" or "sliding"."""
+        return tuple([s.kinds for s in self.states])
+
+    @lazy
+    def slip(self) -> Array:
+        """(m, n, 2) of the object past each fingertip in this step, along the contact's x and y [m]."""
+        return _rows([s.slip[:, :2] for s in self.states])
+
+    @lazy
+    def gap(self) -> Array:
+        """(m, n) between object and fingertip [m]."""
+        return _rows([s.gap for s in self.states])
+
+    @lazy
+    def positions(self) -> Array:
+        """(m, n, 3) of the contacts, world axes [m]."""
+        return _rows([s.look.positions for s in self.states])
+
+    @lazy
+    def frames(self) -> Array:
+        """(m, n, 3, 3) contact axes in columns, world axes."""
+        return _rows([s.look.frames for s in self.states])
+
+    @lazy
+    def displacement(self) -> Array:
+        """(m, 6) of the object since the start, world axes: of the reference point [m], and rotation vector [rad]."""
+        return _rows([self.geometry.displacement(s.where.pose) for s in self.states])
+
+    @lazy
+    def q(self) -> Array:
+        """(m, nv) where the joints stand [rad, m]; with `geometry="fixed"` measured from the grasp's posture."""
+        return _rows([s.where.q for s in self.states])
+
+    @lazy
+    def torques(self) -> Array:
+        """(m, nv) that the actuators hold [N·m]."""
+        return _rows([np.zeros(0) if s.joints is None else s.joints.torque for s in self.states])
+
+    # ---- energy
+    @lazy
+    def dissipated(self) -> Array:
+        """(m,) energy that friction has taken since the start [J]; it never falls."""
+        lost = [-float((s.forces[:, :2] * s.slip[:, :2]).sum() + s.torsion @ s.slip[:, 2]) for s in self.states]
+        return read_only(np.cumsum([0.0, *lost[1:]]))
+
+    @lazy
+    def stored(self) -> Array:
+        """(m,) elastic energy of joints, pads and environment [J]."""
+        pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
+        twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
+        joints = [0.0 if s.joints is None else 0.5 * float(s.joints.torque @ s.joints.deflection) for s in self.states]
+        return read_only(pads + twists + np.array(joints))
+
+
+def _rows(values: list[Array] | list[float]) -> Array:
+    return read_only(np.array(values))

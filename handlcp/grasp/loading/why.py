@@ -1,0 +1,44 @@
+"""Why an object is lost, in one sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp.loading.drive import Run
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["why_lost"]
+
+
+def why_lost(run: Run, spec: GraspSpec) -> str:
+    """From the last state and the failure that ended the run."""
+    assert run.failure is not None
+    last = run.states[-1]
+    open_, sliding = (
+        [name for name, kind in zip(spec.names, last.kinds, strict=True) if kind == what]
+        for what in ("separated", "sliding")
+    )
+    how = []
+    if sliding:
+        how.append(f"{words.listed(sliding)} {'slide' if len(sliding) > 1 else 'slides'}")
+    if open_:
+        how.append(f"{words.listed(open_)} {'have' if len(open_) > 1 else 'has'} let go")
+    state = " and ".join(how)
+    if run.failure.kind == "runs away":
+        moves = _moves(run.failure.motion)
+        text = f"the object runs away{moves}: the fingers give way faster than their forces grow"
+    elif run.failure.kind == "no balance":
+        text = "no forces within friction balance the load in this position"
+    else:
+        text = "the fingers do not create the forces that would balance the load"
+    return f"{text} ({state})" if state else text
+
+
+def _moves(twist: Array | None) -> str:
+    """Such as " downwards along -z"."""
+    if twist is None or not np.isfinite(twist).all() or not abs(twist[:3]).max() > 0.0:
+        return ""
+    axis = int(abs(twist[:3]).argmax())
+    return f" along {'+' if twist[axis] > 0 else '-'}{'xyz'[axis]}"
