@@ -21,7 +21,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import tip_flexibility
-from handlcp.hand.following import FollowedHand
+from handlcp.hand.followed.geometry import FollowedHand
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.posture import Posture

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.loading.events import Event, Watch
+from handlcp.grasp.loading.events import Event
 from handlcp.grasp.loading.geometry import Where
 from handlcp.grasp.loading.stage import Controls, Goal
 from handlcp.grasp.loading.state import Failure, Guess, State
@@ -40,7 +40,7 @@ class Run:
     lost_at: float | None = None
 
 
-def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int, watch: Watch) -> Run:
+def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> Run:
     """Every stage in about so many steps, until the end or until the object is lost."""
     state = stepper.beginning(first)
     run = Run([state], [0], [0.0])
@@ -50,12 +50,12 @@ def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int, watc
         return run
     run.states[0] = settled
     for k, goal in enumerate(goals):
-        if not _through(stepper, run, k, goal, steps, watch):
+        if not _through(stepper, run, k, goal, steps):
             break
     return run
 
 
-def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int, watch: Watch) -> bool:
+def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> bool:
     """One stage; whether its end is reached."""
     state, share, before = run.states[-1], 0.0, None
     begin, base = state.controls, 1.0 / steps
@@ -74,12 +74,12 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int, wat
                 found, step = last, base * _LOCATED
             else:
                 continue
-        happens = watch.changed(state, found)
+        happens = stepper.watch.changed(state, found)
         if happens and size > 1.5 * _LOCATED * base:
             step = size / 2
             continue
         share += size
-        run.events += watch.events(state, found, goal.name, share)
+        run.events += stepper.watch.events(state, found, goal.name, share)
         run.states.append(found)
         run.stages.append(stage)
         run.shares.append(share)

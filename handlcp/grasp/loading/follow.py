@@ -14,11 +14,12 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.drive import Run, drive
-from handlcp.grasp.loading.events import Event, Watch
+from handlcp.grasp.loading.events import Event
 from handlcp.grasp.loading.geometry import FixedGeometry, Geometry
 from handlcp.grasp.loading.stage import Goal, read_stages
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
+from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.loading.steps import Steps
 from handlcp.grasp.loading.why import why_lost
 from handlcp.grasp.model.spec import GraspSpec
@@ -37,7 +38,8 @@ class Loading:
 
     reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
     reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
-    events : in order. steps : every step as arrays. stages : their names.
+    events : in order. steps : every step as arrays. stages : their names. section : of the friction cones.
+    grasp : makes the grasps of steps.
     """
 
     reached: bool
@@ -48,6 +50,7 @@ class Loading:
     steps: Steps
     stages: tuple[str, ...]
     section: Section
+    grasp: StepGrasp
 
     @property
     def last(self) -> State:
@@ -60,7 +63,7 @@ class Loading:
         gap and object motion are those of that step; `displacement` is the whole motion.
         """
         last = self.last
-        return solve_spec(last.spec, self.section, start=last.start, proof=False)
+        return solve_spec(self.grasp.made(last.look, last.loads), self.section, start=last.start, proof=False)
 
     @property
     def displacement(self) -> Array:
@@ -79,12 +82,10 @@ class Loading:
 
     @lazy
     def _end(self) -> tuple[Any, Any]:
-        mechanism, geometry, where = self.last.look.mechanism, self.steps.geometry, self.last.where
-        if mechanism is None:
+        mechanism, where = self.grasp.spec.mechanism, self.last.where
+        if mechanism is None or not self.steps.geometry.follows:
             return None, None
-        if geometry.follows:
-            return mechanism.at_end(where.q, where.pose)
-        return None, None
+        return mechanism.at_end(where.q, where.pose)
 
     def __str__(self) -> str:
         lines = [self.why, *(f"  {event}" for event in self.events)]
@@ -112,21 +113,8 @@ def follow(
     beside[3:] -= cross_rows(stepper.first.weight_arm, weight)
     squeezes = stepper.grasp.squeezes or bool(command.any())
     first, goals = read_stages(order, load, read_only(beside), command, squeezes)
-    run = drive(stepper, first, goals, count, _watch(stepper))
-    return _loading(run, goals, spec, body, section)
-
-
-def _watch(stepper: Stepper) -> Watch:
-    """All contacts and joints."""
-    mechanism, spec = stepper.first.mechanism, stepper.grasp.spec
-    near = 1e-6 * float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
-    if mechanism is None:
-        none = np.zeros(0)
-        return Watch(spec.names, (), none, none, none, near)
-    lower, upper = mechanism.ranges or (np.full(len(mechanism.names), -np.inf), np.full(len(mechanism.names), np.inf))
-    if not stepper.geometry.follows:  # joints are measured from the posture, whose place in the ranges is not asked for
-        lower, upper = -np.inf * np.ones_like(lower), np.inf * np.ones_like(upper)
-    return Watch(spec.names, mechanism.names, mechanism.limits, lower, upper, near)
+    run = drive(stepper, first, goals, count)
+    return _loading(run, goals, stepper, section)
 
 
 def _geometry(spec: GraspSpec, asked: Any) -> Geometry:
@@ -142,7 +130,8 @@ def _geometry(spec: GraspSpec, asked: Any) -> Geometry:
     return FixedGeometry(spec) if moving is None else moving
 
 
-def _loading(run: Run, goals: list[Goal], spec: GraspSpec, body: Geometry, section: Section) -> Loading:
+def _loading(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
+    spec, body = stepper.grasp.spec, stepper.geometry
     events, lost = list(run.events), run.failure is not None
     stage = goals[run.stages[-1] if not lost else _lost_stage(run)].name if goals else None
     steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), body)
@@ -155,7 +144,7 @@ def _loading(run: Run, goals: list[Goal], spec: GraspSpec, body: Geometry, secti
         sentence = f"reached the end of {' and '.join(repr(g.name) for g in goals)}"
     names = tuple([g.name for g in goals])
     return Loading(
-        not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section
+        not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section, stepper.grasp
     )  # fmt: skip
 
 

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.loading.numbers import Elastic
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows, shifted
@@ -39,43 +41,49 @@ class Look:
     """The contacts in one configuration, world axes.
 
     positions (n, 3) [m]. frames (n, 3, 3) : contact axes in columns. gap (n,) : distance between object and deformed
-    fingertip [m], < 0 where they overlap. flexibility (3n, 3n) : of joints, pads and environment, contact axes [m/N].
+    fingertip [m], < 0 where they overlap. elastic : what gives way at the contacts.
     radius (n,) : length over which the contact's geometry changes [m]. reference (3,) : the object's point that loads
-    refer to. weight_arm (3,) : from there to its centre of mass. gravity_torque (nv,) : that holds the fingers' weight,
-    None where it is not asked for. bodies : what the geometry itself remembers.
+    refer to. weight_arm (3,) : from there to its centre of mass. bodies : what the geometry itself remembers.
     """
 
     at: Where
     positions: Array
     frames: Array
     gap: Array
-    mechanism: Mechanism | None
-    flexibility: Array
+    elastic: Elastic
     radius: Array
     reference: Array
     weight_arm: Array
-    gravity_torque: Array | None
     bodies: Any
 
 
 class Geometry:
-    """What moves where. start : the configuration before anything is loaded. follows : whether contacts move."""
+    """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
+    weighs : whether the fingers' weight is asked for.
+    """
 
     start: Where
     follows: bool
+    weighs: bool
+
+    def mechanism(self, look: Look) -> Mechanism | None:
+        """What moves the fingers, at the contacts of a look."""
+        raise NotImplementedError
 
     def look(self, at: Where, before: Look | None) -> Look:
         """The contacts there; frames turn as little as they can from those before."""
         raise NotImplementedError
 
-    def slipped(self, a: Look, b: Look) -> Array:
+    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
         """(n, 3) how far the object has moved past the fingertips' surfaces from a to b: along x and y [m], and turned
-        about z [rad]. From b to a it is the opposite.
+        about z [rad], less carry (n, 3). From b to a it is the opposite.
         """
         raise NotImplementedError
 
-    def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
-        """The pose after a small motion (6,) about a point (3,)."""
+    def moved(self, look: Look, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
+        """The pose after a small motion (6,) about a point (3,) from that of the look; and how far that is from the
+        pose `since`, as a share of the contacts' radii, or in radians.
+        """
         raise NotImplementedError
 
     def further(self, before: Any, now: Any, share: float) -> Any:
@@ -99,8 +107,12 @@ class FixedGeometry(Geometry):
         n, mechanism = spec.n, spec.mechanism
         nv = 0 if mechanism is None else len(mechanism.names)
         self.spec, self._arms = spec, spec.positions - spec.reference
-        self._jacobian = np.zeros((3 * n, nv)) if mechanism is None else mechanism.jacobian
-        self._turning = np.zeros((n, nv)) if mechanism is None else _turning(mechanism, spec)
+        J = np.zeros((3 * n, 0)) if mechanism is None else mechanism.jacobian
+        turning = np.zeros((n, 0)) if mechanism is None else _turning(mechanism, spec)
+        root = np.zeros((0, 0)) if mechanism is None else mechanism.root
+        self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
+        weight = None if mechanism is None or not self.weighs else mechanism.weight()
+        self._elastic = Elastic(spec.flexibility, J, turning, root, np.zeros(nv) if weight is None else weight)
         self._gap = np.maximum(spec.offset[:, 2], 0.0)
         self._radius = read_only(np.full(n, np.inf))
         self._none = read_only(np.zeros(3))
@@ -110,20 +122,22 @@ class FixedGeometry(Geometry):
         spec, R = self.spec, self.spec.frames
         u, omega = at.pose[:3], at.pose[3:]
         moved = u + cross_rows(np.tile(omega, (len(self._arms), 1)), self._arms) - at.give
-        along = np.einsum("nji,nj->ni", R, moved) - (self._jacobian @ at.q).reshape(-1, 3)
-        turned = R[:, :, 2] @ omega - self._turning @ at.q - at.turn
+        along = np.einsum("nji,nj->ni", R, moved) - (self._elastic.J @ at.q).reshape(-1, 3)
+        turned = R[:, :, 2] @ omega - self._elastic.turning @ at.q - at.turn
         slips = np.column_stack([along[:, :2], turned])
-        weight = None if spec.mechanism is None else spec.mechanism.weight()
         return Look(
-            at, spec.positions, R, self._gap + along[:, 2], spec.mechanism, spec.flexibility, self._radius,
-            spec.reference, self._none, weight, slips,
+            at, spec.positions, R, self._gap + along[:, 2], self._elastic, self._radius, spec.reference, self._none,
+            slips,
         )  # fmt: skip
 
-    def slipped(self, a: Look, b: Look) -> Array:
-        return np.asarray(b.bodies - a.bodies)
+    def mechanism(self, look: Look) -> Mechanism | None:
+        return self.spec.mechanism
 
-    def moved(self, pose: Any, twist: Array, centre: Array) -> Array:
-        return np.asarray(pose + shifted(twist, self.spec.reference - centre))
+    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
+        return np.asarray(b.bodies - a.bodies - carry)
+
+    def moved(self, look: Look, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
+        return look.at.pose + shifted(twist, self.spec.reference - centre), 0.0
 
     def further(self, before: Any, now: Any, share: float) -> Array:
         return np.asarray(now + share * (now - before))

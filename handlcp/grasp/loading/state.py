@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from handlcp.check import Array
 from handlcp.grasp.loading.geometry import Look, Where
+from handlcp.grasp.loading.numbers import Loads, Read
 from handlcp.grasp.loading.stage import Controls
-from handlcp.grasp.model.mechanism import JointReading
-from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["Failure", "Guess", "State"]
 
@@ -16,26 +15,23 @@ __all__ = ["Failure", "Guess", "State"]
 @dataclass(frozen=True, slots=True)
 class State:
     """where : the configuration at the end of the step. look : the contacts as the step was solved with them.
-    carry (n, 3) : slip between that look and the end, as `Geometry.slipped` has it.
-    forces (n, 3), torsion (n,) : on the object, contact axes. slip (n, 3) : in this step. gap (n,) [m].
-    kinds (n,) : "separated", "sticking", "sliding". joints : what they do; None without a hand.
-    controls : what was asked for. spec : the step's own grasp, for those who want its solution.
-    start : where the next solve begins. looks : how many the step took.
+    loads : of the step. carry (n, 3) : slip between that look and the end, as `Geometry.slipped` has it.
+    read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far
+    joints at their limit are driven back [rad]. controls : what was asked for. start : where the next solve begins.
+    looks : how many the step took. marks : of the joints, as `Watch.marks` has them.
     """
 
     where: Where
     look: Look
+    loads: Loads
     carry: Array
-    forces: Array
-    torsion: Array
-    slip: Array
-    gap: Array
+    read: Read
     kinds: tuple[str, ...]
-    joints: JointReading | None
+    yielded: Array
     controls: Controls
-    spec: GraspSpec
     start: Array
     looks: int
+    marks: tuple[bytes, bytes, bytes]
 
     @property
     def same(self) -> Guess:

@@ -17,14 +17,14 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.geometry import Geometry, Look, Where
+from handlcp.grasp.loading.geometry import Geometry, Where
+from handlcp.grasp.loading.numbers import Read, end_of_step
 from handlcp.grasp.loading.stage import Controls
 from handlcp.grasp.loading.state import Failure, Guess, State
-from handlcp.grasp.loading.step_answer import Answer, continued
+from handlcp.grasp.loading.step_answer import StepSolver
 from handlcp.grasp.loading.step_grasp import StepGrasp
-from handlcp.grasp.model.mechanism import JointReading
+from handlcp.grasp.loading.watch import watch_of
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.solve.compiled_answer import NOWHERE
 
 __all__ = ["Stepper"]
@@ -42,81 +42,50 @@ class Stepper:
     def __init__(
         self, spec: GraspSpec, geometry: Geometry, section: Section, weight: Array, tolerance: float, seed: int
     ) -> None:
-        self.geometry, self.section, self.tolerance, self.seed = geometry, section, tolerance, seed
+        self.geometry, self.tolerance = geometry, tolerance
         self.first = geometry.look(geometry.start, None)
-        self.grasp = StepGrasp(spec, self.first, weight)
+        self.grasp = StepGrasp(spec, geometry, self.first, weight)
+        self.solver = StepSolver(self.grasp, self.first, section, seed)
+        self.watch = watch_of(spec, geometry)
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
-        first, spec = self.first, self.grasp.spec
-        n, still = spec.n, np.zeros(len(first.at.q))
+        first, n, still = self.first, self.grasp.spec.n, read_only(np.zeros(len(self.first.at.q)))
         none = read_only(np.zeros((n, 3)))
-        joints = None if first.mechanism is None else JointReading(still, still, still)
-        return State(
-            first.at, first, none, none, read_only(np.zeros(n)), none, first.gap, ("separated",) * n, joints, controls,
-            spec, NOWHERE, 0,
-        )  # fmt: skip
+        read = Read(none, none, none[:, 0], none[:, 0], still, still)
+        loads = self.grasp.loads(first, none, controls, controls)
+        marks = self.watch.marks(first.at.q, still, still)
+        return State(first.at, first, loads, none, read, ("separated",) * n, still, controls, NOWHERE, 0, marks)
 
     def step(self, state: State, controls: Controls, guess: Guess, patient: bool = False) -> State | Failure:
         """The state under other controls. guess : what is expected of it. patient : whether to search for an answer
         where the first stage of the solver finds none.
         """
-        look, last = self.geometry.look(guess.where, state.look), np.inf
+        grasp, geometry = self.grasp, self.geometry
+        look, last = geometry.look(guess.where, state.look), np.inf
         for count in range(1, _MOST + 1):
-            slipped = self.geometry.slipped(state.look, look) - state.carry
-            base = self.grasp.base(look, slipped, controls, state.controls)
-            spec = self.grasp.made(look, slipped, base, controls)
-            answer = continued(spec, self.section, self.seed, guess.start, state.kinds, patient)
+            slipped = geometry.slipped(state.look, look, state.carry)
+            loads = grasp.loads(look, slipped, controls, state.controls)
+            answer = self.solver.continued(look, loads, guess.start, state.kinds, patient)
             if isinstance(answer, Failure):
                 return answer
-            end, carry, miss = self._end(look, answer, slipped, base, controls)
-            if miss <= self.tolerance or not self.geometry.follows:
-                if self._leaps(state, end):
+            read, here, el = answer.read, look.at, look.elastic
+            q = grasp.posture + controls.command - read.deflection - answer.yielded
+            give, turn, carry, miss = end_of_step(
+                read.motion, read.spin, q - here.q, answer.twist, answer.centre, look.positions, look.frames, el.J,
+                el.turning, loads.base, here.give, here.turn, slipped, grasp.soft, look.radius,
+            )  # fmt: skip
+            pose, leap = geometry.moved(look, answer.twist, answer.centre, state.where.pose)
+            end = Where(q, give, turn, pose)
+            if miss <= self.tolerance or not geometry.follows:
+                if leap > _LARGEST:
                     break
-                slip = np.column_stack([answer.motion[:, :2], answer.spin])
+                marks = self.watch.marks(q, read.torque, answer.yielded)
                 return State(
-                    end, look, carry, answer.forces, answer.torsion, slip, answer.motion[:, 2], answer.kinds,
-                    answer.joints, controls, spec, answer.start, count,
-                )  # fmt: skip
+                    end, look, loads, carry, read, answer.kinds, answer.yielded, controls, answer.start, count, marks
+                )
             if count > 1 and miss > _CONTRACTS * last:
                 break
-            last, look = miss, self.geometry.look(end, look)
-        return Failure("runs away", self._moved(state, end))
-
-    def _end(
-        self, look: Look, answer: Answer, slipped: Array, base: Array, controls: Controls
-    ) -> tuple[Where, Array, float]:
-        """The configuration after the solve, the slip between the look and it, and how far it is from the look."""
-        R, n, soft = look.frames, len(look.gap), list(self.grasp.soft)
-        u, omega = answer.twist[:3], answer.twist[3:]
-        arms = look.positions - answer.centre
-        object_moves = np.einsum("nji,nj->ni", R, u + cross_rows(np.broadcast_to(omega, (n, 3)), arms))
-        q, tip_moves, tip_turns = look.at.q, np.zeros((n, 3)), np.zeros(len(soft))
-        if answer.joints is not None and look.mechanism is not None:
-            q = self.grasp.posture + controls.command - answer.joints.deflection - answer.joints.yielded
-            change = q - look.at.q
-            tip_moves = (look.mechanism.jacobian @ change).reshape(n, 3)
-            if soft:
-                tip_turns = look.mechanism.turning(self.grasp.soft) @ change
-        relative = answer.motion - base
-        pushed = object_moves - tip_moves - relative
-        give = look.at.give + np.einsum("nij,nj->ni", R, pushed)
-        carry, turn = np.zeros((n, 3)), look.at.turn
-        carry[:, :2] = relative[:, :2]
-        if soft:
-            carry[soft, 2] = answer.spin[soft] - slipped[soft, 2]
-            turn = look.at.turn.copy()
-            turn[soft] += R[soft, :, 2] @ omega - tip_turns - carry[soft, 2]
-        where = Where(read_only(q), give, turn, self.geometry.moved(look.at.pose, answer.twist, answer.centre))
-        far = np.sqrt(np.maximum((object_moves**2).sum(axis=1), ((tip_moves + pushed) ** 2).sum(axis=1)))
-        return where, carry, float(max(np.sqrt(omega @ omega), (far / look.radius).max()))
-
-    def _leaps(self, state: State, end: Where) -> bool:
-        """Whether the object moves further in this step than a path may be followed at once."""
-        moved = self._moved(state, end)
-        shares = np.sqrt(moved[3:] @ moved[3:]), np.sqrt(moved[:3] @ moved[:3]) / state.look.radius.min()
-        return self.geometry.follows and bool(max(shares) > _LARGEST)
-
-    def _moved(self, state: State, end: Where) -> Array:
-        """(6,) motion of the object from a state to an end."""
-        return self.geometry.displacement(end.pose) - self.geometry.displacement(state.where.pose)
+            last, look = miss, geometry.look(end, look)
+        moved = geometry.displacement(end.pose) - geometry.displacement(state.where.pose)
+        return Failure("runs away", moved)

@@ -1,4 +1,8 @@
-"""The solve inside a step of loading: the first stage of the solver, started at what is expected."""
+"""The solve inside a step of loading: the first stage of the solver, started at what is expected.
+
+A step whose effects follow from its data is a row of numbers for the compiled solve, and no object is made. A step with
+effects that have rows or a flexibility of their own is a specification that takes the way of every grasp.
+"""
 
 from __future__ import annotations
 
@@ -8,103 +12,125 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import stamped
 from handlcp.grasp.friction import Section
+from handlcp.grasp.loading.geometry import Look
+from handlcp.grasp.loading.numbers import Laws, Loads, Read, read_answer, write_row
 from handlcp.grasp.loading.state import Failure
+from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.model.mechanism import JointReading
-from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.solve.compiled_answer import NOWHERE, solve_scene, start_from
+from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, compiled_kind, start_from
+from handlcp.grasp.solve.compiled_solve import solve_scenes
 from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp import Auto
 
-__all__ = ["Answer", "continued"]
+__all__ = ["Answer", "StepSolver"]
+
+_OPEN = "separated"
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """forces (n, 3), torsion (n,), motion (n, 3) and spin (n,) in contact axes; twist (6,) about centre (3,).
-    kinds (n,) : of the contacts. joints : what they do. start : where the next solve may begin.
+    """read : forces, motions and torques. twist (6,) : of the object about centre (3,). kinds (n,) : of the contacts.
+    yielded (nv,) : how far joints at their limit are driven back. start : where the next solve may begin.
     """
 
-    forces: Array
-    torsion: Array
-    motion: Array
-    spin: Array
+    read: Read
     twist: Array
     centre: Array
     kinds: tuple[str, ...]
-    joints: JointReading | None
+    yielded: Array
     start: Array
 
 
-def continued(
-    spec: GraspSpec, section: Section, seed: int, start: Array, kinds: tuple[str, ...], patient: bool
-) -> Answer | Failure:
-    """The answer that continues what is expected. Where a contact changes its state, the answer that a solve finds from
-    contacts that all stick is asked for, too; of both, the one whose forces are nearer to those expected is taken.
+class StepSolver:
+    """Solves the steps of one grasp. section : of its friction cones; seed : of the solver."""
 
-    start : as in `compiled_answer.start_from`. kinds (n,) : the contacts' states before. patient : whether to search
-    for an answer where the first stage finds none.
-    """
-    scene = build(spec)
-    start = _restarted(start, scene)
-    found = _solved(spec, scene, section, seed, start, patient)
-    if not len(start) or (isinstance(found, Answer) and found.kinds == kinds):
-        return found
-    other = _solved(spec, scene, section, seed, NOWHERE, patient)
-    if isinstance(found, Failure) or isinstance(other, Failure):
-        return other if isinstance(found, Failure) else found
-    expected = start[:-9]
-    off = [float(abs(a.start[:-9] - expected).max()) for a in (found, other)]
-    return found if off[0] <= off[1] else other
+    def __init__(self, grasp: StepGrasp, first: Look, section: Section, seed: int) -> None:
+        self.grasp, self.section, self.seed = grasp, section, seed
+        scene = build(grasp.spec)
+        self._kind = compiled_kind(scene, section)
+        c, soft, contacts = scene.components, scene.soft, grasp.spec.contacts
+        self.laws = Laws(
+            np.array(soft, dtype=np.int64), np.ones(c) if scene.scale is None else scene.scale,
+            np.array([contacts[i].friction.pad_torsion for i in soft], dtype=float), scene.limits(section),
+            scene.freedom, grasp.spec.mechanism is not None and bool(grasp.spec.flexibility.any()),
+            1.0 if grasp.sags else 0.0,
+        )  # fmt: skip
+        self._scene = np.empty((1, self._kind.scene_width))
+        self._still = read_only(np.zeros(first.elastic.J.shape[1]))
 
+    def continued(
+        self, look: Look, loads: Loads, start: Array, kinds: tuple[str, ...], patient: bool
+    ) -> Answer | Failure:
+        """The answer that continues what is expected. Where a contact changes its state, the answer that a solve finds
+        from contacts that all stick is asked for, too; of both, the one whose forces are nearer to those expected is
+        taken. Where nothing was loaded before, an answer without forces is no more than one of several: the squeezed
+        object may stay between the fingers, or slip out. Then the one near fingers that press on a held object is.
 
-def _restarted(start: Array, scene: Scene) -> Array:
-    """Where a solve begins: the last forces, and no motion; where nothing is loaded yet, where every contact sticks."""
-    if len(start) != scene.components + 9 or not start[:-9].any():
-        return NOWHERE
-    out = np.array(start)
-    out[-9:-3] = 0.0
-    out[-3:] = scene.positions.mean(axis=0)
-    return read_only(out)
+        start : as in `compiled_answer.start_from`. kinds (n,) : the contacts' states before. patient : whether to
+        search for an answer where the first stage finds none.
+        """
+        start = self._restarted(start, look)
+        found = self._solved(look, loads, start, patient)
+        if not len(start):
+            if isinstance(found, Answer) and any(kind != _OPEN for kind in found.kinds):
+                return found
+            pressed = self._solved(look, loads, self._pressed(look, loads), patient)
+            return found if isinstance(pressed, Failure) else pressed
+        if isinstance(found, Answer) and found.kinds == kinds:
+            return found
+        other = self._solved(look, loads, NOWHERE, patient)
+        if isinstance(found, Failure) or isinstance(other, Failure):
+            return other if isinstance(found, Failure) else found
+        off = [float(abs(a.start[:-9] - start[:-9]).max()) for a in (found, other)]
+        return found if off[0] <= off[1] else other
 
+    def _restarted(self, start: Array, look: Look) -> Array:
+        """Where a solve begins: the last forces, and no motion. Where nothing is loaded yet, every contact sticks."""
+        if not len(start) or not start[:-9].any():
+            return NOWHERE
+        out = start.copy()
+        out[-9:-3] = 0.0
+        out[-3:] = look.positions.sum(axis=0) / len(look.positions)
+        return read_only(out)
 
-def _solved(
-    spec: GraspSpec, scene: Scene, section: Section, seed: int, start: Array, patient: bool
-) -> Answer | Failure:
-    if patient or stamped(spec.effects):
-        return _in_stages(spec, scene, section, seed, start, patient)
-    found, n = solve_scene(scene, section, seed, start), scene.n
-    if not found.passes:
-        return Failure("no answer" if found.escape is None else "no balance")
-    components, moved = scene.physical(found.components), scene.lawful(found.motion)
-    torsion, spin = scene.by_contact(components[3 * n :]), scene.by_contact(moved[3 * n :])
-    forces = components[: 3 * n].reshape(n, 3)
-    return Answer(
-        forces, torsion, moved[: 3 * n].reshape(n, 3), spin, found.twist, found.centre, found.states,
-        _joints(spec, scene, forces, torsion, {}), found.start,
-    )  # fmt: skip
+    def _pressed(self, look: Look, loads: Loads) -> Array:
+        """A start with the normal forces with which each finger alone would press on an object that is held still."""
+        start, give = np.zeros(len(self.laws.scale) + 9), look.elastic.E.diagonal()[2::3]
+        told = (look.elastic.J @ loads.told)[2::3]
+        pushed = (look.frames[:, :, 2] * loads.give).sum(axis=1)
+        squeeze = np.maximum(told - loads.base[:, 2] - pushed, 0.0)
+        start[2 : 3 * len(give) : 3] = np.where(give > 0.0, squeeze / np.where(give > 0.0, give, 1.0), 0.0)
+        start[-3:] = look.positions.mean(axis=0)
+        return read_only(start)
 
+    def _solved(self, look: Look, loads: Loads, start: Array, patient: bool) -> Answer | Failure:
+        if patient or self.grasp.general:
+            return self._in_stages(look, loads, start, patient)
+        write_row(self._scene[0], look.positions, look.frames, look.elastic, loads, self.laws)
+        rows = np.empty((1, self._kind.answer_width))
+        solve_scenes(read_only(self._scene.view()), self._kind.pattern, start, self.seed, rows)
+        found = CompiledAnswer(self._kind, rows[0])
+        if not found.passes:
+            return Failure("no answer" if found.escape is None else "no balance")
+        read = Read(*read_answer(found.components, found.motion, look.elastic, self.laws))
+        return Answer(read, found.twist, found.centre, found.states, self._still, found.start)
 
-def _in_stages(
-    spec: GraspSpec, scene: Scene, section: Section, seed: int, start: Array, patient: bool
-) -> Answer | Failure:
-    """Of a grasp with effects that have rows of their own, or with the stages of the solver that search."""
-    s = solve_built(spec, scene, section, Auto(seed=seed), start, patient)
-    if not s.held:
-        return Failure("no answer" if s.certificate is None else "no balance")
-    torsion = np.zeros(scene.n) if s.torsion is None else s.torsion
-    spin = np.zeros(scene.n) if s.spin is None else s.spin
-    return Answer(
-        s.forces, torsion, np.column_stack([s.slip, s.gap]), spin, s.object_displacement, spec.reference,
-        s.contact_state, _joints(spec, scene, s.forces, torsion, s.extra), start_from(s, scene),
-    )  # fmt: skip
-
-
-def _joints(
-    spec: GraspSpec, scene: Scene, forces: Array, torsion: Array, extra: dict[str, Array]
-) -> JointReading | None:
-    if spec.mechanism is None:
-        return None
-    return spec.mechanism.joints(scene, spec.effects, forces, torsion if scene.soft else None, extra)
+    def _in_stages(self, look: Look, loads: Loads, start: Array, patient: bool) -> Answer | Failure:
+        """Of a grasp with effects of its own, or with the stages of the solver that search."""
+        spec = self.grasp.made(look, loads)
+        scene = build(spec)
+        s = solve_built(spec, scene, self.section, Auto(seed=self.seed), start, patient)
+        if not s.held:
+            return Failure("no answer" if s.certificate is None else "no balance")
+        torsion = np.zeros(scene.n) if s.torsion is None else s.torsion
+        spin = np.zeros(scene.n) if s.spin is None else s.spin
+        still = self._still
+        joints = JointReading(still, still, still)
+        if spec.mechanism is not None:
+            soft = torsion if scene.soft else None
+            joints = spec.mechanism.joints(scene, spec.effects, s.forces, soft, s.extra)
+        motion = np.column_stack([s.slip, s.gap])
+        read = Read(s.forces, motion, torsion, spin, joints.torque, joints.deflection)
+        twist, centre = s.object_displacement, spec.reference
+        return Answer(read, twist, centre, s.contact_state, joints.yielded, start_from(s, scene))

@@ -21,11 +21,12 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
-from handlcp.grasp.loading.geometry import Look
+from handlcp.grasp.loading.geometry import Geometry, Look
+from handlcp.grasp.loading.numbers import Loads
 from handlcp.grasp.loading.stage import Controls
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.placement import Placement
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.spec import GraspSpec, wrench_about
 from handlcp.grasp.model.vectors import cross_rows
 
 __all__ = ["StepGrasp"]
@@ -47,50 +48,59 @@ class _Turned(Effect):
 
 class StepGrasp:
     """Makes the grasps of steps. spec : what was asked for. first : the contacts before anything is loaded.
-    weight (3,) : of the object [N].
+    geometry : where contacts are. weight (3,) : of the object [N]. squeezes : whether preloads, offsets or overlaps
+    squeeze the object.
     """
 
-    def __init__(self, spec: GraspSpec, first: Look, weight: Array) -> None:
-        self.spec, self.weight, self.posture = spec, weight, first.at.q
+    def __init__(self, spec: GraspSpec, geometry: Geometry, first: Look, weight: Array) -> None:
+        self.spec, self.geometry, self.weight, self.posture = spec, geometry, weight, first.at.q
         self._weighs = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
         told = (JointOffset, FingerWeight, GeometricStiffness)  # what a step knows of anew
         self._effects = tuple([e for e in spec.effects if not isinstance(e, told)])
-        self.soft = tuple([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0])
+        self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
+        self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         self._overlap = np.maximum(-first.gap, 0.0)
         self._given = spec.offset.copy()
         self._given[:, 2] -= first.gap
+        size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
+        self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
 
-    @property
-    def squeezes(self) -> bool:
-        """Whether preloads, offsets or overlaps squeeze the object."""
-        size = float(abs(self.spec.positions - self.spec.positions.mean(axis=0)).max(initial=0.0))
-        return max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
+    def loads(self, look: Look, slipped: Array, controls: Controls, before: Controls) -> Loads:
+        """Of a step from controls `before`. slipped (n, 3) : since it began, as `Geometry.slipped` has it."""
+        base = slipped.copy()
+        base[:, 2] = look.gap
+        if self.squeezes:
+            wedge = self._wedge(controls)
+            base[:, :2] += (wedge - self._wedge(before))[:, :2]
+            base[:, 2] += wedge[:, 2]
+        force, moment = controls.load[:3], controls.load[3:]
+        if controls.weight:
+            weight = controls.weight * self.weight
+            force, moment = force + weight, moment + cross_rows(look.weight_arm, weight)
+        if force.any():
+            moment = moment + cross_rows(look.reference, force)
+        told = self.posture + controls.command - look.at.q
+        return Loads(base, slipped[:, 2] + look.at.turn, look.at.give, told, force, moment)
 
-    def base(self, look: Look, slipped: Array, controls: Controls, before: Controls) -> Array:
-        """(n, 3) offsets but for what pads and joints do. slipped (n, 3) : since the step began."""
-        wedge = self._wedge(controls)
-        base = wedge - self._wedge(before)
-        base[:, :2] += slipped[:, :2]
-        base[:, 2] = look.gap + wedge[:, 2]
-        return base
-
-    def made(self, look: Look, slipped: Array, base: Array, controls: Controls) -> GraspSpec:
-        """The grasp with the contacts of a look, under these controls."""
+    def made(self, look: Look, loads: Loads) -> GraspSpec:
+        """The grasp with the contacts of a look, under these loads."""
         spec, effects = self.spec, self._effects
-        offset = base + np.einsum("nji,nj->ni", look.frames, look.at.give)
-        if self.soft:
-            effects = (*effects, _Turned(slipped[:, 2] + look.at.turn))
-        if look.mechanism is not None:
-            effects = (*effects, JointOffset(self.posture + controls.command - look.at.q))
-            if self._weighs is not None and look.gravity_torque is not None:
-                effects = (*effects, FingerWeight(look.gravity_torque, self._weighs.sags))
+        offset = loads.base + np.einsum("nji,nj->ni", look.frames, loads.give)
+        if len(self.soft):
+            effects = (*effects, _Turned(loads.spin))
+        mechanism = self.geometry.mechanism(look)
+        if mechanism is not None:
+            effects = (*effects, JointOffset(loads.told))
+            if self._weighs is not None:
+                effects = (*effects, FingerWeight(look.elastic.gravity, self._weighs.sags))
         contacts = tuple([
             Contact.placed(p, R, c.friction, c.planar, c.name)
             for c, p, R in zip(spec.contacts, look.positions, look.frames, strict=True)
         ])  # fmt: skip
         return GraspSpec(
-            contacts, look.positions, look.frames, spec.plane, spec.fingers, look.mechanism,
-            self._load(look, controls), look.reference, look.flexibility, read_only(offset), effects,
+            contacts, look.positions, look.frames, spec.plane, spec.fingers, mechanism,
+            wrench_about(look.reference, loads.force, loads.moment), read_only(look.reference),
+            read_only(look.elastic.E), read_only(offset), effects,
         )  # fmt: skip
 
     def _wedge(self, controls: Controls) -> Array:
@@ -98,12 +108,3 @@ class StepGrasp:
         given = controls.wedge * self._given
         given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * self._overlap
         return np.asarray(given)
-
-    def _load(self, look: Look, controls: Controls) -> Array:
-        """(6,) load and weight about the object's reference."""
-        load = controls.load.copy()
-        if controls.weight:
-            weight = controls.weight * self.weight
-            load[:3] += weight
-            load[3:] += cross_rows(look.weight_arm, weight)
-        return read_only(load)

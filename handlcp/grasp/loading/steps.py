@@ -48,7 +48,7 @@ class Steps:
     @lazy
     def forces(self) -> Array:
         """(m, n, 3) on the object, contact axes of the step [N]."""
-        return _rows([s.forces for s in self.states])
+        return _rows([s.read.forces for s in self.states])
 
     @lazy
     def forces_world(self) -> Array:
@@ -58,7 +58,7 @@ class Steps:
     @lazy
     def torsion(self) -> Array:
         """(m, n) moments about the normals, of soft fingers [N·m]."""
-        return _rows([s.torsion for s in self.states])
+        return _rows([s.read.torsion for s in self.states])
 
     @lazy
     def contact_state(self) -> tuple[tuple[str, ...], ...]:
@@ -68,12 +68,12 @@ class Steps:
     @lazy
     def slip(self) -> Array:
         """(m, n, 2) of the object past each fingertip in this step, along the contact's x and y [m]."""
-        return _rows([s.slip[:, :2] for s in self.states])
+        return _rows([s.read.motion[:, :2] for s in self.states])
 
     @lazy
     def gap(self) -> Array:
         """(m, n) between object and fingertip [m]."""
-        return _rows([s.gap for s in self.states])
+        return _rows([s.read.motion[:, 2] for s in self.states])
 
     @lazy
     def positions(self) -> Array:
@@ -98,13 +98,13 @@ class Steps:
     @lazy
     def torques(self) -> Array:
         """(m, nv) that the actuators hold [N·m]."""
-        return _rows([np.zeros(0) if s.joints is None else s.joints.torque for s in self.states])
+        return _rows([s.read.torque for s in self.states])
 
     # ---- energy
     @lazy
     def dissipated(self) -> Array:
         """(m,) energy that friction has taken since the start [J]; it never falls."""
-        lost = [-float((s.forces[:, :2] * s.slip[:, :2]).sum() + s.torsion @ s.slip[:, 2]) for s in self.states]
+        lost = [_friction_work(s) for s in self.states]
         return read_only(np.cumsum([0.0, *lost[1:]]))
 
     @lazy
@@ -112,8 +112,13 @@ class Steps:
         """(m,) elastic energy of joints, pads and environment [J]."""
         pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
-        joints = [0.0 if s.joints is None else 0.5 * float(s.joints.torque @ s.joints.deflection) for s in self.states]
+        joints = [0.5 * float(s.read.torque @ s.read.deflection) for s in self.states]
         return read_only(pads + twists + np.array(joints))
+
+
+def _friction_work(s: State) -> float:
+    """What friction takes in a step [J]."""
+    return -float((s.read.forces[:, :2] * s.read.motion[:, :2]).sum() + s.read.torsion @ s.read.spin)
 
 
 def _rows(values: list[Array] | list[float]) -> Array:

@@ -1,0 +1,1 @@
+"""A hand and its object in motion, for loading in steps."""
