@@ -15,14 +15,15 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.loading.events import Event
 from handlcp.grasp.loading.geometry import Where
+from handlcp.grasp.loading.stability import first_unstable
 from handlcp.grasp.loading.stage import Controls, Goal
-from handlcp.grasp.loading.state import Failure, Guess, State
+from handlcp.grasp.loading.state import STILL, Failure, Guess, State
 from handlcp.grasp.loading.step import Stepper
 
 __all__ = ["Run", "drive"]
 
 _LOCATED = 2.0**-5  # of a step: events are located to this share
-_SMALLEST = 2.0**-10  # of a step: what does not settle then is lost
+_SMALLEST = 2.0**-7  # of a step: what does not settle then is lost
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 
 
@@ -50,9 +51,23 @@ def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> R
         return run
     run.states[0] = settled
     for k, goal in enumerate(goals):
-        if not _through(stepper, run, k, goal, steps):
+        begun = len(run.states) - 1
+        through = _through(stepper, run, k, goal, steps)
+        _cut(stepper, run, begun)
+        if not through or run.failure is not None:
             break
     return run
+
+
+def _cut(stepper: Stepper, run: Run, begun: int) -> None:
+    """End the run at the first state of the stage that begins at `begun` that a small push would drive away."""
+    if not (found := first_unstable(stepper, run.states[begun:])):
+        return
+    at = begun + found[0]
+    run.failure, run.lost_at = Failure("unstable", found[1]), run.shares[at]
+    del run.states[at + 1 :], run.stages[at + 1 :], run.shares[at + 1 :]
+    stage = run.stages[-1]
+    run.events = [e for e in run.events if (e.number, e.share) <= (stage, run.lost_at)]
 
 
 def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> bool:
@@ -79,7 +94,7 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
             step = size / 2
             continue
         share += size
-        run.events += stepper.watch.events(state, found, goal.name, share)
+        run.events += stepper.watch.events(state, found, goal.name, stage, share)
         run.states.append(found)
         run.stages.append(stage)
         run.shares.append(share)
@@ -91,18 +106,18 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
 def _stepped(
     stepper: Stepper, state: State, before: tuple[State, float] | None, controls: Controls, size: float
 ) -> State | Failure:
-    """One step, from where the path leads; where that fails, from where it stands."""
+    """One step, from where the path leads."""
+    guess = state.same
     if before is not None:
         earlier, length = before
-        found = stepper.step(state, controls, _further(stepper, earlier, state, min(size / length, _ALONG)))
-        if isinstance(found, State):
-            return found
-    return stepper.step(state, controls, state.same)
+        guess = _further(stepper, earlier, state, min(size / length, _ALONG))
+    return stepper.step(state, controls, guess)
 
 
 def _last_try(stepper: Stepper, state: State, controls: Controls) -> State | Failure:
-    """The same with all stages of the solver that look for an answer."""
-    return stepper.step(state, controls, state.same, patient=True)
+    """From where it stands; then with all stages of the solver that look for an answer."""
+    found = stepper.step(state, controls, state.same)
+    return found if isinstance(found, State) else stepper.step(state, controls, state.same, patient=True)
 
 
 def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:
@@ -113,4 +128,4 @@ def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess
 
     a, b = before.where, now.where
     where = Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), stepper.geometry.further(a.pose, b.pose, share))
-    return Guess(where, on(before.start, now.start) if len(before.start) == len(now.start) else now.start)
+    return Guess(where, on(before.start, now.start) if len(before.start) == len(now.start) else now.start, STILL)

@@ -21,13 +21,14 @@ _SENTENCES = {
 class Event:
     """kind : "slips", "sticks", "opens", "touches" (a contact), "over limit", "within limit", "yields", "holds",
     "range end", "range" (a joint), "lost". who : the finger or the joint; for "lost" the reason. stage : its name.
-    share : of the stage, 0 to 1, when it was there; it came after the step before.
+    share : of the stage, 0 to 1, when it was there; it came after the step before. number : of the stage, from 0.
     """
 
     kind: str
     who: str
     stage: str
     share: float
+    number: int = 0
 
     def __str__(self) -> str:
         return f"{self.stage}, {words.percent(self.share)}: {_SENTENCES[self.kind].format(who=self.who)}"

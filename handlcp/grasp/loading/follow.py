@@ -19,7 +19,6 @@ from handlcp.grasp.loading.geometry import FixedGeometry, Geometry
 from handlcp.grasp.loading.stage import Goal, read_stages
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
-from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.loading.steps import Steps
 from handlcp.grasp.loading.why import why_lost
 from handlcp.grasp.model.spec import GraspSpec
@@ -39,7 +38,6 @@ class Loading:
     reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
     reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
     events : in order. steps : every step as arrays. stages : their names. section : of the friction cones.
-    grasp : makes the grasps of steps.
     """
 
     reached: bool
@@ -50,7 +48,6 @@ class Loading:
     steps: Steps
     stages: tuple[str, ...]
     section: Section
-    grasp: StepGrasp
 
     @property
     def last(self) -> State:
@@ -63,7 +60,7 @@ class Loading:
         gap and object motion are those of that step; `displacement` is the whole motion.
         """
         last = self.last
-        return solve_spec(self.grasp.made(last.look, last.loads), self.section, start=last.start, proof=False)
+        return solve_spec(self.steps.grasp.made(last.look, last.loads), self.section, start=last.start, proof=False)
 
     @property
     def displacement(self) -> Array:
@@ -82,7 +79,7 @@ class Loading:
 
     @lazy
     def _end(self) -> tuple[Any, Any]:
-        mechanism, where = self.grasp.spec.mechanism, self.last.where
+        mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
         return mechanism.at_end(where.q, where.pose)
@@ -104,15 +101,16 @@ def follow(
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
     weight = np.zeros(3) if spec.mechanism is None else spec.mechanism.weight_of_object()
     stepper = Stepper(spec, body, section, weight, limit, seed)
-    command = np.zeros(len(stepper.grasp.posture))
+    command = np.zeros(len(body.posture))
     for e in spec.effects:
         if isinstance(e, JointOffset):
             command = e.command
     beside = spec.wrench.copy()
     beside[:3] -= weight
     beside[3:] -= cross_rows(stepper.first.weight_arm, weight)
-    squeezes = stepper.grasp.squeezes or bool(command.any())
-    first, goals = read_stages(order, load, read_only(beside), command, squeezes)
+    before = body.start.q - body.posture
+    squeezes = stepper.grasp.squeezes or bool((command != before).any())
+    first, goals = read_stages(order, load, read_only(beside), before, command, squeezes)
     run = drive(stepper, first, goals, count)
     return _loading(run, goals, stepper, section)
 
@@ -131,24 +129,25 @@ def _geometry(spec: GraspSpec, asked: Any) -> Geometry:
 
 
 def _loading(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
-    spec, body = stepper.grasp.spec, stepper.geometry
+    spec = stepper.grasp.spec
     events, lost = list(run.events), run.failure is not None
     stage = goals[run.stages[-1] if not lost else _lost_stage(run)].name if goals else None
-    steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), body)
+    steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), stepper.grasp)
     if lost:
         assert run.lost_at is not None
         why = why_lost(run, spec)
-        events.append(Event("lost", why, str(stage), run.lost_at))
+        events.append(Event("lost", why, str(stage), run.lost_at, _lost_stage(run)))
         sentence = f"lost in stage {stage!r} at {words.percent(run.lost_at)}: {why}"
     else:
         sentence = f"reached the end of {' and '.join(repr(g.name) for g in goals)}"
     names = tuple([g.name for g in goals])
     return Loading(
-        not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section, stepper.grasp
+        not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section
     )  # fmt: skip
 
 
 def _lost_stage(run: Run) -> int:
     """The stage after that of the last step, where that step ended it."""
     last, share = run.stages[-1], run.shares[-1]
-    return last + 1 if len(run.states) > 1 and share >= 1.0 - 1e-12 else last
+    ended = len(run.states) > 1 and share >= 1.0 - 1e-12 and run.lost_at == 0.0
+    return last + 1 if ended else last

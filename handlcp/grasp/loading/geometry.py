@@ -59,10 +59,13 @@ class Look:
 
 class Geometry:
     """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
-    weighs : whether the fingers' weight is asked for.
+    weighs : whether the fingers' weight is asked for. posture (nv,) : from which commands of the joints are counted;
+    gap (n,) : there [m].
     """
 
     start: Where
+    posture: Array
+    gap: Array
     follows: bool
     weighs: bool
 
@@ -80,8 +83,8 @@ class Geometry:
         """
         raise NotImplementedError
 
-    def moved(self, look: Look, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
-        """The pose after a small motion (6,) about a point (3,) from that of the look; and how far that is from the
+    def moved(self, pose: Any, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
+        """The pose after a small motion (6,) about a point (3,) from a pose; and how far that is from the
         pose `since`, as a share of the contacts' radii, or in radians.
         """
         raise NotImplementedError
@@ -113,10 +116,11 @@ class FixedGeometry(Geometry):
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         weight = None if mechanism is None or not self.weighs else mechanism.weight()
         self._elastic = Elastic(spec.flexibility, J, turning, root, np.zeros(nv) if weight is None else weight)
-        self._gap = np.maximum(spec.offset[:, 2], 0.0)
+        self.gap = np.maximum(spec.offset[:, 2], 0.0)
         self._radius = read_only(np.full(n, np.inf))
         self._none = read_only(np.zeros(3))
-        self.start = Where(read_only(np.zeros(nv)), np.zeros((n, 3)), np.zeros(n), np.zeros(6))
+        self.posture = read_only(np.zeros(nv))
+        self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))
 
     def look(self, at: Where, before: Look | None) -> Look:
         spec, R = self.spec, self.spec.frames
@@ -126,7 +130,7 @@ class FixedGeometry(Geometry):
         turned = R[:, :, 2] @ omega - self._elastic.turning @ at.q - at.turn
         slips = np.column_stack([along[:, :2], turned])
         return Look(
-            at, spec.positions, R, self._gap + along[:, 2], self._elastic, self._radius, spec.reference, self._none,
+            at, spec.positions, R, self.gap + along[:, 2], self._elastic, self._radius, spec.reference, self._none,
             slips,
         )  # fmt: skip
 
@@ -136,8 +140,8 @@ class FixedGeometry(Geometry):
     def slipped(self, a: Look, b: Look, carry: Array) -> Array:
         return np.asarray(b.bodies - a.bodies - carry)
 
-    def moved(self, look: Look, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
-        return look.at.pose + shifted(twist, self.spec.reference - centre), 0.0
+    def moved(self, pose: Any, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
+        return pose + shifted(twist, self.spec.reference - centre), 0.0
 
     def further(self, before: Any, now: Any, share: float) -> Array:
         return np.asarray(now + share * (now - before))

@@ -63,22 +63,25 @@ class Goal:
     end: Controls
 
 
-def read_stages(order: Any, load: Any, wrench: Array, command: Array, squeezes: bool) -> tuple[Controls, list[Goal]]:
+def read_stages(
+    order: Any, load: Any, wrench: Array, before: Array, command: Array, squeezes: bool
+) -> tuple[Controls, list[Goal]]:
     """The controls before anything is done, and the stages.
 
     order : names "squeeze", "load", "together", or `Stage`s; one alone, or in a sequence. load : as in
-    `Grasp.follow`. wrench (6,) : the grasp's own load besides the weight. command (nv,) : its joint offset. squeezes :
-    whether there is anything to squeeze with; a stage "squeeze" without is left out.
+    `Grasp.follow`. wrench (6,) : the grasp's own load besides the weight. before, command (nv,) : how far the joints
+    are commanded beyond the posture before and after the squeeze. squeezes : whether there is anything to squeeze with;
+    a stage "squeeze" without is left out.
     Raises InputError.
     """
     given = [order] if isinstance(order, (str, Stage)) else order
     if not isinstance(given, Iterable):
         raise InputError("order", f"stages: {', '.join(_KNOWN)}, or hl.Stage", repr(order)[:80])
     path = _path(load, wrench)
-    now = Controls(np.zeros(6), 0.0, 0.0, np.zeros(len(command)))
+    now = Controls(np.zeros(6), 0.0, 0.0, before)
     first, goals = now, list[Goal]()
     for k, stage in enumerate(given):
-        for goal in _goals(f"order[{k}]", stage, path, now, command):
+        for goal in _goals(f"order[{k}]", stage, path, now, (before, command)):
             if goal.name == "squeeze" and not squeezes:
                 continue
             goals.append(goal)
@@ -98,13 +101,13 @@ def _path(load: Any, wrench: Array) -> Array:
     return given[None] if given.ndim == 1 else given
 
 
-def _goals(argument: str, stage: Any, path: Array, now: Controls, command: Array) -> Iterable[Goal]:
+def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tuple[Array, Array]) -> Iterable[Goal]:
     if isinstance(stage, Stage):
-        yield _own(argument, stage, now, command)
+        yield _own(argument, stage, now, commands)
     elif stage == "squeeze":
-        yield Goal("squeeze", Controls(now.load, now.weight, 1.0, command))
+        yield Goal("squeeze", Controls(now.load, now.weight, 1.0, commands[1]))
     elif stage in ("load", "together"):
-        wedge, told = (1.0, command) if stage == "together" else (now.wedge, now.command)
+        wedge, told = (1.0, commands[1]) if stage == "together" else (now.wedge, now.command)
         for k, load in enumerate(path, 1):
             name = str(stage) if k == 1 else f"{stage} {k}"
             yield Goal(name, Controls(load, 1.0, wedge, told))
@@ -112,7 +115,8 @@ def _goals(argument: str, stage: Any, path: Array, now: Controls, command: Array
         raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", repr(stage)[:80])
 
 
-def _own(argument: str, stage: Stage, now: Controls, command: Array) -> Goal:
+def _own(argument: str, stage: Stage, now: Controls, commands: tuple[Array, Array]) -> Goal:
+    before, command = commands
     if not isinstance(stage.name, str) or not stage.name:
         raise InputError(f"{argument}.name", "a name", repr(stage.name))
     load = now.load if stage.load is None else array(f"{argument}.load", stage.load, (6,))
@@ -120,7 +124,7 @@ def _own(argument: str, stage: Stage, now: Controls, command: Array) -> Goal:
     wedge, told = now.wedge, now.command
     if stage.squeeze is not None:
         wedge = number(f"{argument}.squeeze", stage.squeeze, minimum=0.0)
-        told = read_only(wedge * command)
+        told = read_only(before + wedge * (command - before))
     if stage.joint_offset is not None:
         if not len(command):
             raise InputError(f"{argument}.joint_offset", "None for a grasp without a hand", repr(stage.joint_offset))

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from handlcp.check import Array
+import numpy as np
+
+from handlcp.check import Array, read_only
 from handlcp.grasp.loading.geometry import Look, Where
 from handlcp.grasp.loading.numbers import Loads, Read
 from handlcp.grasp.loading.stage import Controls
 
-__all__ = ["Failure", "Guess", "State"]
+__all__ = ["STILL", "Failure", "Guess", "State"]
+
+STILL = read_only(np.zeros(6))
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,21 +40,25 @@ class State:
     @property
     def same(self) -> Guess:
         """That the next step changes nothing."""
-        return Guess(self.where, self.start)
+        return Guess(self.where, self.start, STILL)
 
 
 @dataclass(frozen=True, slots=True)
 class Guess:
-    """What is expected of a step's end. where : its configuration. start : forces and motion, as `State.start`."""
+    """What is expected of a step's end. where : a configuration near it. start : forces, as `State.start` has them.
+    motion (6,) : of the object from there to the end, about its reference.
+    """
 
     where: Where
     start: Array
+    motion: Array
 
 
 @dataclass(frozen=True, slots=True)
 class Failure:
     """Why a step has no end. kind : "no balance" (nothing within friction balances the load), "no answer" (these
-    fingers do not create such forces), "runs away" (the end moves on however often it is looked at).
+    fingers do not create such forces), "runs away" (the end moves on however often it is looked at), "unstable" (a
+    small push does not return), "loose" (nothing holds the object any more).
     motion (6,) : of the object about its reference, when it runs away; None: not known.
     """
 

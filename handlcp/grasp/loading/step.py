@@ -13,15 +13,17 @@ faster than the springs can follow drives it away.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.geometry import Geometry, Where
-from handlcp.grasp.loading.numbers import Read, end_of_step
+from handlcp.grasp.loading.geometry import Geometry, Look, Where
+from handlcp.grasp.loading.numbers import Loads, Read, end_of_step
 from handlcp.grasp.loading.stage import Controls
 from handlcp.grasp.loading.state import Failure, Guess, State
-from handlcp.grasp.loading.step_answer import StepSolver
+from handlcp.grasp.loading.step_answer import Answer, StepSolver
 from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.loading.watch import watch_of
 from handlcp.grasp.model.spec import GraspSpec
@@ -32,6 +34,19 @@ __all__ = ["Stepper"]
 _MOST = 8  # looks at one step, before it counts as one that does not settle
 _CONTRACTS = 0.7  # each look has to come nearer by this factor, or the step is shortened
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
+
+
+class _Found(NamedTuple):
+    """end : where a look leads. answer, loads : of the solve. carry (n, 3) : slip between the look and the end.
+    miss : how far the end is from the look; leap : from the step's beginning, both as shares of the contacts' radii.
+    """
+
+    end: Where
+    answer: Answer
+    loads: Loads
+    carry: Array
+    miss: float
+    leap: float
 
 
 class Stepper:
@@ -61,31 +76,47 @@ class Stepper:
         """The state under other controls. guess : what is expected of it. patient : whether to search for an answer
         where the first stage of the solver finds none.
         """
-        grasp, geometry = self.grasp, self.geometry
-        look, last = geometry.look(guess.where, state.look), np.inf
+        geometry = self.geometry
+        look, last, end = geometry.look(guess.where, state.look), np.inf, guess.where
         for count in range(1, _MOST + 1):
-            slipped = geometry.slipped(state.look, look, state.carry)
-            loads = grasp.loads(look, slipped, controls, state.controls)
-            answer = self.solver.continued(look, loads, guess.start, state.kinds, patient)
-            if isinstance(answer, Failure):
-                return answer
-            read, here, el = answer.read, look.at, look.elastic
-            q = grasp.posture + controls.command - read.deflection - answer.yielded
-            give, turn, carry, miss = end_of_step(
-                read.motion, read.spin, q - here.q, answer.twist, answer.centre, look.positions, look.frames, el.J,
-                el.turning, loads.base, here.give, here.turn, slipped, grasp.soft, look.radius,
-            )  # fmt: skip
-            pose, leap = geometry.moved(look, answer.twist, answer.centre, state.where.pose)
-            end = Where(q, give, turn, pose)
-            if miss <= self.tolerance or not geometry.follows:
-                if leap > _LARGEST:
+            found = self._looked(state, controls, look, guess, patient)
+            if isinstance(found, Failure):
+                return found
+            end = found.end
+            if found.miss <= self.tolerance or not geometry.follows:
+                if found.leap > _LARGEST:
                     break
-                marks = self.watch.marks(q, read.torque, answer.yielded)
+                answer = found.answer
+                marks = self.watch.marks(end.q, answer.read.torque, answer.yielded)
                 return State(
-                    end, look, loads, carry, read, answer.kinds, answer.yielded, controls, answer.start, count, marks
-                )
-            if count > 1 and miss > _CONTRACTS * last:
+                    end, look, found.loads, found.carry, answer.read, answer.kinds, answer.yielded, controls,
+                    answer.start, count, marks,
+                )  # fmt: skip
+            if count > 1 and found.miss > _CONTRACTS * last:
                 break
-            last, look = miss, geometry.look(end, look)
+            last, look = found.miss, geometry.look(end, look)
         moved = geometry.displacement(end.pose) - geometry.displacement(state.where.pose)
         return Failure("runs away", moved)
+
+    def settled(self, state: State, where: Where) -> Where | None:
+        """Where the state ends under its own controls, looked at from `where`; None: nowhere."""
+        where_to = self.geometry.displacement(state.where.pose) - self.geometry.displacement(where.pose)
+        look = self.geometry.look(where, state.look)
+        found = self._looked(state, state.controls, look, Guess(where, state.start, where_to), False)
+        return None if isinstance(found, Failure) else found.end
+
+    def _looked(self, state: State, controls: Controls, look: Look, guess: Guess, patient: bool) -> _Found | Failure:
+        """One solve, with the contacts of a look."""
+        slipped = self.geometry.slipped(state.look, look, state.carry)
+        loads = self.grasp.loads(look, slipped, controls, state.controls)
+        answer = self.solver.continued(look, loads, guess.start, guess.motion, state.kinds, patient)
+        if isinstance(answer, Failure):
+            return answer
+        read, here, el = answer.read, look.at, look.elastic
+        q = self.grasp.posture + controls.command - read.deflection - answer.yielded
+        give, turn, carry, miss = end_of_step(
+            read.motion, read.spin, q - here.q, answer.twist, answer.centre, look.positions, look.frames, el.J,
+            el.turning, loads.base, here.give, here.turn, slipped, self.grasp.soft, look.radius,
+        )  # fmt: skip
+        pose, leap = self.geometry.moved(here.pose, answer.twist, answer.centre, state.where.pose)
+        return _Found(Where(q, give, turn, pose), answer, loads, carry, miss, leap)

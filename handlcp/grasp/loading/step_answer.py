@@ -60,17 +60,18 @@ class StepSolver:
         self._still = read_only(np.zeros(first.elastic.J.shape[1]))
 
     def continued(
-        self, look: Look, loads: Loads, start: Array, kinds: tuple[str, ...], patient: bool
+        self, look: Look, loads: Loads, start: Array, motion: Array, kinds: tuple[str, ...], patient: bool
     ) -> Answer | Failure:
         """The answer that continues what is expected. Where a contact changes its state, the answer that a solve finds
         from contacts that all stick is asked for, too; of both, the one whose forces are nearer to those expected is
         taken. Where nothing was loaded before, an answer without forces is no more than one of several: the squeezed
         object may stay between the fingers, or slip out. Then the one near fingers that press on a held object is.
 
-        start : as in `compiled_answer.start_from`. kinds (n,) : the contacts' states before. patient : whether to
+        start : as in `compiled_answer.start_from`; motion (6,) : of the object from the look to where it is expected,
+        about the look's reference. kinds (n,) : the contacts' states before. patient : whether to
         search for an answer where the first stage finds none.
         """
-        start = self._restarted(start, look)
+        start = self._restarted(start, look, motion)
         found = self._solved(look, loads, start, patient)
         if not len(start):
             if isinstance(found, Answer) and any(kind != _OPEN for kind in found.kinds):
@@ -85,13 +86,13 @@ class StepSolver:
         off = [float(abs(a.start[:-9] - start[:-9]).max()) for a in (found, other)]
         return found if off[0] <= off[1] else other
 
-    def _restarted(self, start: Array, look: Look) -> Array:
-        """Where a solve begins: the last forces, and no motion. Where nothing is loaded yet, every contact sticks."""
+    def _restarted(self, start: Array, look: Look, motion: Array) -> Array:
+        """Where a solve begins: the last forces, and the motion. Where nothing is loaded yet, every contact sticks."""
         if not len(start) or not start[:-9].any():
             return NOWHERE
         out = start.copy()
-        out[-9:-3] = 0.0
-        out[-3:] = look.positions.sum(axis=0) / len(look.positions)
+        out[-9:-3] = motion
+        out[-3:] = look.reference
         return read_only(out)
 
     def _pressed(self, look: Look, loads: Loads) -> Array:

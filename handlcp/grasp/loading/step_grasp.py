@@ -31,7 +31,7 @@ from handlcp.grasp.model.vectors import cross_rows
 
 __all__ = ["StepGrasp"]
 
-_NONE = 1e-9  # of the contacts' distances from their centre: less is no preload
+_NONE = 1e-7  # of the contacts' distances from their centre: less is no preload
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class StepGrasp:
     """
 
     def __init__(self, spec: GraspSpec, geometry: Geometry, first: Look, weight: Array) -> None:
-        self.spec, self.geometry, self.weight, self.posture = spec, geometry, weight, first.at.q
+        self.spec, self.geometry, self.weight, self.posture = spec, geometry, weight, geometry.posture
         self._weighs = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
         told = (JointOffset, FingerWeight, GeometricStiffness)  # what a step knows of anew
         self._effects = tuple([e for e in spec.effects if not isinstance(e, told)])
@@ -61,7 +61,7 @@ class StepGrasp:
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         self._overlap = np.maximum(-first.gap, 0.0)
         self._given = spec.offset.copy()
-        self._given[:, 2] -= first.gap
+        self._given[:, 2] -= geometry.gap
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
         self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
 
@@ -70,8 +70,8 @@ class StepGrasp:
         base = slipped.copy()
         base[:, 2] = look.gap
         if self.squeezes:
-            wedge = self._wedge(controls)
-            base[:, :2] += (wedge - self._wedge(before))[:, :2]
+            wedge = self.wedge(controls)
+            base[:, :2] += (wedge - self.wedge(before))[:, :2]
             base[:, 2] += wedge[:, 2]
         force, moment = controls.load[:3], controls.load[3:]
         if controls.weight:
@@ -103,7 +103,7 @@ class StepGrasp:
             read_only(look.elastic.E), read_only(offset), effects,
         )  # fmt: skip
 
-    def _wedge(self, controls: Controls) -> Array:
+    def wedge(self, controls: Controls) -> Array:
         """(n, 3) what preloads and offsets put between object and fingertips."""
         given = controls.wedge * self._given
         given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * self._overlap

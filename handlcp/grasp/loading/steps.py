@@ -9,6 +9,8 @@ import numpy as np
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp.loading.geometry import Geometry
 from handlcp.grasp.loading.state import State
+from handlcp.grasp.loading.step_grasp import StepGrasp
+from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lazy import lazy
 
 __all__ = ["Steps"]
@@ -25,7 +27,12 @@ class Steps:
     share: Array
     names: tuple[str, ...]
     states: tuple[State, ...]
-    geometry: Geometry
+    grasp: StepGrasp
+
+    @property
+    def geometry(self) -> Geometry:
+        """Where contacts are."""
+        return self.grasp.geometry
 
     def __len__(self) -> int:
         return len(self.states)
@@ -114,6 +121,25 @@ class Steps:
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
         joints = [0.5 * float(s.read.torque @ s.read.deflection) for s in self.states]
         return read_only(pads + twists + np.array(joints))
+
+    @lazy
+    def work(self) -> Array:
+        """(m,) energy that load, weights and commands, and the preload as it comes, have put in [J]. It is what is
+        stored and what friction took, but for the steps' error: forces are taken as their means over each step.
+        """
+        states = self.states
+        force = _rows([s.loads.force for s in states])
+        moment = _rows([s.loads.moment - cross_rows(s.look.reference, s.loads.force) for s in states])
+        wedge = _rows([self.grasp.wedge(s.controls) for s in states])
+        gravity = _rows([s.look.elastic.gravity for s in states])
+        done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.torques, self.command)
+        done -= _done(self.forces.reshape(len(self), -1), wedge.reshape(len(self), -1)) + _done(gravity, self.q)
+        return read_only(np.cumsum([0.0, *done]))
+
+
+def _done(force: Array, moved: Array) -> Array:
+    """(m-1,) work of forces (m, k) along (m, k), of their means over each step."""
+    return np.asarray(((force[1:] + force[:-1]) / 2 * np.diff(moved, axis=0)).sum(axis=1))
 
 
 def _friction_work(s: State) -> float:

@@ -43,9 +43,9 @@ class Watch:
         same = a.kinds == b.kinds and a.marks == b.marks
         return not same and next(self._between(a, b), None) is not None
 
-    def events(self, a: State, b: State, stage: str, share: float) -> list[Event]:
+    def events(self, a: State, b: State, stage: str, number: int, share: float) -> list[Event]:
         """What happens from one state to the next."""
-        return [Event(kind, who, stage, share) for kind, who in self._between(a, b)]
+        return [Event(kind, who, stage, share, number) for kind, who in self._between(a, b)]
 
     def _between(self, a: State, b: State) -> Iterator[tuple[str, str]]:
         """(kind, who)."""

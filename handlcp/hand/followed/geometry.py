@@ -8,6 +8,7 @@ is a point of the box, and what is round rolls.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from handlcp.hand.followed.fingertips import finger_contacts
 from handlcp.hand.followed.motions import gone_on, moved_on
 from handlcp.hand.objects.plane_contacts import rolling_point
 from handlcp.hand.robot.posture import Posture
+from handlcp.tolerances import RANK
 
 __all__ = ["FollowedHand"]
 
@@ -53,7 +55,22 @@ class FollowedHand(Geometry):
         self._places, self._turns = np.zeros((self.n, 3)), np.tile(np.eye(3), (self.n, 1, 1))
         self._none = np.zeros(hand.nv)
         still = (np.eye(3), np.zeros(3))
-        self.start = Where(mechanism.posture.q, np.zeros((self.n, 3)), np.zeros(self.n), still)
+        self.posture = mechanism.posture.q
+        self.start = Where(self.posture, np.zeros((self.n, 3)), np.zeros(self.n), still)
+        there = self.look(self.start, None)
+        self.gap = there.gap
+        self.start = replace(self.start, q=self._open(there))
+
+    def _open(self, there: Look) -> Array:
+        """(nv,) the posture, opened where fingertips overlap the object until they touch it: each joint moves as little
+        as it can, as in closing. What joints cannot open stays.
+        """
+        rows = there.elastic.J[2 : 3 * self.k : 3]
+        inside = np.flatnonzero(there.gap[: self.k] < 0.0)
+        if not len(inside):
+            return self.posture
+        back = np.linalg.lstsq(rows[inside], there.gap[inside], rcond=RANK)[0]
+        return read_only(self.posture + back)
 
     # ---- where the contacts are
     def look(self, at: Where, before: Look | None) -> Look:
@@ -97,8 +114,8 @@ class FollowedHand(Geometry):
     def slipped(self, a: Look, b: Look, carry: Array) -> Array:
         return slip_between(a.positions, a.frames, a.bodies, b.positions, b.frames, b.bodies, carry)
 
-    def moved(self, look: Look, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
-        (R, t), (R0, t0) = look.at.pose, since
+    def moved(self, pose: Any, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
+        (R, t), (R0, t0) = pose, since
         R, t, far, turned = moved_on(R, t, twist, centre, R0, t0, self._centre)
         return (R, t), max(far / self._least, turned)
 

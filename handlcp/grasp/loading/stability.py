@@ -1,0 +1,95 @@
+"""Whether a held object stays where it is: pushed a little, does it return?
+
+A step takes the geometry of its contacts where it looks at them, and ends where springs and friction balance the load.
+At the end of a path it ends where it looked. Looked at from a little beside that, it ends beside it by M times as much:
+forces turn with contacts that are pushed aside, and the springs answer. Where M has an eigenvalue above 1, every look
+leads further away: the springs do not hold what forces push on, as in a column that buckles. Power iteration finds it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.loading.geometry import Where
+from handlcp.grasp.loading.state import STILL, State
+from handlcp.grasp.loading.step import Stepper
+
+__all__ = ["STABLE", "first_unstable", "growth"]
+
+STABLE = 1.01  # growth up to which an object stays: one that may roll freely stays where it is pushed, which is 1
+_PUSH = 1e-5  # of the contacts' radii, and in radians
+_LOOKS, _FEW = 24, 3  # at most, and as many as are enough where a push comes to little
+_LITTLE, _SETTLED = 0.3, 0.02
+_ELSEWHERE = 50.0  # times as far as pushed: that is another equilibrium
+
+
+def first_unstable(stepper: Stepper, states: list[State]) -> tuple[int, Array] | None:
+    """The first of a path's states that does not stay where it is, by bisection, and the motion (6,) in which it
+    leaves; None where the last one stays.
+    """
+    low, high = 0, len(states) - 1
+    value, motion = growth(stepper, states[high])
+    if not value > STABLE:
+        return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        value, toward = growth(stepper, states[middle])
+        if value > STABLE:
+            high, motion = middle, toward
+        else:
+            low = middle
+    return high, motion
+
+
+def growth(stepper: Stepper, state: State) -> tuple[float, Array]:
+    """By how much a small push grows from look to look: the largest eigenvalue of M, below 0 where a push swings back;
+    and the object's motion (6,) in that push. 0 where contacts do not move, because then no force turns. NaN where it
+    is not known: a push found no answer, or another equilibrium, which may be far away.
+    """
+    geometry = stepper.geometry
+    if not geometry.follows:
+        return 0.0, STILL
+    still = stepper.settled(state, state.where)
+    if still is None:
+        return np.nan, STILL
+    size = _PUSH * float(state.look.radius.min())
+    push = np.random.default_rng(0).normal(size=6) * ([size] * 3 + [_PUSH] * 3)
+    pushed = geometry.moved(state.where.pose, push, state.look.reference, state.where.pose)[0]
+    beside = Where(state.where.q, state.where.give, state.where.turn, pushed)
+    grown, last, length = 0.0, np.inf, float(np.sqrt(push @ push))
+    before = _between(stepper, state.where, beside)
+    for count in range(1, _LOOKS + 1):
+        end = stepper.settled(state, beside)
+        if end is None:
+            return np.nan, STILL
+        after = _between(stepper, still, end)
+        grown = float(after @ before / (before @ before))
+        reached = float(np.sqrt(after @ after))
+        if reached > _ELSEWHERE * length:
+            return np.nan, STILL
+        near = abs(grown) < _LITTLE and reached < _LITTLE * length and count >= _FEW
+        if near or reached <= 1e-6 * length or abs(grown - last) <= _SETTLED * abs(grown):
+            break
+        last = grown
+        beside = _stretched(stepper, still, end, length / reached)
+        before = _between(stepper, still, beside)
+    return grown, before[-6:]
+
+
+def _between(stepper: Stepper, a: Where, b: Where) -> Array:
+    """All that differs: joints, pads and the object's pose."""
+    displacement = stepper.geometry.displacement
+    return np.concatenate(
+        [b.q - a.q, (b.give - a.give).ravel(), b.turn - a.turn, displacement(b.pose) - displacement(a.pose)]
+    )
+
+
+def _stretched(stepper: Stepper, a: Where, b: Where, times: float) -> Where:
+    """The configuration that is so many times as far from a as b is."""
+
+    def out(x: Array, y: Array) -> Array:
+        return np.asarray(x + times * (y - x))
+
+    pose = stepper.geometry.further(a.pose, b.pose, times - 1.0)
+    return Where(out(a.q, b.q), out(a.give, b.give), out(a.turn, b.turn), pose)
