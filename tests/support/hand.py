@@ -137,7 +137,7 @@ class _UnderLoad:
     def compliance(self, r: np.ndarray) -> np.ndarray | None:
         """(nv, nv) (K + K_g)⁻¹."""
         bent = self._bent(r)
-        return None if bent is None else self.joints.root @ self.joints.root.T + bent.softer
+        return None if bent is None else self.joints.root @ self.joints.root.T + bent.bent.softer
 
     def change(self, r: np.ndarray) -> np.ndarray | None:
         """(3n, 3n)."""
