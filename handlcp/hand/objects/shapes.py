@@ -32,19 +32,17 @@ class Box(Object):
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Outside: clamped to the faces. Inside: straight out through the nearest face."""
         R, p = self.frame
-        x = ((point - p) @ R).tolist()
-        half = self._half
-        over = [abs(x[k]) - half[k] for k in range(3)]
-        distance, out = max(over), [0.0, 0.0, 0.0]
+        x, half = ((point - p) @ R).tolist(), self._half
+        over = [abs(x[0]) - half[0], abs(x[1]) - half[1], abs(x[2]) - half[2]]
+        distance, way = max(over), [0.0, 0.0, 0.0]
         if distance > 0.0:
-            on = [min(max(x[k], -half[k]), half[k]) for k in range(3)]
-            distance = sqrt(sum((x[k] - on[k]) ** 2 for k in range(3)))
-            out = [(x[k] - on[k]) / distance for k in range(3)]
+            distance = sqrt(sum(o * o for o in over if o > 0.0))
+            way = [copysign(o / distance, a) if o > 0.0 else 0.0 for o, a in zip(over, x, strict=True)]
         else:
-            k, on = over.index(distance), x
-            out[k] = copysign(1.0, x[k])
-            on[k] = out[k] * half[k]
-        return distance, R @ on + p, R @ out
+            k = over.index(distance)
+            way[k] = copysign(1.0, x[k])
+        out = R @ way
+        return distance, point - distance * out, out
 
 
 class Sphere(Object):
