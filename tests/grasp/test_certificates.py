@@ -49,6 +49,21 @@ def test_every_corrupted_motion_is_refused(answer):
             assert not judged(g, f, bad).passes
 
 
+def test_a_motion_at_a_rigid_support_is_refused_as_it_changes_the_fingers_forces():
+    """Two springs squeeze a ball that stands on a rigid point: 1e-6 of what bends the stiffer one is too much there."""
+    z = np.array([[1.0, 0, 0], [-1.0, 0, 0], [0, 0, 1.0]])
+    contacts = [hl.Contact(-0.03 * n, n, hl.Coulomb(0.5)) for n in z]
+    E = np.diag(np.repeat([1e-4, 1e-3, 0.0], 3))
+    g = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=E, preload=[1e-3, 1e-3, 0.0])
+    s = g.solve()
+    f, u = s.forces.copy(), at_centre(g, s)
+    assert judged(g, f, u).passes
+    for i in range(3):  # rigid across and along the normal
+        bad = u.copy()
+        bad[i] += 1e-6 * 1e-4 * abs(f).max()
+        assert not judged(g, f, bad).passes
+
+
 def test_forces_scaled_beyond_balance_are_refused(answer):
     g, f, u = answer
     assert judged(g, 1.001 * f, u).balance > 1e-5

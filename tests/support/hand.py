@@ -14,7 +14,7 @@ from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.plane_contacts import RIM
 from handlcp.hand.objects.plane_contacts import _needed as _points_needed
 from handlcp.hand.robot.contact_hessian import contact_hessian
-from handlcp.hand.robot.tip_geometry import sphere_tip
+from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
 from handlcp.hand.torques import torque_check
 
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "mimic",
     "points_needed",
     "psyonic",
+    "shape_near",
     "torque_check_of",
     "under_load",
     "urdf",
@@ -45,6 +46,12 @@ __all__ = [
 def ball_near(radius: float, centre: Any, obj: Object) -> Any:
     """How a ball stands to an object: gap, position on the object, tip_point on the ball, normal into the object."""
     return nearest(sphere_tip(radius), np.asarray(centre, float), np.eye(3), obj)
+
+
+def shape_near(geometry: Any, rotation: np.ndarray, position: np.ndarray, obj: Object) -> Any:
+    """As `ball_near` for any shape of coal's, placed by rotation (3, 3) and position (3,) [m]."""
+    shape = TipShape(geometry, np.eye(3), np.zeros(3), None)
+    return nearest((shape,), position, rotation, obj)
 
 
 def gaps(hand: Hand, q: Any, obj: Object) -> np.ndarray:
@@ -130,7 +137,7 @@ class _UnderLoad:
     def compliance(self, r: np.ndarray) -> np.ndarray | None:
         """(nv, nv) (K + K_g)⁻¹."""
         bent = self._bent(r)
-        return None if bent is None else self.joints.root @ self.joints.root.T + bent.softer
+        return None if bent is None else self.joints.root @ self.joints.root.T + bent.bent.softer
 
     def change(self, r: np.ndarray) -> np.ndarray | None:
         """(3n, 3n)."""

@@ -101,7 +101,9 @@ class _Hand:
             K_g = kin.bending(self.world[:k])
             self.gives = np.linalg.solve(np.eye(nv) + asked.compliance @ K_g, asked.compliance)
             pulled = self.torque + K_g @ asked.command
-        self.given_way = self.gives @ pulled
+        self.given_way, self.bent = self.gives @ pulled, np.zeros(nv)
+        if asked.bends:  # the torques are those of the posture that the joints give way to
+            self.bent = K_g @ (asked.command - self.given_way)
         self.held = self.gives @ (pulled - self.push) - asked.command  # of the fingers' weight, and what was commanded
         self.V = max(abs(self.at_tips(self.given_way)).max(), abs(asked.offset).max(), abs(asked.pad * self.f).max())
 
@@ -114,7 +116,7 @@ class _Hand:
         """Torques by virtual work, and by how much they bend the joints."""
         lever = max(np.sqrt((self.J**2).sum((0, 1))).max(), 1e-9)
         return {
-            "torques": abs(self.s.torques - self.torque).max() / (self.F * self.size),
+            "torques": abs(self.s.torques - self.torque - self.bent).max() / (self.F * self.size),
             "deflection": abs(self.s.joint_deflection - self.given_way).max() * lever / self.V,
         }
 

@@ -107,9 +107,10 @@ def of_case(case, solution) -> Laws:
     soft = np.trace(case.E.reshape(n, 3, n, 3)[np.arange(n), :, np.arange(n)], axis1=1, axis2=2) / 3
     F = _size_of_forces(case, f, float(np.hypot(np.linalg.norm(case.w[:3]), np.linalg.norm(moment) / L)), soft)
     v, size = _motion(case, f, np.r_[u[:3] - np.cross(u[3:], case.reference), u[3:]])
-    V = np.maximum(size.max(1), soft * F)
+    least = _least_motions(soft * F, case.d, L)
+    V = np.maximum(size.max(1), least)
     V = np.maximum(V, 1e-12 * (V.max() or 1.0))
-    along = np.maximum(np.maximum(size[:, 2], soft * F), 1e-7 * V)  # rounding of the large terms stays allowed
+    along = np.maximum(np.maximum(size[:, 2], least), 1e-7 * V)  # rounding of the large terms stays allowed
     said, faces = np.column_stack([slip, gap]), case.faces
     if case.plane is not None:
         faces, v[:, 1], said[:, 1] = 2, 0.0, 0.0
@@ -118,6 +119,15 @@ def of_case(case, solution) -> Laws:
     missed = contact(limits, f[:, 2], v[:, 2], f[:, :2], v[:, :2], F, V, along)
     load = np.r_[case.w[:3], moment]
     return Laws(balance(case.p - centre, world, load, L, F), *missed, reported(said, v, V))
+
+
+def _least_motions(give, d, size) -> np.ndarray:
+    """(n,) what a contact's motion is measured by at least: how far F bends it, and where it is rigid, the stiffest of
+    the others, whose force changes with it. Where all are rigid no force does: a share of the offsets, or of the size.
+    """
+    bends = give > 0
+    stiffest = give[bends].min() if bends.any() else 1e-3 * (float(np.sqrt((d**2).mean())) or size)
+    return np.where(bends, give, stiffest)
 
 
 def _size_of_forces(case, f, load, soft) -> float:

@@ -2,11 +2,13 @@
 
     E = J (K + K_g)⁻¹ Jᵀ + pads,    K_g(f) = ∂(J(q)ᵀ f)/∂q,    f the finger's force on the object, fixed in the world
     d += J [(K + K_g)⁻¹ g - K⁻¹ g + (K + K_g)⁻¹ K_g δq],       g the fingers' weight, δq a commanded offset, if any
+    τ = Jᵀ f + g + K_g (δq - δ)
 
 The springs hold K δ = J(q)ᵀ f where the joints stand at q = q_c - δ. To first order in δ that is Jᵀ f - K_g δ, so that
-(K + K_g) δ = Jᵀ f. The sign, on one link p with a spring k: τ = f · (ω × p) and ∂τ/∂q = -f · p across the axis. A
-finger that pushes along itself, away from its joint, is a column: k - |f||p|, softer, and it buckles where nothing is
-left. One that pulls is stiffer. K_g is symmetric: it holds second derivatives of the contact points.
+(K + K_g) δ = Jᵀ f. The torques are those of that posture, what the springs hold. The sign, on one link p with a spring
+k: τ = f · (ω × p) and ∂τ/∂q = -f · p across the axis. A finger that pushes along itself, away from its joint, is a
+column: k - |f||p|, softer, and it buckles where nothing is left. One that pulls is stiffer. K_g is symmetric: it holds
+second derivatives of the contact points.
 
 Small changes about a posture that carries f are exact. Seen from the unloaded posture, joint deflections have an error
 of second order, where K alone has one of first order. Tips keep about half of the error of K alone, because their
@@ -20,6 +22,7 @@ stays (`handlcp.grasp.solve.force_iteration`); an answer passes only with the E 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +43,18 @@ __all__ = ["GeometricStiffness"]
 _SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
 
 
+class Bent(NamedTuple):
+    """Joints under the forces of an answer. softer : (nv, nv) [rad/(N·m)], by how much they give way more. off : (nv,)
+    [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad]. held : (nv,) [rad],
+    how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
+    """
+
+    softer: Array
+    off: Array
+    stiffness: Array
+    held: Array
+
+
 @dataclass(frozen=True, eq=False)
 class GeometricStiffness(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[GeometricStiffness()])`.
@@ -47,12 +62,10 @@ class GeometricStiffness(Effect):
     The grasp's `flexibility`, `problem()` and `plan()` are those of unloaded fingers; the solution's `scene` has the E
     of its forces.
 
-    softer : (nv, nv) [rad/(N·m)] and off : (nv,) [rad]: by how much the joints give way more under the forces of an
-    answer, and how far their command and weight move them for it; None where no forces are known.
+    bent : what the forces of an answer do to the joints; None where no forces are known.
     """
 
-    softer: Array | None = field(default=None, repr=False)
-    off: Array | None = field(default=None, repr=False)
+    bent: Bent | None = field(default=None, repr=False)
 
     title = "geometric stiffness"
     equation = "E = J (K + K_g)⁻¹ Jᵀ + …,  K_g = ∂(Jᵀ f)/∂q"
@@ -115,30 +128,36 @@ class GeometricStiffness(Effect):
             names = [name for name, m in zip(joints.names, moved, strict=True) if m > _SHARE * moved.max()]
             return f"K + K_g is not positive definite: {', '.join(names)} buckle under these forces"
         softer = -A @ np.linalg.solve(bracket, change @ A.T)  # the difference itself, not that of two large matrices
-        softer, off = (softer + softer.T) / 2, np.zeros(len(joints.names))
+        softer, off, held = (softer + softer.T) / 2, np.zeros(len(joints.names)), np.zeros(len(joints.names))
         for e in others:
             if isinstance(e, FingerWeight) and e.sags:
                 off += softer @ e.torque
+                held -= joints.deflection(e.torque)
             elif isinstance(e, JointOffset):
                 torque = K_g @ e.command
                 off += joints.deflection(torque) + softer @ torque
-        return GeometricStiffness(read_only(softer), read_only(off))
+                held += e.command
+        return GeometricStiffness(Bent(*map(read_only, (softer, off, K_g, held))))
 
     def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """J [(K + K_g)⁻¹ - K⁻¹] Jᵀ."""
-        if self.softer is None or at.mechanism is None:
+        if self.bent is None or at.mechanism is None:
             return None
         rows = at.mechanism.rows(soft)
-        E = rows @ self.softer @ rows.T
+        E = rows @ self.bent.softer @ rows.T
         return np.asarray((E + E.T) / 2)
 
     def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """What weight and command do with the fingers bent."""
-        return None if self.off is None or at.mechanism is None else np.asarray(at.mechanism.rows(soft) @ self.off)
+        bent, joints = self.bent, at.mechanism
+        return None if bent is None or joints is None else np.asarray(joints.rows(soft) @ bent.off)
 
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
-        """(K + K_g)⁻¹ (Jᵀ f + g + K_g δq)."""
-        if self.softer is None or self.off is None or scene.mechanism is None:
+        """δ = (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), and the torques of the posture that it leads to."""
+        bent = self.bent
+        if bent is None or scene.mechanism is None:
             return joints
-        more = self.softer @ (forces.reshape(-1) @ scene.mechanism.jacobian) + self.off
-        return replace(joints, deflection=joints.deflection + more)
+        push = forces.reshape(-1) @ scene.mechanism.jacobian
+        more = bent.softer @ push + bent.off
+        moved = bent.held - scene.mechanism.deflection(push) - more
+        return replace(joints, torque=joints.torque + bent.stiffness @ moved, deflection=joints.deflection + more)

@@ -4,7 +4,7 @@
 
 Every solve is certified for its E, and the last one for the E of its own forces: that is what SOLVED means here. Where
 an effect has none under the forces (fingers buckle), where the forces keep changing, or where the changed grasp has no
-answer, nothing is claimed. Torques are those in the given posture, Jᵀ f.
+answer, nothing is claimed.
 """
 
 from __future__ import annotations

@@ -18,6 +18,9 @@ from handlcp.lcp.kernels.projection import nearest
 
 __all__ = ["Friction", "Misses", "examine", "in_world"]
 
+_ROUNDING = 1e-6  # of the largest term: the certifier allows 1e-8 of it, a hundred roundings of the sum
+_NOTHING_GIVES = 1e-3  # of the natural unit of motion: the certifier allows 1e-11 of that unit, as the solvers do
+
 
 class Friction(NamedTuple):
     """limits (n,) radius of each contact's friction set, or distance of its faces, per newton of normal force; faces
@@ -62,42 +65,49 @@ def examine(
         nan = np.nan
         return np.full(len(forces), nan), Misses(nan, nan, nan, nan, nan, nan, nan, nan)
     G, lost = p.grasp_matrix, p.wrench.copy()
-    v, own = _motions(G, g.flexibility, offset, forces, twist)
+    v, own, terms = _motions(G, g.flexibility, offset, forces, twist)
     for k in range(6):
         for j in range(len(forces)):
             lost[k] += G[k, j] * forces[j]
     lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
     lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
-    F, V = _sizes(g, p, contacts, offset, forces, own, growth)
+    F, V = _sizes(g, p, contacts, offset, forces, own, terms, growth)
     normal, cone, slip = _laws(contacts, f, forces, v, F, V)
     balance = np.sqrt(lost_force**2 + (lost_moment / p.length) ** 2) / F
     return v, Misses(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
 
 
 @kernel
-def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array]:
-    """Of the components (c,): v, and the largest term of each sum."""
+def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array, Array]:
+    """Of the components (c,): v; the largest of what adds up to it, Gᵀ u, E r and d; and the largest single term."""
     c = len(forces)
-    v, own = np.empty(c), np.empty(c)
+    v, own, terms = np.empty(c), np.empty(c), np.empty(c)
     for i in range(c):
-        move, retreat = 0.0, 0.0
+        move, retreat, largest = 0.0, 0.0, abs(offset[i])
         for k in range(6):
-            move += G[k, i] * twist[k]
+            term = G[k, i] * twist[k]
+            move += term
+            largest = max(largest, abs(term))
         for j in range(c):
-            retreat += E[i, j] * forces[j]
+            term = E[i, j] * forces[j]
+            retreat += term
+            largest = max(largest, abs(term))
         v[i] = move + retreat + offset[i]
         own[i] = max(abs(move), abs(retreat), abs(offset[i]))
-    return v, own
+        terms[i] = largest
+    return v, own, terms
 
 
 @kernel
 def _sizes(
-    g: Given, p: Posed, contacts: Ints, offset: Array, forces: Array, own: Array, growth: float
+    g: Given, p: Posed, contacts: Ints, offset: Array, forces: Array, own: Array, terms: Array, growth: float
 ) -> tuple[float, Array]:
     """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
 
     F is the largest force of the candidate, at least the load's size (the natural unit where there is no load) and at
-    most `growth` times that. V is the largest term of the contact's own motions, at least its retreat under F.
+    most `growth` times that. V is the largest of what adds up to the contact's motion, at least its retreat under F.
+    A rigid contact that sticks has neither: it is measured by the retreat of the stiffest of the others, as a motion of
+    it changes their forces.
     """
     load, wrench, E = 0.0, p.wrench, g.flexibility
     for k in range(6):
@@ -106,18 +116,26 @@ def _sizes(
     if load == 0.0:
         load = p.force
     F = min(max(np.max(np.abs(forces)), load), growth * load)
-    V = np.empty(len(contacts))
+    V, rigid = np.empty(len(contacts)), np.inf
     for i in range(len(contacts)):
-        softness, largest, shift = 0.0, 0.0, 0.0
-        count = 4 if contacts[i, 3] >= 0 else 3
+        softness, count = 0.0, 4 if contacts[i, 3] >= 0 else 3
         for a in range(count):
             j = 3 * i + a if a < 3 else contacts[i, 3]
             softness += E[j, j] / count
-            largest, shift = max(largest, own[j]), max(shift, abs(offset[j]))
+        V[i] = softness * F
+        if V[i] > 0.0:
+            rigid = min(rigid, V[i])
+    if rigid == np.inf:  # forces depend on no motion
+        rigid = _NOTHING_GIVES * p.motion
+    for i in range(len(contacts)):
+        largest, shift, rounded = 0.0, 0.0, 0.0
+        count = 4 if contacts[i, 3] >= 0 else 3
+        for a in range(count):
+            j = 3 * i + a if a < 3 else contacts[i, 3]
+            largest, shift, rounded = max(largest, own[j]), max(shift, abs(offset[j])), max(rounded, terms[j])
         # A long slide excuses no overlap: beyond `growth` times what the finger itself can give way, no more allowance
-        retreat = softness * F
-        give = max(retreat, shift)
-        V[i] = max(min(largest, growth * give) if give > 0.0 else largest, retreat, 1e-12 * p.motion)
+        give, least = max(V[i], shift), V[i] if V[i] > 0.0 else rigid
+        V[i] = max(min(largest, growth * give) if give > 0.0 else largest, least, _ROUNDING * rounded)
     return F, V
 
 

@@ -18,13 +18,14 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.holdable import generators, is_escape
 from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
+from handlcp.tolerances import ACTIVE
 
 __all__ = ["overload"]
 
 
 def overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) -> Array | None:
-    """(dof + limits,) a certified proof (t, y) in natural units, limits in the effects' order; None: no limit, or some
-    force within all of them balances the load.
+    """(dof + limits,) a certified proof (t, y) in natural units, limits in the effects' order; None: none gives way,
+    or some force within all of them balances the load.
     """
     rows, room = stacked(scene, every_limit(scene, effects))
     if not len(room):
@@ -39,4 +40,6 @@ def overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) -> Arr
         bounds=[(-1.0, 1.0)] * scene.dof + [(0.0, 1.0)] * len(room),
         method="highs",
     )
-    return lp.x if lp.x is not None and is_escape(scene, section, lp.x, effects) else None
+    if lp.x is None or not lp.x[scene.dof :].max() > ACTIVE * abs(lp.x).max():
+        return None  # without any limit nothing would hold the object: not a question of limits
+    return lp.x if is_escape(scene, section, lp.x, effects) else None

@@ -1,12 +1,13 @@
-"""Detection of contacts: nearest points, normal and signed gap between a fingertip and an object, mostly by coal."""
+"""Detection of contacts: nearest points, normal and signed gap between a fingertip and an object.
+
+Those of spherical fingertips are closed forms of the object; those of others are coal's, checked.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-import coal
 import numpy as np
 
 from handlcp.check import Array
@@ -14,19 +15,12 @@ from handlcp.errors import InputError, NotReached
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.vectors import cross_rows
-from handlcp.hand.objects.meshes import winding
+from handlcp.hand.objects.distance import distance
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import TipShape
 
 __all__ = ["Proximity", "nearest", "touching"]
-
-# Tolerance of GJK and EPA on the distance [m]: on ellipsoids 1e-10 gives distances to 1e-10 and points to 1e-6; 1e-14
-# gives distances to 3e-7, and points no better.
-_REQUEST = coal.DistanceRequest()  # coal only reads it
-_REQUEST.enable_signed_distance = True
-_REQUEST.gjk_tolerance = _REQUEST.epa_tolerance = 1e-10
-_REQUEST.gjk_max_iterations = _REQUEST.epa_max_iterations = 1000
 
 _UNTURNED = np.eye(3)  # for balls, whose rotation does not matter
 
@@ -48,7 +42,8 @@ class Proximity:
 def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj: Object) -> Proximity:
     """The proximity of the nearest of a tip's shapes; position (3,) and rotation (3, 3) are those of the tip frame.
 
-    Raises InputError for an object that is not convex where the tip is not a sphere.
+    Raises InputError for an object that is not convex where the tip is not a sphere; Unsupported where a distance
+    cannot be computed.
     """
     if len(shapes) == 1 and shapes[0].central:
         return _nearest(shapes[0], position, _UNTURNED, obj)
@@ -74,33 +69,16 @@ def touching(
 
 def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
     if shape.radius is not None:
-        known = obj.closest(p) if obj.triangles is None else _to_triangles(p, obj, obj.triangles)
+        known = obj.closest(p)
         if known is not None:
-            distance, x, outward = known
-            return Proximity(distance - shape.radius, x, p - shape.radius * outward, -outward)
+            away, x, outward = known
+            return Proximity(away - shape.radius, x, p - shape.radius * outward, -outward)
     elif obj.triangles is not None:
         expected = "spherical fingertips for an object that is not convex"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
-    gap, on_tip, on_object, normal = _distance(shape.geometry, coal.Transform3s(R, p), obj)
+    names = f"{shape.name} ({type(shape.geometry).__name__})", repr(obj)
+    gap, on_tip, on_object, normal = distance(shape.geometry, (R, p), obj.geometry, obj.frame, names)
     return Proximity(gap, on_object, on_tip, normal)
-
-
-def _to_triangles(p: Array, obj: Object, triangles: Array) -> tuple[float, Array, Array]:
-    """As `Object.closest`, for a closed surface: coal's distance of a tiny ball, with the winding number's sign."""
-    tiny = 1e-9 * float(np.ptp(triangles, axis=(0, 1)).max())
-    distance, _, x, normal = _distance(coal.Sphere(tiny), coal.Transform3s(_UNTURNED, p), obj)
-    sign = -1.0 if abs(winding(obj.placement.actInv(p), triangles)) > 0.5 else 1.0
-    apart = p - x
-    length = float(np.sqrt(apart @ apart))
-    outward = -normal if length <= 2 * tiny else sign * apart / length
-    return sign * max(distance + tiny, length), x, outward
-
-
-def _distance(geometry: Any, transform: Any, obj: Object) -> tuple[float, Array, Array, Array]:
-    """Coal's signed distance [m], its nearest points on the geometry and on the object, and its normal."""
-    result = coal.DistanceResult()
-    gap = float(coal.distance(geometry, transform, obj.geometry, obj.transform, _REQUEST, result))
-    return gap, np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2()), np.array(result.normal)
 
 
 def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]) -> tuple[Contact, ...]:

@@ -1,8 +1,4 @@
-"""Mesh files, read by coal: a convex mesh becomes its hull, any other keeps its triangles.
-
-coal 3.0.3 measures a wrong distance between a triangle mesh and a ball that overlaps it (-3.9 mm instead of -5 mm), and
-the right one for a ball too small to overlap. For meshes that are not convex only distances of points are computed.
-"""
+"""Mesh files, read by coal: a convex mesh becomes its hull, any other keeps its triangles."""
 
 from __future__ import annotations
 
@@ -15,9 +11,9 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.hand.objects.object import Solid
-from handlcp.hand.robot.tip_geometry import hull
+from handlcp.hand.robot.hull import hull
 
-__all__ = ["closed", "load_mesh", "triangles_of", "winding"]
+__all__ = ["closed", "load_mesh", "triangles_of"]
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 _FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
@@ -48,7 +44,9 @@ def load_mesh(path: Any, scale: Array) -> Solid:
     volume, moment = _enclosed(triangles)
     if abs(volume) <= _FLAT * float(np.ptp(triangles, axis=(0, 1)).max()) ** 3:
         raise InputError("path", "a closed mesh that encloses a volume", f"{str(file)!r}: {volume:.3g} m³")
-    around = hull(tree)
+    around = hull(triangles.reshape(-1, 3))
+    if around is None:  # whatever it encloses, it has no thickness that counts
+        raise InputError("path", "a mesh that encloses a volume", f"{str(file)!r}, which is flat")
     filled = float(around.computeVolume())
     convex = abs(abs(volume) - filled) <= CONVEX * filled
     if closed(triangles):
@@ -79,12 +77,3 @@ def closed(triangles: Array) -> bool:
     n = len(triangles) * 3
     there, back = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
     return bool(np.array_equal(np.sort(there), np.sort(back)))
-
-
-def winding(point: Array, triangles: Array) -> float:
-    """How often a closed surface winds around a point: ±1 inside, 0 outside. The sum of the solid angles over 4π."""
-    a, b, c = (triangles - point).transpose(1, 0, 2)
-    la, lb, lc = np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1), np.linalg.norm(c, axis=1)
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-    below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    return float(2 * np.arctan2(volume, below).sum() / (4 * np.pi))

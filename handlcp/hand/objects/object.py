@@ -48,18 +48,19 @@ class Object:
     mass : [kg], ≥ 0; its weight acts at the centre of mass. None: 0, or density · volume.
     density : [kg/m³], ≥ 0, in place of a mass.
 
-    Attributes: mass, volume [m³], geometry (coal's shape), transform (the placement for coal), triangles (m, 3, 3) [m]
-    of a shape that is not convex (otherwise None).
+    Attributes: mass, volume [m³], geometry (coal's shape), transform (the placement for coal), frame (its rotation
+    (3, 3) and position (3,) [m]), triangles (m, 3, 3) [m] of a shape that is not convex (otherwise None).
     Raises InputError; also where both a mass and a density are given.
     """
 
-    __slots__ = ("_args", "_centre", "_placement", "geometry", "mass", "transform", "triangles", "volume")
+    __slots__ = ("_args", "_centre", "_placement", "frame", "geometry", "mass", "transform", "triangles", "volume")
 
     def __init__(self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...]) -> None:
         """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`."""
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
         self._placement = _read_placement(placement)
-        self.transform = coal.Transform3s(self._placement.rotation, self._placement.translation)
+        self.frame = read_only(self._placement.rotation.copy()), read_only(self._placement.translation.copy())
+        self.transform = coal.Transform3s(*self.frame)
         self.mass = _read_mass(mass, density, solid.volume)
         self._centre, self._args = solid.centre, args
 
@@ -79,7 +80,7 @@ class Object:
         return cast(Object, make(*self._args, placement, self.mass))
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
-        """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: ask coal."""
+        """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: unknown."""
         return None
 
     def __setattr__(self, name: str, value: object) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import copysign, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.hand.objects.meshes import load_mesh
 from handlcp.hand.objects.object import Object, Solid
+from handlcp.hand.objects.triangles import Surface, closest_of
 
 __all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere"]
 
@@ -19,12 +21,28 @@ __all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere"]
 class Box(Object):
     """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""
 
-    __slots__ = ("size",)
+    __slots__ = ("_half", "size")
 
     def __init__(self, size: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.size = _lengths("size", size)
+        self._half = (0.5 * self.size).tolist()
         solid = Solid(coal.Box(*self.size), float(np.prod(self.size)))
         super().__init__(solid, placement, mass, density, (self.size,))
+
+    def closest(self, point: Array) -> tuple[float, Array, Array]:
+        """Outside: clamped to the faces. Inside: straight out through the nearest face."""
+        R, p = self.frame
+        x, half = ((point - p) @ R).tolist(), self._half
+        over = [abs(x[0]) - half[0], abs(x[1]) - half[1], abs(x[2]) - half[2]]
+        distance, way = max(over), [0.0, 0.0, 0.0]
+        if distance > 0.0:
+            distance = sqrt(sum(o * o for o in over if o > 0.0))
+            way = [copysign(o / distance, a) if o > 0.0 else 0.0 for o, a in zip(over, x, strict=True)]
+        else:
+            k = over.index(distance)
+            way[k] = copysign(1.0, x[k])
+        out = R @ way
+        return distance, point - distance * out, out
 
 
 class Sphere(Object):
@@ -37,12 +55,19 @@ class Sphere(Object):
         solid = Solid(coal.Sphere(self.radius), 4 / 3 * np.pi * self.radius**3)
         super().__init__(solid, placement, mass, density, (self.radius,))
 
+    def closest(self, point: Array) -> tuple[float, Array, Array]:
+        """Along the line from the centre; at the centre any way out is as long, and the one along x is taken."""
+        _, p = self.frame
+        away = point - p
+        length = sqrt(float(away @ away))
+        out = away / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
+        return length - self.radius, p + self.radius * out, out
+
 
 class Cylinder(Object):
     """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame.
 
-    For a ball with its centre inside the cylinder, near an end, coal 3.0.3 measures -24 mm instead of -11 mm. The
-    nearest point to spherical fingertips is therefore computed here.
+    For a ball with its centre inside the cylinder, near an end, coal 3.0.3 measures -24 mm instead of -11 mm.
     """
 
     __slots__ = ("length", "radius")
@@ -56,7 +81,7 @@ class Cylinder(Object):
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Outside: clamped to the lateral surface and the ends. Inside: straight out through the nearer of the two."""
-        R, p = self._placement.rotation, self._placement.translation
+        R, p = self.frame
         x, y, z = R.T @ (point - p)
         away = float(np.hypot(x, y))
         cx, cy = (x / away, y / away) if away > 0 else (1.0, 0.0)
@@ -76,8 +101,8 @@ class Cylinder(Object):
 class Ellipsoid(Object):
     """An ellipsoid with semi-axes `radii` (3,) [m] along its axes.
 
-    coal's distance to an ellipsoid is iterative: points are good to about 1e-6 m, normals to 1e-4. The nearest point to
-    spherical fingertips is therefore computed here, to rounding.
+    coal's distance to an ellipsoid is iterative: points are good to about 1e-6 m, normals to 1e-4. That to spherical
+    fingertips is computed here, to rounding.
     """
 
     __slots__ = ("radii",)
@@ -89,7 +114,7 @@ class Ellipsoid(Object):
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Of a point c: x = a² c / (t + a²), |x / a| = 1, radii a. Newton's method finds t from the left (convex)."""
-        R, p = self._placement.rotation, self._placement.translation
+        R, p = self.frame
         squares = self.radii * self.radii
         c = R.T @ (point - p)
         weights = squares * c * c
@@ -120,7 +145,7 @@ class Mesh(Object):
     has the volume NaN and takes no density.
     """
 
-    __slots__ = ("convex", "path", "scale")
+    __slots__ = ("_surface", "convex", "path", "scale")
 
     def __init__(
         self, path: Any, scale: Any = 1.0, placement: Any = None, mass: Any = None, *, density: Any = None
@@ -130,7 +155,15 @@ class Mesh(Object):
             raise InputError("scale", "numbers above 0", repr(scale))
         solid = load_mesh(path, np.ones(3) * scales)
         self.path, self.scale, self.convex = Path(path), scales, solid.triangles is None
+        self._surface = Surface(solid.geometry) if solid.triangles is None else solid.triangles
         super().__init__(solid, placement, mass, density, (self.path, self.scale))
+
+    def closest(self, point: Array) -> tuple[float, Array, Array]:
+        """Of a convex mesh by its planes and visible faces, of any other by its triangles and the winding number."""
+        R, p = self.frame
+        x, surface = R.T @ (point - p), self._surface
+        distance, on, out = surface.closest(x) if isinstance(surface, Surface) else closest_of(x, surface)
+        return distance, R @ on + p, R @ out
 
 
 def _lengths(argument: str, value: Any) -> Array:

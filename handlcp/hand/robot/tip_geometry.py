@@ -15,10 +15,11 @@ import pinocchio as pin
 
 from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import URDFError
+from handlcp.hand.robot.hull import hull
 from handlcp.hand.robot.kinematics import TipFrames
 from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
 
-__all__ = ["TipGeometry", "TipShape", "hull", "read_radii", "sphere_tip", "urdf_tip"]
+__all__ = ["TipGeometry", "TipShape", "read_radii", "sphere_tip", "urdf_tip"]
 
 _CONVEX = (coal.Sphere, coal.Box, coal.Cylinder, coal.Capsule, coal.Ellipsoid, coal.ConvexBase)
 
@@ -28,6 +29,7 @@ class TipShape:
     """One convex shape of a fingertip: coal's geometry and its placement in the tip frame.
 
     radius : [m] of a sphere, None for other shapes. central : whether it is a sphere about the origin of the tip frame.
+    name : for messages.
     """
 
     geometry: Any
@@ -35,6 +37,7 @@ class TipShape:
     translation: Array
     radius: float | None
     central: bool = False
+    name: str = "a fingertip"
 
 
 class TipGeometry:
@@ -105,21 +108,18 @@ def urdf_tip(model: Any, root: ET.Element, tip: int, folders: Sequence[Path]) ->
     return tuple(_shape(frame.name, g.geometry, frame.placement.actInv(g.placement)) for g in found.geometryObjects)
 
 
-def hull(mesh: Any) -> Any:
-    """The convex hull of a coal mesh."""
-    mesh.buildConvexHull(True, "Qt")
-    return mesh.convex
-
-
 def _shape(frame: str, geometry: Any, placement: Any) -> TipShape:
     if isinstance(geometry, coal.BVHModelBase):
-        geometry = hull(geometry)
+        if (made := hull(np.array(geometry.vertices(), dtype=float))) is None:
+            raise URDFError("source", f"a mesh for {frame!r} that encloses a volume", "one that is flat")
+        geometry = made
     elif not isinstance(geometry, _CONVEX):
         expected = f"a radius for {frame!r}, whose collision geometry is no convex shape"
         raise URDFError("tip_radius", expected, type(geometry).__name__)
     radius = float(geometry.radius) if isinstance(geometry, coal.Sphere) else None
     rotation, translation = read_only(placement.rotation.copy()), read_only(placement.translation.copy())
-    return TipShape(geometry, rotation, translation, radius, radius is not None and not translation.any())
+    central = radius is not None and not translation.any()
+    return TipShape(geometry, rotation, translation, radius, central, frame)
 
 
 def _colliding_links(model: Any, root: ET.Element, tip: int) -> set[str]:

@@ -1,0 +1,178 @@
+"""Gaps and depths of fingertips of any shape, judged by closed forms and by whether coal says that they touch."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from handlcp.errors import InputError, Unsupported, URDFError
+from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object
+from tests.support.hand import ball_near, shape_near, urdf
+
+CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
+
+
+def _turn(rng: np.random.Generator) -> np.ndarray:
+    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return np.asarray(Q * np.sign(np.linalg.det(Q)))
+
+
+def _lathe(path: Path, outline: list[tuple[float, float]], sides: int) -> Path:
+    """The solid that an outline of (radius, height) makes when turned about z, as an OBJ file; ends on the axis."""
+    a = 2 * np.pi * np.arange(sides) / sides
+    lines = [f"v 0 0 {z:.17g}" for r, z in outline if r == 0.0]
+    rings = [(r, z) for r, z in outline if r > 0.0]
+    lines += [f"v {r * np.cos(t):.17g} {r * np.sin(t):.17g} {z:.17g}" for r, z in rings for t in a]
+    for i in range(sides):
+        j = (i + 1) % sides
+        lines += [f"f 1 {3 + j} {3 + i}", f"f 2 {3 + (len(rings) - 1) * sides + i} {3 + (len(rings) - 1) * sides + j}"]
+        for k in range(len(rings) - 1):
+            low, high = 3 + k * sides, 3 + (k + 1) * sides
+            lines += [f"f {low + i} {low + j} {high + j}", f"f {low + i} {high + j} {high + i}"]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def _pairs(seed: int, count: int, folder: Path) -> Iterator[tuple[Any, np.ndarray, np.ndarray, Object]]:
+    """Tips and objects that overlap: cylinders and capsules against boxes, cylinders, ellipsoids and a mesh."""
+    rng = np.random.default_rng(seed)
+    barrel = _lathe(folder / "barrel.obj", [(0.0, -0.03), (0.015, -0.03), (0.02, 0.0), (0.012, 0.03), (0.0, 0.03)], 24)
+    made = 0
+    while made < count:
+        a, b, c = rng.uniform(0.005, 0.03, 3)
+        placement = pin.SE3(_turn(rng), rng.normal(size=3) * 0.01)
+        tip = [coal.Cylinder(a, 2 * b), coal.Capsule(a, 2 * b), coal.Box(2 * a, 2 * b, 2 * c)][made % 3]
+        sizes = rng.uniform(0.005, 0.03, 3)
+        kinds = [
+            lambda s=sizes, P=placement: Box(2 * s, P),
+            lambda s=sizes, P=placement: Cylinder(s[0], 2 * s[1], P),
+            lambda s=sizes, P=placement: Ellipsoid(s, P),
+            lambda P=placement: Mesh(barrel, 1.0, P),
+        ]
+        obj, R = kinds[made % 4](), _turn(rng)
+        if _touch(tip, R, np.zeros(3), obj):
+            made += 1
+            yield tip, R, np.zeros(3), obj
+
+
+def _touch(tip: Any, R: np.ndarray, p: np.ndarray, obj: Object) -> bool:
+    """Coal's yes or no, which needs no depth."""
+    asked, found = coal.CollisionRequest(), coal.CollisionResult()
+    asked.gjk_tolerance = 1e-8
+    return coal.collide(tip, coal.Transform3s(R, p), obj.geometry, obj.transform, asked, found) > 0
+
+
+def test_every_depth_is_the_shortest_way_out(tmp_path: Path) -> None:
+    """Moved out along the normal by the depth the tip is free; moved by less in any direction it is not."""
+    rng = np.random.default_rng(1)
+    for tip, R, p, obj in _pairs(0, 150, tmp_path):
+        found = shape_near(tip, R, p, obj)
+        assert -0.2 < found.gap < 0.0
+        assert np.linalg.norm(found.normal) == pytest.approx(1.0)
+        assert not _touch(tip, R, p + (found.gap - CLEAR) * found.normal, obj)
+        for way in np.vstack([-found.normal, rng.normal(size=(20, 3))]):
+            assert _touch(tip, R, p + max(-found.gap - CLEAR, 0.0) * way / np.linalg.norm(way), obj)
+        np.testing.assert_allclose(found.tip_point - found.position, -found.gap * found.normal, atol=1e-6)
+
+
+def test_every_gap_is_the_shortest_way_in(tmp_path: Path) -> None:
+    """The same of tips that are apart: moved by the gap along the normal they touch, by less in any way they don't."""
+    rng = np.random.default_rng(2)
+    for tip, R, p, obj in _pairs(1, 60, tmp_path):
+        away = rng.normal(size=3)
+        p = p + 0.15 * away / np.linalg.norm(away)
+        found = shape_near(tip, R, p, obj)
+        assert 0.0 < found.gap < 0.15
+        assert _touch(tip, R, p + (found.gap + CLEAR) * found.normal, obj)
+        for way in np.vstack([found.normal, rng.normal(size=(20, 3))]):
+            assert not _touch(tip, R, p + (found.gap - CLEAR) * way / np.linalg.norm(way), obj)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e-3, -4e-3])
+def test_a_cylinder_lying_in_a_slab_is_as_deep_as_its_radius_and_the_slab(shift: float) -> None:
+    """A finger of radius 8 mm lies `shift` above the middle of a slab, 20 mm thick: out through the nearer side."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        Q, c = _turn(rng), rng.normal(size=3)
+        lying = Q @ pin.exp3(np.array([np.pi / 2, 0.0, 0.0]))
+        found = shape_near(coal.Cylinder(0.008, 0.03), lying, c + Q[:, 2] * shift, Box((0.2, 0.2, 0.02), pin.SE3(Q, c)))
+        assert found.gap == pytest.approx(-(0.018 - abs(shift)), abs=1e-9)
+        assert abs(found.normal @ Q[:, 2]) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_ball_leaves_a_box_through_the_nearest_face() -> None:
+    """Closed form, whichever face, edge or corner is the nearest one; inside and outside."""
+    rng, size, r = np.random.default_rng(4), np.array([0.04, 0.06, 0.1]), 0.005
+    for _ in range(300):
+        P = pin.SE3(_turn(rng), rng.normal(size=3))
+        x = rng.uniform(-1, 1, 3) * size
+        over = abs(x) - size / 2
+        expected = np.linalg.norm(np.maximum(over, 0.0)) if over.max() > 0 else over.max()
+        found = ball_near(r, P.act(x), Box(size, P))
+        assert found.gap == pytest.approx(expected - r, abs=1e-12)
+        on = P.actInv(found.position)
+        assert (abs(on) - size / 2).max() == pytest.approx(0.0, abs=1e-12)
+        np.testing.assert_allclose(found.position - found.tip_point, found.gap * found.normal, atol=1e-12)
+
+
+@pytest.mark.parametrize("sides", [254, 300, 700])
+def test_fine_cones_and_cylinders_are_hulls_too(sides: int, tmp_path: Path) -> None:
+    """A vertex with hundreds of neighbours, and lids with hundreds of corners: volumes and gaps by hand."""
+    r, h = 0.02, 0.05
+    base = sides / 2 * np.sin(2 * np.pi / sides) * r**2
+    cone = Mesh(_lathe(tmp_path / "cone.obj", [(0.0, 0.0), (r, 0.0), (0.0, h)], sides), density=1.0)
+    drum = Mesh(_lathe(tmp_path / "drum.obj", [(0.0, 0.0), (r, 0.0), (r, h), (0.0, h)], sides), density=1.0)
+    assert cone.convex
+    assert drum.convex
+    assert cone.volume == pytest.approx(base * h / 3, rel=1e-5)
+    assert drum.volume == pytest.approx(base * h, rel=1e-6)
+    assert ball_near(0.01, (0.0, 0.0, h + 0.03), cone).gap == pytest.approx(0.02, abs=1e-6)
+    assert ball_near(0.01, (0.003, 0.001, h + 0.005), drum).gap == pytest.approx(-0.005, abs=1e-8)
+    post = coal.Cylinder(0.004, 0.02)
+    assert shape_near(post, np.eye(3), np.array([0.0, 0.0, h + 0.009]), drum).gap == pytest.approx(-0.001, abs=1e-7)
+    assert shape_near(post, np.eye(3), np.array([0.0, 0.0, -0.012]), cone).gap == pytest.approx(0.002, abs=1e-7)
+
+
+def _with_tips(folder: Path, mesh: str) -> Path:
+    """The two-finger hand with a mesh for the ball at each fingertip."""
+    text = urdf("two_finger").read_text(encoding="utf-8")
+    assert text.count("<sphere") > 0
+    out = folder / "hand.urdf"
+    out.write_text(re.sub(r"<sphere[^>]*/>", f'<mesh filename="{mesh}"/>', text), encoding="utf-8")
+    return out
+
+
+def test_a_fingertip_may_be_a_fine_cone_and_may_not_be_flat(tmp_path: Path) -> None:
+    """Coal refuses the one with a bare RuntimeError, and crashes on the other."""
+    _lathe(tmp_path / "cone.obj", [(0.0, -0.008), (0.008, -0.008), (0.0, 0.008)], 300)
+    hand = Hand.from_urdf(_with_tips(tmp_path, "cone.obj"), joint_stiffness=1.0)
+    tip = hand.at(np.zeros(4)).tip_positions[0]
+    state = hand.at(np.zeros(4))
+    found = state.grasp(Box(0.02, tip + np.array([0.0, 0.0, -0.0175])), fingers=[hand.fingertips[0]], max_gap=1.0)
+    assert np.isfinite(found.offset).all()
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")
+    hand = Hand.from_urdf(_with_tips(tmp_path, "flat.obj"), joint_stiffness=1.0)
+    with pytest.raises(URDFError, match=hand.fingertips[0]):
+        hand.at(np.zeros(4)).grasp(Box(0.02, tip), max_gap=1.0)
+
+
+def test_a_distance_that_cannot_be_checked_is_refused_with_names() -> None:
+    """Of a shape whose support function is not known; a position that is no number is no contact either."""
+    with pytest.raises(Unsupported, match=r"fingertip.*Box"):
+        shape_near(coal.Cone(0.01, 0.02), np.eye(3), np.zeros(3), Box(0.1))
+    with pytest.raises(Unsupported, match="confirmed"):
+        shape_near(coal.Cylinder(0.01, 0.02), np.eye(3), np.full(3, np.nan), Box(0.1))
+
+
+def test_a_mesh_that_is_flat_is_no_object(tmp_path: Path) -> None:
+    """A closed sheet of no thickness."""
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n")
+    with pytest.raises(InputError, match=r"flat\.obj"):
+        Mesh(tmp_path / "flat.obj")
