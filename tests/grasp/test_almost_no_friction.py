@@ -1,4 +1,4 @@
-"""Planar contacts with friction from 1e-12 to 1e-3: every question has an answer, and none breaks the linear algebra."""
+"""Planar contacts with friction from 1e-12 to 1e-3: every question has an answer, none breaks the linear algebra."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ QUICK = hl.Auto(search_seconds=0.3)
 
 
 def _planar(seed: int) -> hl.Grasp:
-    """One to five contacts around an object, many of them opposite each other, with and without limits on the forces."""
+    """One to five contacts around an object, many opposite each other, with and without limits on the forces."""
     rng = np.random.default_rng(seed)
     n, first = int(rng.integers(1, 6)), rng.uniform(0, 2 * np.pi)
     contacts = []

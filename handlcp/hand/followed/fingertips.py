@@ -11,8 +11,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Sphere
-from handlcp.hand.objects.surface import BALL, BOX, CYLINDER, ELLIPSOID, touched
+from handlcp.hand.objects.surface import touched
 
 __all__ = ["Find", "finger_contacts"]
 
@@ -26,24 +25,10 @@ def finger_contacts(hand: Any, spec: GraspSpec, mechanism: Any) -> Find:
     if mechanism.target is None:
         return _given(spec, mechanism)
     shapes = [hand.tip_shapes(i) for i in mechanism.tips]
-    solid = _closed_form(mechanism.target)
+    solid = mechanism.target.known
     if solid is not None and all(len(s) == 1 and s[0].radius is not None for s in shapes):
         return _balls(solid, mechanism.target, [s[0] for s in shapes])
     return _detected(mechanism.target, shapes)
-
-
-def _closed_form(obj: Object) -> tuple[int, Array] | None:
-    """(kind, sizes) as `surface.on_surface` knows the object; None: it does not."""
-    match obj:
-        case Sphere():
-            return BALL, np.full(3, obj.radius)
-        case Box():
-            return BOX, 0.5 * obj.size
-        case Cylinder():
-            return CYLINDER, np.array([obj.radius, 0.5 * obj.length, 0.0])
-        case Ellipsoid():
-            return ELLIPSOID, np.array(obj.radii)
-    return None
 
 
 def _balls(solid: tuple[int, Array], obj: Object, tips: list[Any]) -> Find:

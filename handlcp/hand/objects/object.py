@@ -12,6 +12,7 @@ import pinocchio as pin
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import Description
+from handlcp.hand.objects.surface import on_surface
 
 __all__ = ["WEIGHS", "Object", "Solid"]
 
@@ -53,10 +54,18 @@ class Object:
     Raises InputError; also where both a mass and a density are given.
     """
 
-    __slots__ = ("_args", "_centre", "_placement", "frame", "geometry", "mass", "transform", "triangles", "volume")
+    __slots__ = (
+        "_args", "_centre", "_placement", "frame", "geometry", "known", "mass", "transform", "triangles", "volume"
+    )  # fmt: skip
 
-    def __init__(self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...]) -> None:
-        """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`."""
+    def __init__(
+        self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...],
+        known: tuple[int, Array] | None = None,
+    ) -> None:  # fmt: skip
+        """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`. known : the kind and
+        sizes by which `surface.on_surface` knows the shape; None: it does not.
+        """
+        self.known = known
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
         self._placement = _read_placement(placement)
         self.frame = read_only(self._placement.rotation.copy()), read_only(self._placement.translation.copy())
@@ -81,7 +90,11 @@ class Object:
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
         """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: unknown."""
-        return None
+        if self.known is None:
+            return None
+        (kind, sizes), (R, p) = self.known, self.frame
+        distance, on, out = on_surface(kind, sizes, (point - p) @ R)
+        return distance, R @ on + p, R @ out
 
     def __setattr__(self, name: str, value: object) -> None:
         if hasattr(self, name):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import copysign, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.hand.objects.meshes import load_mesh
 from handlcp.hand.objects.object import Object, Solid
+from handlcp.hand.objects.surface import BALL, BOX, CYLINDER, ELLIPSOID
 from handlcp.hand.objects.triangles import Surface, closest_of
 
 __all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere"]
@@ -21,28 +21,12 @@ __all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere"]
 class Box(Object):
     """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""
 
-    __slots__ = ("_half", "size")
+    __slots__ = ("size",)
 
     def __init__(self, size: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.size = _lengths("size", size)
-        self._half = (0.5 * self.size).tolist()
         solid = Solid(coal.Box(*self.size), float(np.prod(self.size)))
-        super().__init__(solid, placement, mass, density, (self.size,))
-
-    def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Outside: clamped to the faces. Inside: straight out through the nearest face."""
-        R, p = self.frame
-        x, half = ((point - p) @ R).tolist(), self._half
-        over = [abs(x[0]) - half[0], abs(x[1]) - half[1], abs(x[2]) - half[2]]
-        distance, way = max(over), [0.0, 0.0, 0.0]
-        if distance > 0.0:
-            distance = sqrt(sum(o * o for o in over if o > 0.0))
-            way = [copysign(o / distance, a) if o > 0.0 else 0.0 for o, a in zip(over, x, strict=True)]
-        else:
-            k = over.index(distance)
-            way[k] = copysign(1.0, x[k])
-        out = R @ way
-        return distance, point - distance * out, out
+        super().__init__(solid, placement, mass, density, (self.size,), (BOX, 0.5 * self.size))
 
 
 class Sphere(Object):
@@ -53,15 +37,7 @@ class Sphere(Object):
     def __init__(self, radius: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.radius = number("radius", radius, above=0.0)
         solid = Solid(coal.Sphere(self.radius), 4 / 3 * np.pi * self.radius**3)
-        super().__init__(solid, placement, mass, density, (self.radius,))
-
-    def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Along the line from the centre; at the centre any way out is as long, and the one along x is taken."""
-        _, p = self.frame
-        away = point - p
-        length = sqrt(float(away @ away))
-        out = away / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
-        return length - self.radius, p + self.radius * out, out
+        super().__init__(solid, placement, mass, density, (self.radius,), (BALL, np.full(3, self.radius)))
 
 
 class Cylinder(Object):
@@ -77,25 +53,8 @@ class Cylinder(Object):
     ) -> None:
         self.radius, self.length = number("radius", radius, above=0.0), number("length", length, above=0.0)
         solid = Solid(coal.Cylinder(self.radius, self.length), np.pi * self.radius**2 * self.length)
-        super().__init__(solid, placement, mass, density, (self.radius, self.length))
-
-    def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Outside: clamped to the lateral surface and the ends. Inside: straight out through the nearer of the two."""
-        R, p = self.frame
-        x, y, z = R.T @ (point - p)
-        away = float(np.hypot(x, y))
-        cx, cy = (x / away, y / away) if away > 0 else (1.0, 0.0)
-        end = 0.5 * self.length if z >= 0 else -0.5 * self.length
-        beside, above = away - self.radius, abs(z) - 0.5 * self.length
-        if beside > 0 and above > 0:  # nearest to the rim
-            distance = float(np.hypot(beside, above))
-            out = np.array([cx * beside, cy * beside, z - end]) / distance
-            on = np.array([cx * self.radius, cy * self.radius, end])
-        elif beside > above:
-            distance, out, on = beside, np.array([cx, cy, 0.0]), np.array([cx * self.radius, cy * self.radius, z])
-        else:
-            distance, out, on = float(above), np.array([0.0, 0.0, np.sign(end)]), np.array([x, y, end])
-        return distance, R @ on + p, R @ out
+        sizes = np.array([self.radius, 0.5 * self.length, 0.0])
+        super().__init__(solid, placement, mass, density, (self.radius, self.length), (CYLINDER, sizes))
 
 
 class Ellipsoid(Object):
@@ -110,30 +69,7 @@ class Ellipsoid(Object):
     def __init__(self, radii: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         self.radii = _lengths("radii", radii)
         solid = Solid(coal.Ellipsoid(*self.radii), 4 / 3 * np.pi * float(np.prod(self.radii)))
-        super().__init__(solid, placement, mass, density, (self.radii,))
-
-    def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Of a point c: x = a² c / (t + a²), |x / a| = 1, radii a. Newton's method finds t from the left (convex)."""
-        R, p = self.frame
-        squares = self.radii * self.radii
-        c = R.T @ (point - p)
-        weights = squares * c * c
-        if not weights.any():  # at the centre the shortest semi-axis is the way out
-            k = int(np.argmin(squares))
-            x = np.eye(3)[k] * self.radii[k]
-        else:
-            t = float(np.max(np.sqrt(weights) - squares))
-            for _ in range(100):
-                d = t + squares
-                excess = float((weights / (d * d)).sum()) - 1.0
-                step = excess / (2.0 * float((weights / (d * d * d)).sum()))
-                t += step
-                if not step > 1e-16 * abs(t):
-                    break
-            x = squares * c / (t + squares)
-        n = x / squares
-        n /= float(np.sqrt(n @ n))
-        return float(n @ (c - x)), R @ x + p, R @ n
+        super().__init__(solid, placement, mass, density, (self.radii,), (ELLIPSOID, np.array(self.radii)))
 
 
 class Mesh(Object):

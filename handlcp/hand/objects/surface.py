@@ -52,12 +52,13 @@ def on_surface(kind: int, sizes: Array, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_ball(radius: float, c: Array) -> tuple[float, Array, Array]:
+    """Along the line from the centre; at the centre any way out is as long, and the one along x is taken."""
     away = np.sqrt(c[0] ** 2 + c[1] ** 2 + c[2] ** 2)
     out = np.zeros(3)
     if away > 0.0:
         out[:] = c / away
     else:
-        out[2] = 1.0
+        out[0] = 1.0
     return away - radius, radius * out, out
 
 
