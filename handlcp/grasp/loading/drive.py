@@ -10,11 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from handlcp.check import Array
 from handlcp.grasp.loading.events import Event
-from handlcp.grasp.loading.geometry import Where
+from handlcp.grasp.loading.geometry import between
 from handlcp.grasp.loading.stability import first_unstable
 from handlcp.grasp.loading.stage import Controls, Goal
 from handlcp.grasp.loading.state import STILL, Failure, Guess, State
@@ -122,10 +119,7 @@ def _last_try(stepper: Stepper, state: State, controls: Controls) -> State | Fai
 
 def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:
     """What goes on from `before` to `now` by this share of the way between them."""
-
-    def on(a: Array, b: Array) -> Array:
-        return np.asarray(b + share * (b - a))
-
-    a, b = before.where, now.where
-    where = Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), stepper.geometry.further(a.pose, b.pose, share))
-    return Guess(where, on(before.start, now.start) if len(before.start) == len(now.start) else now.start, STILL)
+    where = between(stepper.geometry, before.where, now.where, 1.0 + share)
+    if len(before.start) != len(now.start):
+        return Guess(where, now.start, STILL)
+    return Guess(where, now.start + share * (now.start - before.start), STILL)

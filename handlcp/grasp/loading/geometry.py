@@ -20,7 +20,7 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows, shifted
 
-__all__ = ["FixedGeometry", "Geometry", "Look", "Where"]
+__all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +96,16 @@ class Geometry:
     def displacement(self, pose: Any) -> Array:
         """(6,) motion of the object since the start: of the reference point [m], and the rotation vector [rad]."""
         raise NotImplementedError
+
+
+def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
+    """The configuration at this share of the way from a to b, beyond b above 1."""
+
+    def on(x: Array, y: Array) -> Array:
+        return np.asarray(x + share * (y - x))
+
+    pose = geometry.further(a.pose, b.pose, share - 1.0)
+    return Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), pose)
 
 
 class FixedGeometry(Geometry):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.loading.geometry import Where
+from handlcp.grasp.loading.geometry import Where, between
 from handlcp.grasp.loading.state import STILL, State
 from handlcp.grasp.loading.step import Stepper
 
@@ -28,8 +28,11 @@ def first_unstable(stepper: Stepper, states: list[State]) -> tuple[int, Array] |
     """The first of a path's states that does not stay where it is, by bisection, and the motion (6,) in which it
     leaves; None where the last one stays.
     """
-    low, high = 0, len(states) - 1
+    low, high, back = 0, len(states) - 1, 1
     value, motion = growth(stepper, states[high])
+    while value != value and high > 0:  # NaN, as at the very end of a path that is lost: what is known a little before?
+        high, back = max(high - back, 0), 2 * back
+        value, motion = growth(stepper, states[high])
     if not value > STABLE:
         return None
     while high - low > 1:
@@ -45,36 +48,45 @@ def first_unstable(stepper: Stepper, states: list[State]) -> tuple[int, Array] |
 def growth(stepper: Stepper, state: State) -> tuple[float, Array]:
     """By how much a small push grows from look to look: the largest eigenvalue of M, below 0 where a push swings back;
     and the object's motion (6,) in that push. 0 where contacts do not move, because then no force turns. NaN where it
-    is not known: a push found no answer, or another equilibrium, which may be far away.
+    is not known: a push found no answer, or another equilibrium far away, or it swings.
     """
     geometry = stepper.geometry
     if not geometry.follows:
         return 0.0, STILL
-    still = stepper.settled(state, state.where)
-    if still is None:
-        return np.nan, STILL
     size = _PUSH * float(state.look.radius.min())
+    if (still := _settled(stepper, state, size)) is None:
+        return np.nan, STILL
     push = np.random.default_rng(0).normal(size=6) * ([size] * 3 + [_PUSH] * 3)
-    pushed = geometry.moved(state.where.pose, push, state.look.reference, state.where.pose)[0]
-    beside = Where(state.where.q, state.where.give, state.where.turn, pushed)
-    grown, last, length = 0.0, np.inf, float(np.sqrt(push @ push))
-    before = _between(stepper, state.where, beside)
+    pushed = geometry.moved(still.pose, push, state.look.reference, still.pose)[0]
+    beside = Where(still.q, still.give, still.turn, pushed)
+    last, length = np.inf, float(np.sqrt(push @ push))
+    before = _between(stepper, still, beside)
     for count in range(1, _LOOKS + 1):
-        end = stepper.settled(state, beside)
-        if end is None:
-            return np.nan, STILL
+        if (end := stepper.settled(state, beside)) is None:
+            break
         after = _between(stepper, still, end)
-        grown = float(after @ before / (before @ before))
-        reached = float(np.sqrt(after @ after))
+        grown, reached = float(after @ before / (before @ before)), float(np.sqrt(after @ after))
         if reached > _ELSEWHERE * length:
-            return np.nan, STILL
+            break
         near = abs(grown) < _LITTLE and reached < _LITTLE * length and count >= _FEW
         if near or reached <= 1e-6 * length or abs(grown - last) <= _SETTLED * abs(grown):
-            break
-        last = grown
-        beside = _stretched(stepper, still, end, length / reached)
+            return grown, before[-6:]
+        last, beside = grown, between(geometry, still, end, length / reached)
         before = _between(stepper, still, beside)
-    return grown, before[-6:]
+    return np.nan, STILL
+
+
+def _settled(stepper: Stepper, state: State, size: float) -> Where | None:
+    """Where the state ends if it is looked at again and again, to a hundredth of a push of this size [m]."""
+    at = state.where
+    for _ in range(_LOOKS):
+        if (end := stepper.settled(state, at)) is None:
+            return None
+        moved = _between(stepper, at, end)
+        at = end
+        if float(np.sqrt(moved @ moved)) <= 0.01 * size:
+            return at
+    return None
 
 
 def _between(stepper: Stepper, a: Where, b: Where) -> Array:
@@ -83,13 +95,3 @@ def _between(stepper: Stepper, a: Where, b: Where) -> Array:
     return np.concatenate(
         [b.q - a.q, (b.give - a.give).ravel(), b.turn - a.turn, displacement(b.pose) - displacement(a.pose)]
     )
-
-
-def _stretched(stepper: Stepper, a: Where, b: Where, times: float) -> Where:
-    """The configuration that is so many times as far from a as b is."""
-
-    def out(x: Array, y: Array) -> Array:
-        return np.asarray(x + times * (y - x))
-
-    pose = stepper.geometry.further(a.pose, b.pose, times - 1.0)
-    return Where(out(a.q, b.q), out(a.give, b.give), out(a.turn, b.turn), pose)

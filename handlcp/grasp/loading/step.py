@@ -19,7 +19,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.geometry import Geometry, Look, Where
+from handlcp.grasp.loading.geometry import Geometry, Look, Where, between
 from handlcp.grasp.loading.numbers import Loads, Read, end_of_step
 from handlcp.grasp.loading.stage import Controls
 from handlcp.grasp.loading.state import Failure, Guess, State
@@ -31,7 +31,8 @@ from handlcp.grasp.solve.compiled_answer import NOWHERE
 
 __all__ = ["Stepper"]
 
-_MOST = 8  # looks at one step, before it counts as one that does not settle
+_MOST = 10  # looks at one step, before it counts as one that does not settle
+_LEAST = 0.2  # of the way from a look to its end
 _CONTRACTS = 0.7  # each look has to come nearer by this factor, or the step is shortened
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 
@@ -47,6 +48,25 @@ class _Found(NamedTuple):
     carry: Array
     miss: float
     leap: float
+
+
+class _Swing:
+    """How far to go from a look to its end: all the way, or less where ends swing from one side to the other, as a
+    contact that sticks on one side and slides on the other does. Aitken's relaxation.
+    """
+
+    def __init__(self) -> None:
+        self.last: Array | None = None
+        self.part = 1.0
+
+    def share(self, moved: Array) -> float:
+        """Moved (6,) : of the object from the look to its end."""
+        if self.last is not None:
+            change = self.last - moved
+            size = float(change @ change)
+            self.part = min(max(self.part * float(self.last @ change) / size, _LEAST), 1.0) if size > 0.0 else 1.0
+        self.last = moved
+        return self.part
 
 
 class Stepper:
@@ -77,7 +97,7 @@ class Stepper:
         where the first stage of the solver finds none.
         """
         geometry = self.geometry
-        look, last, end = geometry.look(guess.where, state.look), np.inf, guess.where
+        look, last, swing = geometry.look(guess.where, state.look), np.inf, _Swing()
         for count in range(1, _MOST + 1):
             found = self._looked(state, controls, look, guess, patient)
             if isinstance(found, Failure):
@@ -92,9 +112,11 @@ class Stepper:
                     end, look, found.loads, found.carry, answer.read, answer.kinds, answer.yielded, controls,
                     answer.start, count, marks,
                 )  # fmt: skip
-            if count > 1 and found.miss > _CONTRACTS * last:
+            share = swing.share(geometry.displacement(end.pose) - geometry.displacement(look.at.pose))
+            if count > 2 and found.miss > _CONTRACTS * last:
                 break
-            last, look = found.miss, geometry.look(end, look)
+            last = found.miss if share == 1.0 else max(found.miss, last)
+            look = geometry.look(end if share == 1.0 else between(geometry, look.at, end, share), look)
         moved = geometry.displacement(end.pose) - geometry.displacement(state.where.pose)
         return Failure("runs away", moved)
 
