@@ -16,8 +16,8 @@ def main() -> hl.HandGraspSolution:
     ball = hl.Sphere(radius=0.035, placement=(0, 0, 0.07), mass=MASS)
     q = hand.close_on(ball)  # each finger flexes until it touches
     grasp = hand.at(q).grasp(
-        ball, friction=hl.Coulomb(0.6), gravity=(0, 0, G), preload=0.003
-    )  # the hand hangs: +z is down
+        ball, friction=hl.Coulomb(0.6), gravity=(0, 0, G), squeeze=0.003
+    )  # the hand hangs: +z is down; the joints are commanded to take each tip 3 mm deeper
     solution = grasp.solve()
 
     print(grasp.explain(), end="\n\n")

@@ -1,15 +1,21 @@
-"""What users pass as a commanded joint offset."""
+"""What users pass to say how hard a hand closes, and the joint offset that it becomes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, array, number, per_name, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.effects.joint_offset import JointOffset, Reach
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.mechanism import HandMechanism
+from handlcp.hand.squeeze import TOUCHING, TipMotions, by_tip, gripping, overlaps, squeezing
 
-__all__ = ["read_joint_offset"]
+__all__ = ["commanded", "out_of_reach", "read_joint_offset", "standing_off"]
 
 
 def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
@@ -21,3 +27,84 @@ def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
         given = {joint: number(f"joint_offset[{joint!r}]", v) for joint, v in named.items()}
         return read_only(np.array([given.get(joint, 0.0) for joint in joints]))
     return array("joint_offset", value, (len(joints),))
+
+
+def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any) -> GraspSpec:
+    """The grasp of a hand with the command that one of the three says, in place of an earlier one; None of them: as it
+    is. Raises InputError for more than one; UnknownName.
+    """
+    said = {"squeeze": squeeze, "grip_force": grip_force, "joint_offset": joint_offset}
+    given = [name for name, value in said.items() if value is not None]
+    if not given:
+        return spec
+    if len(given) > 1:
+        expected = "at most one of squeeze, grip_force and joint_offset"
+        raise InputError(given[1], expected, f"{' and '.join(given)}")
+    mechanism = spec.mechanism
+    assert isinstance(mechanism, HandMechanism)
+    spec = spec.replace(effects=tuple([e for e in spec.effects if not isinstance(e, JointOffset)]))
+    if joint_offset is not None:
+        effect = JointOffset(read_joint_offset(joint_offset, mechanism.names))
+    elif squeeze is not None:
+        depth = by_tip("squeeze", squeeze, mechanism.fingertips)
+        command, reach = squeezing(motions_of(mechanism, spec.planar), depth, mechanism.stand_off[:, 2])
+        effect = JointOffset(read_only(command), reach if depth.any() else None)
+    else:
+        force = by_tip("grip_force", grip_force, mechanism.fingertips)
+        E, stand_off = _of_fingers(spec, mechanism)
+        command, reach = gripping(motions_of(mechanism, spec.planar), force, E, mechanism.root, stand_off)
+        effect = JointOffset(read_only(command), reach if force.any() else None)
+    says_something = effect.command.any() or effect.reach is not None
+    return spec.replace(effects=(*spec.effects, effect)) if says_something else spec
+
+
+def motions_of(mechanism: HandMechanism, planar: bool, commands: Array | None = None) -> TipMotions:
+    """What the hand's actuators do to the fingers' contacts; or others, with these commands."""
+    commands = mechanism.posture.hand.stiffness.commands if commands is None else commands
+    return TipMotions.of(mechanism.fingertips, mechanism.jacobian, commands, planar)
+
+
+def standing_off(mechanism: HandMechanism, gaps: Array, planar: bool) -> HandMechanism:
+    """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
+    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`.
+    """
+    offset = np.outer(gaps, (0.0, 0.0, 1.0))
+    if (inside := overlaps(gaps)).any():
+        tips = _joint_by_joint(mechanism, planar)
+        offset[:, :2] -= tips.made(tips.deeper(inside))[:, :2]
+    return replace(mechanism, stand_off=read_only(offset))
+
+
+def _joint_by_joint(mechanism: HandMechanism, planar: bool) -> TipMotions:
+    return motions_of(mechanism, planar, np.eye(len(mechanism.names)))
+
+
+def out_of_reach(spec: GraspSpec) -> tuple[Reach, ...]:
+    """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded."""
+    mechanism, k = spec.mechanism, spec.of_fingers
+    assert isinstance(mechanism, HandMechanism)
+    tips, found = motions_of(mechanism, spec.planar), []
+    if (inside := overlaps(mechanism.stand_off[:, 2])).any():
+        found.append(_joint_by_joint(mechanism, spec.planar).overlapping(inside))
+    given = mechanism.stand_off - spec.offset[:k]
+    given[given[:, 2] < 0.0] = 0.0  # a gap, which nothing has to make
+    if abs(given).max(initial=0.0) > TOUCHING:
+        found.append(tips.preloaded(given))
+    found += [e.reach for e in spec.effects if isinstance(e, JointOffset) and e.reach is not None]
+    return tuple([reach for reach in found if not reach.complete])
+
+
+def _of_fingers(spec: GraspSpec, mechanism: HandMechanism) -> tuple[Array, Array]:
+    """(3k, 3k) flexibility of the fingers with what effects add to it, as far as forces don't change that; and (3k,)
+    how far they stand off, gaps and the sag under their weight together.
+    """
+    c = 3 * spec.of_fingers
+    E, d = spec.flexibility[:c, :c].copy(), mechanism.stand_off.reshape(-1).copy()
+    for e in spec.effects:
+        if not e.depends_on_forces and (more := e.added_flexibility(spec, ())) is not None:
+            E += more[:c, :c]
+        if (shift := e.added_offset(spec, ())) is not None:
+            d += shift[:c]
+    if spec.planar:
+        E[1::3] = E[:, 1::3] = d[1::3] = 0.0
+    return E, d

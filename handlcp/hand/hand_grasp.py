@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Self, cast
 
 import numpy as np
@@ -9,16 +10,18 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.equilibria import Equilibria
+from handlcp.grasp.analysis.explanation import Explanation
 from handlcp.grasp.analysis.suggestions import force_change
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import JointOffset, Reach
+from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp, replaced
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.force_iteration import force_dependent
-from handlcp.hand.command import read_joint_offset
+from handlcp.hand.command import commanded, out_of_reach
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
@@ -114,23 +117,31 @@ class HandGrasp(Grasp):
         return read_only(np.zeros(self.state.hand.nv)) if command is None else command.command
 
     @property
+    def out_of_reach(self) -> tuple[Reach, ...]:
+        """What was asked of the fingers and no command of their joints makes, one `Reach` for each kind: an overlap in
+        the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within reach.
+        """
+        return out_of_reach(self.spec)
+
+    @property
     def tip_offset(self) -> Array:
         """(n, 3) the offset without what effects add to it: gaps, preloads and `offset` [m]."""
         return self.spec.offset
 
     def replace(
         self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
-        joint_offset: Any = None,
+        squeeze: Any = None, grip_force: Any = None, joint_offset: Any = None,
     ) -> Self:  # fmt: skip
-        """As `Grasp.replace`; joint_offset : as in `state.grasp`. Offset and preload are those of `tip_offset`, and
-        what the joints' command and the fingers' weight add comes on top, here as there. Where joints also turn soft
-        fingertips, or bend under forces, a flexibility has at least what the joints have; for soft ones it may be 0.
+        """As `Grasp.replace`; squeeze, grip_force, joint_offset : as in `state.grasp`, at most one, in place of the
+        earlier command. Offset and preload are those of `tip_offset`, and what the joints' command and the fingers'
+        weight add comes on top, here as there. Where joints also turn soft fingertips, or bend under forces, a
+        flexibility has at least what the joints have; for soft ones it may be 0.
         """
         spec = replaced(self.spec, wrench, flexibility, offset, preload)
-        if joint_offset is not None:
-            others = tuple(e for e in spec.effects if not isinstance(e, JointOffset))
-            command = read_joint_offset(joint_offset, self.state.hand.joint_names)
-            spec = spec.replace(effects=(*others, JointOffset(command)) if command.any() else others)
+        if offset is not None or preload is not None:  # in place of the gaps, too
+            touching = read_only(np.zeros(self.mechanism.stand_off.shape))
+            spec = spec.replace(mechanism=replace(self.mechanism, stand_off=touching))
+        spec = commanded(spec, squeeze, grip_force, joint_offset)
         if flexibility is not None:
             bent = force_dependent(spec)
             if bent or (self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any()):
@@ -145,6 +156,16 @@ class HandGrasp(Grasp):
         if accuracy is not None and force_dependent(self.spec):
             raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start, proof))
+
+    def explain(self, faces: int | str | Pyramid = 8, measure: bool = False) -> Explanation:
+        """As `Grasp.explain`; what is out of the joints' reach of preloads and overlaps stands beside them."""
+        found = super().explain(faces, measure)
+        words = "".join([f"; {reach}" for reach in self.out_of_reach if reach.carried])
+        lines = [
+            replace(line, why=line.why + words) if line.title == UnilateralContact.title else line
+            for line in found.effects
+        ]
+        return replace(found, effects=tuple(lines)) if words else found
 
     def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
         """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""

@@ -11,7 +11,6 @@ from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Coulomb, FrictionLaw, law_words
 from handlcp.grasp.grasp import as_asked
 from handlcp.grasp.model import validate
@@ -19,7 +18,7 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
-from handlcp.hand.command import read_joint_offset
+from handlcp.hand.command import commanded, standing_off
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import finger_flexibility, mechanism_of
 from handlcp.hand.objects.detect import touching
@@ -50,19 +49,23 @@ def make_grasp(
     effects: Iterable[Any] = (),
     finger_weight: WeightGiven = False,
     plane: Any = None,
+    squeeze: Any = None,
+    grip_force: Any = None,
     joint_offset: Any = None,
     environment: Any = None,
 ) -> HandGrasp:
     """The grasp of an object by a hand in a posture; as a method, `state.grasp(target, …)`.
 
-    target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected, and a
-        fingertip that overlaps the object is preloaded by the overlap. Or contacts, a sequence with one for each
-        finger, or a mapping by fingertip name: each moves rigidly with its fingertip, and is taken as touching.
+    target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected. A fingertip
+        that overlaps the object counts as squeezed by as much from a posture that touches. Or contacts, a sequence with
+        one for each finger, or a mapping by fingertip name: each moves rigidly with its fingertip, and is taken as
+        touching.
     friction : of all contacts with an object, or a mapping by fingertip name; None: Coulomb(0.6). Contacts bring
         their own.
     wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
     gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
-    preload : [m] a number or (n,), more squeeze of the normals. offset : (n, 3) [m], contact axes, as in `Grasp`.
+    preload : [m] a number or (n,), squeeze of the normals whether or not the joints can make it: `out_of_reach` of the
+        grasp says what they cannot. offset : (n, 3) [m], contact axes, as in `Grasp`. Both come beside a command.
     reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
     fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
     max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
@@ -71,8 +74,14 @@ def make_grasp(
     finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
         the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
         "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset applies.
-    joint_offset : squeeze in joint space, (nv,) or a mapping by joint name [rad, m]: the joints are commanded this far
-        beyond the posture, which adds -J δq to the offsets.
+    squeeze, grip_force, joint_offset : how hard the hand closes, at most one of them. Each commands the joints beyond
+        the posture, by δq, which adds -J δq to the offsets; `out_of_reach` of the grasp says what joints cannot make.
+        squeeze : [m] how much deeper than touching the tips are commanded along the normals, by the smallest δq, a gap
+        or an overlap included: as `close_on` with that squeeze, the posture staying. A number ≥ 0, (n,), or a
+        mapping by fingertip name (others: 0).
+        grip_force : [N] normal force with which each tip would press on an object that stays where it is, and where it
+        does not slip; otherwise likewise.
+        joint_offset : (nv,) or a mapping by joint name (others: 0) [rad, m], δq itself.
     environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those contacts
         come last; friction, preload and offset above are the fingers', n of them.
 
@@ -91,19 +100,20 @@ def make_grasp(
     positions, frames, normal = validate.placed(plane, contacts)
     positions, frames = read_only(positions), read_only(frames)
     g = _DOWN if gravity is _GRAVITY else array("gravity", gravity, (3,))
-    mechanism = mechanism_of(state, tips, positions[:k], frames[:k], obj, g)
+    mechanism = mechanism_of(state, tips, positions[:k], frames[:k], obj, g, read_only(np.zeros((k, 3))))
     flexibility, shift = finger_flexibility(mechanism), validate.offset(offset, preload, k)
     if obj is not None:
-        shift = shift + np.outer(gaps, (0.0, 0.0, 1.0))
+        mechanism = standing_off(mechanism, gaps, normal is not None)
+        shift = shift + mechanism.stand_off
     if around is not None:
         mechanism = mechanism.beside(len(around.contacts))
         flexibility, shift = beside(flexibility, around.flexibility), np.concatenate([shift, around.offset])
     load, point = _load(wrench, reference, obj, g, positions, normal)
     spec = GraspSpec(
         contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, flexibility,
-        read_only(shift), _own_effects(state, weighed, g, joint_offset),
+        read_only(shift), _weight(state, weighed, g),
     )  # fmt: skip
-    return HandGrasp(as_asked(spec, effects))
+    return HandGrasp(commanded(as_asked(spec, effects), squeeze, grip_force, joint_offset))
 
 
 def _weight_given(value: Any) -> WeightGiven:
@@ -168,11 +178,6 @@ def _load(
     return read_only(load + np.append(weight, cross_rows(obj.center_of_mass - point, weight))), point
 
 
-def _own_effects(state: Posture, weighed: WeightGiven, gravity: Array, joint_offset: Any) -> tuple[Effect, ...]:
-    """What the hand itself brings: its fingers' weight, and how far its joints are commanded beyond the posture."""
-    own: list[Effect] = []
-    if weighed:
-        own.append(FingerWeight(read_only(state.gravity_torque(gravity)), weighed is True))
-    if joint_offset is not None and (command := read_joint_offset(joint_offset, state.hand.joint_names)).any():
-        own.append(JointOffset(command))
-    return tuple(own)
+def _weight(state: Posture, weighed: WeightGiven, gravity: Array) -> tuple[Effect, ...]:
+    """The fingers' own weight, where it was asked for."""
+    return (FingerWeight(read_only(state.gravity_torque(gravity)), weighed is True),) if weighed else ()

@@ -38,7 +38,8 @@ class HandMechanism(Mechanism):
 
     posture : where the hand is. tips : numbers of the fingertips that take part, in the order of the contacts.
     positions (k, 3), frames (k, 3, 3) : of the fingers' contacts, contact axes. target : the object, if it is known.
-    gravity : (3,) as given [m/s²].
+    gravity : (3,) as given [m/s²]. stand_off : (k, 3) offsets of the gaps and overlaps that were detected [m], part of
+    the grasp's; 0 for contacts that were given.
     """
 
     solution: ClassVar[Any] = HandGraspSolution
@@ -49,6 +50,7 @@ class HandMechanism(Mechanism):
     frames: Array
     target: Object | None
     gravity: Array
+    stand_off: Array
 
     @property
     def fingertips(self) -> tuple[str, ...]:
@@ -107,7 +109,7 @@ class HandMechanism(Mechanism):
 
     def moved(self, posture: Posture, positions: Array, frames: Array) -> HandMechanism:
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""
-        made = mechanism_of(posture, self.tips, positions, frames, self.target, self.gravity)
+        made = mechanism_of(posture, self.tips, positions, frames, self.target, self.gravity, self.stand_off)
         still = len(self.jacobian) // 3 - len(self.tips)
         return made.beside(still)
 
@@ -134,14 +136,15 @@ class HandMechanism(Mechanism):
 
 
 def mechanism_of(
-    posture: Posture, tips: tuple[int, ...], positions: Array, frames: Array, target: Object | None, gravity: Array
-) -> HandMechanism:
+    posture: Posture, tips: tuple[int, ...], positions: Array, frames: Array, target: Object | None, gravity: Array,
+    stand_off: Array,
+) -> HandMechanism:  # fmt: skip
     """Of fingers whose contacts are at positions (k, 3) with frames (k, 3, 3)."""
     hand, k = posture.hand, len(tips)
     jacobian = (frames.transpose(0, 2, 1) @ posture.jacobian_at(positions, tips)).reshape(3 * k, hand.nv)
     return HandMechanism(
         hand.joint_names, read_only(jacobian), hand.stiffness.root, hand.torques.limits, posture, tips, positions,
-        frames, target, gravity,
+        frames, target, gravity, stand_off,
     )  # fmt: skip
 
 

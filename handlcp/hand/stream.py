@@ -75,6 +75,7 @@ class GraspStream:
         # Without what the effects add
         self._own, self._given = spec.flexibility.copy(), spec.offset.copy()
         mechanism = spec.mechanism
+        self._moved_off = False  # whether an offset has taken the place of the gaps that were detected
         self._hand, self._effects = None, spec.effects
         if isinstance(mechanism, HandMechanism):
             self._hand = MovingHand(mechanism, spec.effects)
@@ -119,6 +120,7 @@ class GraspStream:
             self._moment[:] = load[3:] + cross_rows(self._first.reference, load[:3])
         if shift is not None:
             self._given[: len(shift)] = shift
+            self._moved_off = True
         if points is not None:
             self._positions[: len(points)] = points
         if axes is not None:
@@ -182,6 +184,7 @@ class GraspStream:
             mechanism = replace(
                 mechanism, posture=posture, jacobian=read_only(self._hand.mechanism.jacobian.copy()),
                 positions=positions[:k], frames=frames[:k],
+                stand_off=read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off,
             )  # fmt: skip
         now = spec.replace(
             contacts=validate.moved(at.contacts, positions, frames), positions=positions, frames=frames,

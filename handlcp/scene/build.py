@@ -35,9 +35,10 @@ OBJECT = {
     "placement": "object.position_m",
 }  # fmt: skip
 GRASP = HAND | {
-    "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object", "squeeze": "posture.squeeze_m",
+    "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object",
     "friction": "grasp.friction", "gravity": "grasp.gravity_m_per_s2", "preload": "grasp.preload_m",
-    "fingers": "grasp.fingers", "joint_offset": "grasp.joint_offset_rad",
+    "fingers": "grasp.fingers", "squeeze": "grasp.squeeze_m", "grip_force": "grasp.grip_force_N",
+    "joint_offset": "grasp.joint_offset_rad",
     "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
     "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
 }  # fmt: skip
@@ -107,7 +108,8 @@ def _by_hand(scene: SceneTables) -> Grasp:
     with keyed(GRASP):
         q = _posture(the_hand, posture.q_rad)
         if posture.close:
-            q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
+            with keyed({"squeeze": "posture.squeeze_m"}):
+                q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
         given: Any = g.friction
         laws = {f: law_of(v) for f, v in given.items()} if is_by_finger(given) else law_of(given)
@@ -116,7 +118,8 @@ def _by_hand(scene: SceneTables) -> Grasp:
         return the_hand.at(q).grasp(
             obj, laws, _wrench(scene), g.gravity_m_per_s2, by_finger("grasp.preload_m", g.preload_m, fingers, 0.0),
             reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=asked,
-            finger_weight=g.finger_weight, plane=g.plane, joint_offset=g.joint_offset_rad, environment=around,
+            finger_weight=g.finger_weight, plane=g.plane, squeeze=g.squeeze_m, grip_force=g.grip_force_N,
+            joint_offset=g.joint_offset_rad, environment=around,
         )  # fmt: skip
 
 

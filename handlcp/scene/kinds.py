@@ -10,9 +10,9 @@ from handlcp.grasp.friction import friction_laws
 from handlcp.scene.table import Expected
 
 __all__ = [
-    "SHAPES", "Arms", "Faces", "FingerWeight", "Flexibility", "Friction", "FrictionByFinger", "Lengths", "Names",
-    "NotNegative", "Number", "PadFlexibility", "PlanarVector", "Positive", "Posture", "Preload", "Radius", "Seed",
-    "Size", "Softness", "Springs", "Stiffness", "Switch", "Text", "TorqueLimits", "Vector",
+    "SHAPES", "Arms", "ByTip", "Faces", "FingerWeight", "Flexibility", "Friction", "FrictionByFinger", "Lengths",
+    "Names", "NotNegative", "Number", "PadFlexibility", "PlanarVector", "Positive", "Posture", "Preload", "Radius",
+    "Seed", "Size", "Softness", "Springs", "Stiffness", "Switch", "Text", "TorqueLimits", "Vector",
 ]  # fmt: skip
 
 
@@ -105,6 +105,10 @@ FrictionByFinger = Annotated[_Law | _ByFinger, Expected(f"{_LAW_WORDS}, or a tab
 Preload = Annotated[
     _Finite | list[_Finite] | dict[str, _Finite],
     Expected("a finite number, one for each contact, or a table by finger"),
+]
+ByTip = Annotated[
+    _From0 | list[_From0] | dict[str, _From0],
+    Expected("a number ≥ 0, one for each fingertip, or a table by fingertip"),
 ]
 Flexibility = Annotated[
     _Diagonal | list[list[_Finite]] | list[list[list[_Finite]]],

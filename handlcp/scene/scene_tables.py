@@ -15,6 +15,8 @@ from handlcp.scene.table import MadeWhenRead, Table
 
 __all__ = ["SceneTables"]
 
+_COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad")  # of [grasp]
+
 
 class SceneTables(Table):
     """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve."""
@@ -64,8 +66,9 @@ class SceneTables(Table):
             if "flexibility_m_per_N" in given:
                 words = "none with a [hand]: its joints and pads are the flexibility"
                 raise InputError("grasp.flexibility_m_per_N", words, "a value")
+            self._one_squeeze()
         else:
-            for key in ("fingers", "max_gap_m", "finger_weight", "joint_offset_rad"):
+            for key in ("fingers", "max_gap_m", "finger_weight", *_COMMANDS):
                 if key in given:
                     raise InputError(f"grasp.{key}", "a [hand] that it is about", "a scene without one")
             said = asked(self.effects)
@@ -75,6 +78,15 @@ class SceneTables(Table):
             if "posture" in self.model_fields_set:
                 raise InputError("posture", "a [hand] that it is about", "a scene without one")
         return self
+
+    def _one_squeeze(self) -> None:
+        """How hard the hand closes is said once."""
+        said = [key for key in _COMMANDS if getattr(self.grasp, key) is not None]
+        if len(said) > 1:
+            raise InputError(f"grasp.{said[1]}", f"at most one of {', '.join(_COMMANDS)}", " and ".join(said))
+        if said and said[0] != "joint_offset_rad" and "squeeze_m" in self.posture.model_fields_set:
+            expected = f"none beside grasp.{said[0]}, which says how hard the hand closes"
+            raise InputError("posture.squeeze_m", expected, self.posture.squeeze_m)
 
     @property
     def folder(self) -> Path:

@@ -73,8 +73,8 @@ class PostureTable(Table):
     """joint positions in the hand's order or by name; joints left out are at the neutral posture"""
     close: k.Switch = True
     """flex each finger from q_rad until its tip touches the object"""
-    squeeze_m: k.NotNegative = 0.0
-    """with close: how far the tips close past the surface, a preload by geometry"""
+    squeeze_m: k.ByTip = 0.0
+    """with close: how far the tips close past the surface; as grasp.squeeze_m, and the posture is the one commanded"""
 
 
 class _Body(Table):
@@ -201,9 +201,13 @@ class GraspTable(Table):
     gravity_m_per_s2: k.Vector = Field(default=[0.0, 0.0, -9.81])
     """on the object's mass, and on the fingers' when finger_weight is on; world axes"""
     preload_m: k.Preload = 0.0
-    """squeeze of the normals before any load"""
+    """squeeze of the normals before any load, whether or not joints can make it; with a [hand] rather squeeze_m"""
+    squeeze_m: k.ByTip | None = None
+    """how much deeper than touching the joints are commanded to take the tips; fingertips left out: just touching"""
+    grip_force_N: k.ByTip | None = None
+    """instead of squeeze_m: normal forces that the commanded joints make on an object that stays where it is"""
     joint_offset_rad: k.Posture | None = None
-    """squeeze in joint space: how far beyond the posture the joints are commanded; joints left out: not at all"""
+    """instead of squeeze_m: how far beyond the posture the joints are commanded; joints left out: not at all"""
     fingers: k.Names | None = None
     """the fingertips that take part; left out: all"""
     max_gap_m: k.NotNegative = 1e-3

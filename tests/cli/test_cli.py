@@ -172,7 +172,7 @@ def test_json_of_a_scene_that_does_not_hold_has_null_for_forces_and_a_certificat
 
 
 def test_json_of_a_scene_without_equilibrium_says_which_squeeze_would_hold(tmp_path):
-    file = scene(tmp_path, pathlib.Path(CUBE).read_text().replace("preload_m = 0.005", "preload_m = 0.0"))
+    file = scene(tmp_path, pathlib.Path(CUBE).read_text().replace("squeeze_m = 0.005", ""))
     done = run("solve", file, "--json")
     found = strict(done.stdout)
     assert (done.exit_code, found["status"]) == (1, "NO_EQUILIBRIUM")

@@ -65,7 +65,7 @@ def test_the_cubes_binding_joint_bears_its_fingertips_force_times_its_lever():
     expected = axis @ np.cross(arrays(grasp).positions[1] - base, s.forces_world[1])
     row = s.torque_check["finger_2_proximal"]
     assert row.torque == pytest.approx(expected, rel=1e-9)
-    assert row.torque == pytest.approx(0.301, abs=0.001)
+    assert row.torque == pytest.approx(0.3035, abs=0.0005)
     assert row.utilisation == pytest.approx(expected / 0.8, rel=1e-9)
 
 
@@ -85,7 +85,7 @@ def test_the_ring_mirrors_left_and_right_and_its_lower_fingers_bear_the_disc():
     assert abs(f[:, 2]).max() == 0.0, "nothing acts out of the plane"
     assert s.normal_force[4] > s.normal_force[0] > s.normal_force[1]
     assert abs(s.object_displacement[[0, 5]]).max() < 1e-9, "the disc sinks straight down"
-    assert s.object_displacement[1] == pytest.approx(-0.33e-3, abs=0.02e-3)
+    assert s.object_displacement[1] == pytest.approx(-0.293e-3, abs=0.002e-3)
 
 
 def test_a_planar_scene_does_not_depend_on_faces():
@@ -137,13 +137,14 @@ def test_the_psyonics_coupled_joints_bear_what_virtual_work_says():
         assert s.torques[joint] == pytest.approx(work, abs=1e-6)
 
 
-def test_the_table_bears_the_box_the_fingers_and_most_of_the_push():
+def test_the_table_bears_most_of_the_box_and_of_the_push():
     grasp, s = solved("box_on_table")
     fingers, table = s.forces_world[:2], s.forces_world[2:]
     assert -table[:, 2].sum() == pytest.approx(0.5 * G + fingers[:, 2].sum(), rel=1e-9)
-    assert fingers[:, 2].min() > 0.5, "they push down, along +z"
+    assert 0.1 * 0.5 * G < -fingers[:, 2].sum() < 0.2 * 0.5 * G, "the box sinks, and the fingers bear some of it"
+    assert s.normal_force[:2].mean() == pytest.approx(1.4, abs=0.05), "they were told 1.5 N on a box that stays"
     assert s.contact_state[2:] == ("sticking",) * 4
-    assert table[:, 0].sum() == pytest.approx(-1.36, abs=0.01), "of 1.5 N"
+    assert table[:, 0].sum() == pytest.approx(-0.956, abs=0.001), "of 1 N"
     # A foot that sticks sinks by its flexibility times its force, and the rigid box with it
     u, arms = s.object_displacement, arrays(grasp).positions[2:] - grasp.reference
     sunk = u[:3] + np.cross(u[3:], arms)

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 import handlcp as hl
+from tests.support.differences import kinematics
 from tests.support.hand_laws import Asked
 
 G = 9.81
@@ -175,18 +176,24 @@ def made(name, effects=(), faces=8):
     asked.grasp = g
     tips = tangential - [0, 0, squeeze]
     if name in ("five", "ring"):
-        gaps = plain_gaps(name)
-        tips = tips + np.column_stack([np.zeros((n, 2)), gaps])
+        tips = tips + plain_gaps(name)
     asked.offset = np.concatenate([tips, around])
     return asked
 
 
 @cache
 def plain_gaps(name):
-    """(n,) as detected, from the grasp of this object alone."""
+    """(n, 3) gaps as detected, from the grasp of this object alone. A finger that overlaps it was moved there by the
+    smallest motion of its joints that goes so deep, and its tip went sideways with them.
+    """
     target = BALL if name == "five" else DISC
     more = {"plane": (0, 0, 1), "gravity": (0, -G, 0)} if name == "ring" else {}
-    return bare(name).at(posture(name)).grasp(target, **more).offset[:, 2]
+    g = bare(name).at(posture(name)).grasp(target, **more)
+    out = np.outer(g.offset[:, 2], (0.0, 0.0, 1.0))
+    for i, J in enumerate(np.einsum("nba,nbj->naj", g.frames, kinematics(g).jacobian)):
+        if out[i, 2] < -1e-6:
+            out[i, :2] += (J[:2] @ J[2]) * out[i, 2] / (J[2] @ J[2])
+    return out * ((1, 0, 1) if name == "ring" else 1)
 
 
 @cache

@@ -1,38 +1,108 @@
-"""Squeeze given in joint space: the joints are commanded beyond where they stand, and the contacts are preloaded.
+"""Squeeze as motors make it: the joints are commanded beyond where they stand, and the contacts are preloaded.
 
     d -= J δq
 
 The motors pull towards q + δq while the hand stands at q. Left alone the tips would move by J δq; the object's motion
-relative to them falls short by as much. It is data, like any preload.
+relative to them falls short by as much. It is data, like any preload. δq is given as it is, or made from a depth or a
+force at the fingertips; what of that the joints cannot make is a `Reach`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
-from handlcp.words import listed
+from handlcp.words import force, length, listed, percent
 
-__all__ = ["JointOffset"]
+__all__ = ["JointOffset", "Reach"]
+
+_SEEN = 1e-3  # shares below this are not worth a word
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """What was asked of k fingertips, and what of it is out of the joints' reach.
+
+    what : "squeeze", "grip force", "preload" or "overlap" (of fingertip and object, in the posture). names : (k,).
+    asked : (k,) depth along the normal of a squeeze or an overlap, length of a preload's motion [m]; normal force [N].
+    missing : (k,) how much of it no command of the joints makes, same unit.
+    sideways : (k,) what comes with the rest along the surface, same unit: how far a squeeze moves the tip, the force of
+        a grip. 0 for a preload and an overlap.
+    carried : whether the grasp is solved with the missing part all the same, as a wedge that only the pads can take up
+        (preload, overlap), or without it (squeeze, grip force).
+    """
+
+    what: str
+    names: tuple[str, ...]
+    asked: Array
+    missing: Array
+    sideways: Array
+    carried: bool
+
+    @property
+    def unit(self) -> str:
+        """Of the arrays: "m" or "N"."""
+        return "N" if self.what == "grip force" else "m"
+
+    @property
+    def share(self) -> Array:
+        """(k,) 0 to 1: the missing part of what was asked; 1 where nothing was asked and the finger is moved."""
+        whole = np.maximum(self.asked, self.missing)
+        return read_only(np.divide(self.missing, whole, out=np.zeros(len(whole)), where=whole > 0.0))
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing worth a word is out of reach."""
+        return bool(self.missing.max(initial=0.0) <= _SEEN * self.asked.max(initial=0.0))
+
+    def __str__(self) -> str:
+        """In one sentence."""
+        say, whole = force if self.unit == "N" else length, f"{'an' if self.what == 'overlap' else 'a'} {self.what}"
+        if self.complete:
+            text = f"{whole} of {_spread(self.asked, say)}"
+            k = int(np.argmax(self.sideways >= (1 - 1e-9) * self.sideways.max()))  # the first of equals
+            if self.sideways[k] > _SEEN * self.asked.max():
+                how = "presses" if self.unit == "N" else "moves"
+                text += f"; {self.names[k]} {how} sideways, too, by {say(float(self.sideways[k]))}"
+            return text
+        parts = [
+            f"{say(part)} at {name} ({percent(share)})"
+            for name, part, share in zip(self.names, self.missing.tolist(), self.share.tolist(), strict=True)
+            if part > _SEEN * self.asked.max()
+        ]
+        end = ": a wedge that only the pads give way to" if self.carried else ""
+        return f"of {whole} of {_spread(self.asked, say)} the motors cannot make {listed(parts)}{end}"
+
+
+def _spread(values: Array, say: Callable[[float], str]) -> str:
+    """One number where all are alike."""
+    least, most = float(values.min()), float(values.max())
+    return say(most) if most - least <= _SEEN * most else f"{say(least)} to {say(most)}"
 
 
 @dataclass(frozen=True, eq=False)
 class JointOffset(Effect):
-    """Asked for with `joint_offset=` of `state.grasp`. command : (nv,) δq [rad, m], beyond the posture."""
+    """Asked for with `squeeze=`, `grip_force=` or `joint_offset=` of `state.grasp`.
+
+    command : (nv,) δq [rad, m], beyond the posture. reach : what it was made from, and what of that is out of reach;
+    None: it was given itself.
+    """
 
     command: Array
+    reach: Reach | None = None
 
     title = "commanded joint offset"
     equation = "d -= J δq"
-    when = "The hand squeezes because its joints are told to close further than they can."
-    in_python = 'joint_offset={"finger_1_distal": 0.05}'
-    in_file = "grasp.joint_offset_rad = { finger_1_distal = 0.05 }"
+    when = "The hand squeezes because its joints are told to close further than they can: by a depth, a force or δq."
+    in_python = "squeeze=0.003"
+    in_file = "grasp.squeeze_m = 0.003"
     brings = "none: data"
     source = "Cutkosky & Kao, IEEE Trans. Robotics and Automation 5 (1989): joints under position control are springs"
     order = 120
@@ -47,7 +117,8 @@ class JointOffset(Effect):
     def why(self, scene: Scene) -> str:
         assert scene.mechanism is not None  # `needs_joints` saw to it
         moved = [f"{name} {x:+.3g}" for name, x in zip(scene.mechanism.names, self.command.tolist(), strict=True) if x]
-        return f"{listed(moved)} rad: data, in the offsets"
+        given = "" if self.reach is None else f"{self.reach}; "
+        return f"{given}{listed(moved) or 'no joint moved, 0'} rad: data, in the offsets"
 
     def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """-J δq, and the turns of soft fingertips likewise."""

@@ -17,8 +17,9 @@ import numpy as np
 
 from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.model.mechanism import joint_flexibility
+from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["TRANSMISSION", "Effort", "Elasticity", "Transmission"]
+__all__ = ["TRANSMISSION", "Effort", "Elasticity", "Transmission", "spanned"]
 
 TRANSMISSION = "transmission"  # the effect's name in `explain()`
 
@@ -67,6 +68,11 @@ class Elasticity:
         """(nv,) C τ [rad] for torques (nv,) [N·m]."""
         return np.asarray(self.root @ (torque @ self.root))
 
+    @property
+    def commands(self) -> Array:
+        """(nv, m) joint motions that the actuators can command, in orthonormal columns; a rigid joint can be, too."""
+        return np.eye(len(self.root))
+
     def effort(self, torque: Array) -> Effort | None:
         """What the actuators do for joint torques (nv,) [N·m]; None where each joint has its own actuator."""
         return None
@@ -79,6 +85,13 @@ class Elasticity:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Arrays stay read-only when pickled."""
         self.__dict__.update(sealed(state))
+
+
+def spanned(motions: Array) -> Array:
+    """(nv, r) orthonormal basis of what columns (nv, m) span, each as good as any other whatever its length."""
+    lengths = np.sqrt((motions * motions).sum(axis=0))
+    U, s, _ = np.linalg.svd(motions[:, lengths > 0.0] / lengths[lengths > 0.0], full_matrices=False)
+    return read_only(U[:, s > SEMIDEFINITE])
 
 
 class Transmission:

@@ -21,7 +21,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.hand.elasticity.actuators import given_rows, read_rows, read_springs
-from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity, Transmission
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity, Transmission, spanned
 from handlcp.hand.elasticity.stiffness import JointStiffness, read_stiffness
 from handlcp.tolerances import SEMIDEFINITE
 
@@ -104,6 +104,11 @@ class SynergyCompliance(Elasticity):
                 "(hand.joint_compliance) and no stiffness"
             )
         return read_only((U / s**2) @ U.T)
+
+    @property
+    def commands(self) -> Array:
+        """The columns of S: an actuator moves its joints together."""
+        return spanned(self.columns.T)
 
     def effort(self, torque: Array) -> Effort:
         """The force η = Sᵀ τ [N·m where S has no unit] of each actuator."""

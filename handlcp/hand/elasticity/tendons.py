@@ -21,7 +21,7 @@ from handlcp.check import Array, Bools, array, number, per_name, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.hand.elasticity.actuators import given_rows, read_rows, read_springs
-from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Transmission
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Transmission, spanned
 from handlcp.hand.elasticity.stiffness import JointStiffness, springs
 from handlcp.tolerances import SEMIDEFINITE
 
@@ -92,6 +92,11 @@ class TendonStiffness(JointStiffness):
     def __init__(self, matrix: Array, names: tuple[str, ...], arms: Array, springs: Array) -> None:
         super().__init__(matrix)
         self.names, self.arms, self.springs = names, arms, springs
+
+    @property
+    def commands(self) -> Array:
+        """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
+        return spanned(self.root @ (self.arms @ self.root).T)
 
     def effort(self, torque: Array) -> Effort:
         """The tension t = k R K⁻¹ τ [N]: how much harder each tendon pulls; below 0 it pulls less."""

@@ -13,6 +13,7 @@ from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
+from handlcp.hand.squeeze import by_tip
 
 __all__ = ["close_on"]
 
@@ -29,7 +30,7 @@ def close_on(
     q0: Any = None,
     *,
     fingers: Sequence[str] | None = None,
-    squeeze: float = 0.0,
+    squeeze: Any = 0.0,
     tolerance: float = 1e-6,
 ) -> Array:
     """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
@@ -40,18 +41,22 @@ def close_on(
     of their range.
     Links and the palm are not checked: they may pass through the object.
 
-    fingers : names of those that close; None: all. squeeze : [m] how far the tips end up inside the object (a preload).
-    tolerance : [m] on the gap at the end.
+    fingers : names of those that close; None: all. tolerance : [m] on the gap at the end.
+    squeeze : [m] how far the tips end up inside the object: a number ≥ 0, (n,), or a mapping by fingertip (others: 0).
+        The posture is then the one that the joints are commanded to, and a grasp from there has the forces of
+        `squeeze=` of `state.grasp` from the posture that touches, to first order: contacts and levers are those of the
+        posture inside the object. There, joints that several fingers share take part, too.
     Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
     """
     if not isinstance(obj, Object):
         raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))
-    squeeze, tolerance = number("squeeze", squeeze, minimum=0.0), number("tolerance", tolerance, above=0.0)
+    tolerance = number("tolerance", tolerance, above=0.0)
     tips = hand.tip_numbers("fingers", fingers)
+    depths = by_tip("squeeze", squeeze, [hand.fingertips[i] for i in tips]).tolist()
     q = np.clip(hand.kinematics.posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
     moves = hand.moves
     alone = moves & (moves.sum(axis=0) == 1)
-    all_fingers = [_Finger(hand, i, np.flatnonzero(alone[i])) for i in tips]
+    all_fingers = [_Finger(hand, i, np.flatnonzero(alone[i]), depth) for i, depth in zip(tips, depths, strict=True)]
     for _ in range(ITERATIONS):
         moving = [finger for finger in all_fingers if not finger.done]
         if not moving:
@@ -61,7 +66,7 @@ def close_on(
             tip = finger.tip
             near = nearest(hand.tip_shapes(tip), posture.tip_positions[tip], posture.tip_rotations[tip], obj)
             J = posture.jacobian_at(near.tip_point[None], (tip,))[0][:, finger.joints]
-            finger.step(q, near.gap + squeeze, near.normal @ J, tolerance)
+            finger.step(q, near.gap + finger.depth, near.normal @ J, tolerance)
     if far := {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}:
         expected = f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)"
         lost = NotReached("obj", expected, far)
@@ -71,10 +76,12 @@ def close_on(
 
 
 class _Finger:
-    """One finger that closes: its joints, its gap [m], and whether it is done (it touches, or is stuck)."""
+    """One finger that closes: its joints, how deep it shall go, how far from there it is [m], whether it is done (it
+    is there, or is stuck).
+    """
 
-    def __init__(self, hand: HandModel, tip: int, joints: Any) -> None:
-        self.tip, self.joints = tip, joints
+    def __init__(self, hand: HandModel, tip: int, joints: Any, depth: float) -> None:
+        self.tip, self.joints, self.depth = tip, joints, depth
         self.lower, self.upper = hand.lower[joints], hand.upper[joints]
         self.gap, self.longest = np.inf, LONGEST_STEP
         self.smallest, self.stalled = np.inf, 0  # gap so far, and iterations since it last shrank

@@ -27,13 +27,16 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     """(effect, what is put in its place, the grasp without it) for each effect that this scene has."""
     scene = grasp.scene
     yield from _stiffer(grasp)
-    if (bare := grasp.replace(preload=0.0)).offset.tolist() != grasp.offset.tolist():
+    bare = grasp.replace(preload=0.0)
+    if isinstance(bare, HandGrasp):  # a command is a squeeze
+        bare = bare.replace(joint_offset=np.zeros(len(bare.joint_offset)))
+    if bare.offset.tolist() != grasp.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
         yield "friction", "smooth fingertips", type(grasp)(with_friction(grasp.spec, 0.0))
     effects = grasp.spec.effects
     for e in effects:
-        if e.by_name or isinstance(e, FingerWeight):  # a command is a squeeze
+        if e.by_name or isinstance(e, FingerWeight):
             instead = "none" if e.by_name else "fingers without weight"
             yield e.title, instead, _with_effects(grasp, tuple(x for x in effects if x is not e))
 

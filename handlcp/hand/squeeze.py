@@ -1,0 +1,150 @@
+"""How hard a hand closes: the joint offset δq that its actuators can command, from a depth or a force at each tip.
+
+    squeeze       n·J δq = s + gap            the smallest δq
+    grip force    J δq = E r + d,  r_N = f    the r nearest to f n that joints can make: without pads δq = K⁻¹ Jᵀ n f
+
+A squeeze is the motion with which `close_on` closes, continued: the tips go deeper by s along the normals, and sideways
+as their joints take them. The tip of a two-joint finger moves in a plane. Where the normal leans out of that plane by
+θ, depth and normal force are reached all the same, with s tan θ or f tan θ sideways in the plane.
+d are the offsets that the fingers stand off by: a gap that is left, and the sag under their own weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, dimensions, number, per_name, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.effects.joint_offset import Reach
+
+__all__ = ["TOUCHING", "TipMotions", "by_tip", "gripping", "overlaps", "squeezing"]
+
+RANK = 1e-2  # directions in which the joints move the tips less than this share of their best are out of reach
+TOUCHING = 1e-6  # [m] overlaps up to this are what is left of touching
+
+
+def by_tip(argument: str, value: Any, names: Sequence[str]) -> Array:
+    """(k,) ≥ 0 from a number, (k,), or a mapping by fingertip (others: 0). Raises InputError, UnknownName."""
+    if isinstance(value, Mapping):
+        given = per_name(argument, value, names, "a fingertip")
+        return read_only(
+            np.array([number(f"{argument}[{name!r}]", given.get(name, 0.0), minimum=0.0) for name in names])
+        )
+    if dimensions(value) == 0:
+        return read_only(np.full(len(names), number(argument, value, minimum=0.0)))
+    values = array(argument, value, (len(names),))
+    if (values < 0.0).any():
+        raise InputError(argument, "numbers ≥ 0", values.tolist())
+    return values
+
+
+def overlaps(gaps: Array) -> Array:
+    """(k,) how far fingertips with these gaps (k,) are inside the object [m]; 0 for those that just touch."""
+    return read_only(np.where(gaps < -TOUCHING, -gaps, 0.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TipMotions:
+    """What commands of the actuators do to k fingertips. names : (k,). jacobian : (3k, nv) of the contact points,
+    contact axes [m/rad]. commands : (nv, m) joint motions that can be commanded, in orthonormal columns.
+    """
+
+    names: tuple[str, ...]
+    jacobian: Array
+    commands: Array
+
+    @classmethod
+    def of(cls, names: tuple[str, ...], jacobian: Array, commands: Array, planar: bool = False) -> TipMotions:
+        """Contacts after the fingers' are left out, and so are motions across the plane of a planar scene."""
+        J = jacobian[: 3 * len(names)]
+        if planar:
+            J = J.copy()
+            J[1::3] = 0.0
+        return cls(names, J, commands)
+
+    def deeper(self, depth: Array) -> Array:
+        """(nv,) the smallest δq that takes the tips deeper by depth (k,) along the normals, or nearest to that; for
+        columns (k, m), columns.
+        """
+        moves = self.jacobian @ self.commands
+        return np.asarray(self.commands @ _least(moves[2::3], depth, _slowest(moves)))
+
+    def made(self, command: Array) -> Array:
+        """(k, 3) J δq."""
+        return np.asarray(self.jacobian @ command).reshape(-1, 3)
+
+    def follow(self, motions: Array) -> Array:
+        """(nv,) the smallest δq with J δq = motion (3k,), or nearest to it; for columns (3k, m), columns."""
+        moves = self.jacobian @ self.commands
+        return np.asarray(self.commands @ _least(moves, motions, _slowest(moves)))
+
+    def beyond(self, motions: Array) -> Array:
+        """The part of motions (3k,), or of each column (3k, m), that no command makes."""
+        return np.asarray(motions - self.jacobian @ self.follow(motions))
+
+    def preloaded(self, motion: Array) -> Reach:
+        """Of a motion (k, 3) of the tips that was given, not commanded."""
+        beyond = self.beyond(motion.reshape(-1)).reshape(-1, 3)
+        size, left = np.sqrt((motion * motion).sum(axis=1)), np.sqrt((beyond * beyond).sum(axis=1))
+        return Reach("preload", self.names, read_only(size), read_only(left), read_only(np.zeros(len(size))), True)
+
+    def overlapping(self, inside: Array) -> Reach:
+        """Of tips that overlap the object by (k,) [m] in the posture."""
+        left = abs(inside - self.made(self.deeper(inside))[:, 2])
+        return Reach("overlap", self.names, inside, read_only(left), read_only(np.zeros(len(left))), True)
+
+
+def squeezing(tips: TipMotions, depth: Array, gaps: Array) -> tuple[Array, Reach]:
+    """δq (nv,) that leaves the tips depth (k,) deep where they stand off by gaps (k,), both [m]; and its reach."""
+    wanted = depth + gaps
+    command, from_touching = tips.deeper(np.column_stack([wanted, depth])).T
+    missing = abs(wanted - tips.made(command)[:, 2])
+    whole = tips.made(from_touching)
+    sideways = np.sqrt(whole[:, 0] ** 2 + whole[:, 1] ** 2)
+    return command, Reach("squeeze", tips.names, depth, read_only(missing), read_only(sideways), False)
+
+
+def gripping(tips: TipMotions, force: Array, flexibility: Array, root: Array, stand_off: Array) -> tuple[Array, Reach]:
+    """δq (nv,) with which the tips press with normal forces (k,) [N] on an object that stays where it is and does not
+    slip; and its reach. flexibility : (3k, 3k) E of the fingers. root : A of the joints' compliance K⁻¹ = A Aᵀ.
+    stand_off : (3k,) d. Raises InputError for a finger that nothing lets give way along its normal.
+    """
+    E, size = flexibility, float(abs(flexibility).max(initial=0.0))
+    for name, asked, give in zip(tips.names, force, np.diagonal(E)[2::3], strict=True):
+        if asked > 0.0 and give <= 1e-12 * size:
+            expected = "a finger that gives way along its normal, through its joints or its pad"
+            raise InputError("grip_force", expected, f"{name}, which is rigid there")
+    pressed = np.outer(force, (0.0, 0.0, 1.0)).reshape(-1)
+    # Friction takes up what E asks for beyond the joints' motions
+    along = np.ones(len(E), dtype=bool)
+    along[2::3] = False
+    beyond = tips.beyond(E)
+    bound = RANK * float(np.linalg.norm(beyond, 2))
+    r = pressed.copy()
+    if bound > 1e-12 * size:
+        r[along] = -_least(beyond[:, along], beyond @ pressed, bound)
+    wanted = E @ r + stand_off
+    command = tips.commands @ (tips.commands.T @ (root @ (root.T @ (tips.jacobian.T @ r))))
+    command = command + tips.follow(wanted - tips.jacobian @ command)
+    left = tips.jacobian @ command - wanted
+    reached = (r + np.linalg.pinv(E, rcond=1e-9, hermitian=True) @ left).reshape(-1, 3)
+    sideways = np.sqrt(reached[:, 0] ** 2 + reached[:, 1] ** 2)
+    missing = abs(force - reached[:, 2])
+    return command, Reach("grip force", tips.names, force, read_only(missing), read_only(sideways), False)
+
+
+def _slowest(moves: Array) -> float:
+    """The least speed of a tip that counts as within reach, where commands of length one move the tips by `moves`."""
+    return RANK * float(np.sqrt((moves * moves).sum(axis=1).max(initial=0.0)))
+
+
+def _least(A: Array, b: Array, bound: float) -> Array:
+    """The smallest x that makes A x nearest to b, without directions whose singular value is at most `bound`."""
+    U, s, V = np.linalg.svd(A, full_matrices=False)
+    kept = s > bound
+    inverse = V[kept].T / s[kept]
+    return np.asarray(inverse @ (U[:, kept].T @ b))
