@@ -60,12 +60,12 @@ class Look:
 class Geometry:
     """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
     weighs : whether the fingers' weight is asked for. posture (nv,) : from which commands of the joints are counted;
-    gap (n,) : there [m].
+    apart (n, 3) : the part of the grasp's offsets there that the geometry itself knows of: gaps and overlaps [m].
     """
 
     start: Where
     posture: Array
-    gap: Array
+    apart: Array
     follows: bool
     weighs: bool
 
@@ -126,7 +126,8 @@ class FixedGeometry(Geometry):
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         weight = None if mechanism is None or not self.weighs else mechanism.weight()
         self._elastic = Elastic(spec.flexibility, J, turning, root, np.zeros(nv) if weight is None else weight)
-        self.gap = np.maximum(spec.offset[:, 2], 0.0)
+        self.apart = np.zeros((n, 3))
+        self.apart[:, 2] = np.maximum(spec.offset[:, 2], 0.0)
         self._radius = read_only(np.full(n, np.inf))
         self._none = read_only(np.zeros(3))
         self.posture = read_only(np.zeros(nv))
@@ -139,9 +140,9 @@ class FixedGeometry(Geometry):
         along = np.einsum("nji,nj->ni", R, moved) - (self._elastic.J @ at.q).reshape(-1, 3)
         turned = R[:, :, 2] @ omega - self._elastic.turning @ at.q - at.turn
         slips = np.column_stack([along[:, :2], turned])
+        gap = self.apart[:, 2] + along[:, 2]
         return Look(
-            at, spec.positions, R, self.gap + along[:, 2], self._elastic, self._radius, spec.reference, self._none,
-            slips,
+            at, spec.positions, R, gap, self._elastic, self._radius, spec.reference, self._none, slips,
         )  # fmt: skip
 
     def mechanism(self, look: Look) -> Mechanism | None:

@@ -26,6 +26,7 @@ from handlcp.lcp import Auto
 __all__ = ["Answer", "StepSolver"]
 
 _OPEN = "separated"
+_NOTHING = 1e-4  # of the forces that come next
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +63,12 @@ class StepSolver:
     def continued(
         self, look: Look, loads: Loads, start: Array, motion: Array, kinds: tuple[str, ...], patient: bool
     ) -> Answer | Failure:
-        """The answer that continues what is expected. Where a contact changes its state, the answer that a solve finds
-        from contacts that all stick is asked for, too; of both, the one whose forces are nearer to those expected is
-        taken. Where nothing was loaded before, an answer without forces is no more than one of several: the squeezed
-        object may stay between the fingers, or slip out. Then the one near fingers that press on a held object is.
+        """The answer that continues what is expected.
+
+        Where a contact changes its state, the answer that a solve finds from contacts that all stick is asked for, too.
+        Of both, the one that changes no state is taken, else the one whose forces are nearer to those expected. Where
+        nothing was loaded before, an answer without forces is no more than one of several: the squeezed object may stay
+        between the fingers, or slip out. Then the one near fingers that press on a held object is taken.
 
         start : as in `compiled_answer.start_from`; motion (6,) : of the object from the look to where it is expected,
         about the look's reference. kinds (n,) : the contacts' states before. patient : whether to
@@ -83,7 +86,12 @@ class StepSolver:
         other = self._solved(look, loads, NOWHERE, patient)
         if isinstance(found, Failure) or isinstance(other, Failure):
             return other if isinstance(found, Failure) else found
-        off = [float(abs(a.start[:-9] - start[:-9]).max()) for a in (found, other)]
+        if other.kinds == kinds:
+            return other
+        expected, sizes = start[:-9], [float(abs(a.start[:-9]).max()) for a in (found, other)]
+        if float(abs(expected).max()) <= _NOTHING * max(sizes):  # what touched by rounding alone was not loaded
+            return found if sizes[0] >= sizes[1] else other
+        off = [float(abs(a.start[:-9] - expected).max()) for a in (found, other)]
         return found if off[0] <= off[1] else other
 
     def _restarted(self, start: Array, look: Look, motion: Array) -> Array:

@@ -60,8 +60,7 @@ class StepGrasp:
         self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         self._overlap = np.maximum(-first.gap, 0.0)
-        self._given = spec.offset.copy()
-        self._given[:, 2] -= geometry.gap
+        self._given = spec.offset - geometry.apart
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
         self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
 

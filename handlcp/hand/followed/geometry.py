@@ -25,7 +25,7 @@ from handlcp.hand.followed.fingertips import finger_contacts
 from handlcp.hand.followed.motions import gone_on, moved_on
 from handlcp.hand.objects.plane_contacts import rolling_point
 from handlcp.hand.robot.posture import Posture
-from handlcp.tolerances import RANK
+from handlcp.hand.squeeze import TipMotions, overlaps
 
 __all__ = ["FollowedHand"]
 
@@ -58,19 +58,21 @@ class FollowedHand(Geometry):
         self.posture = mechanism.posture.q
         self.start = Where(self.posture, np.zeros((self.n, 3)), np.zeros(self.n), still)
         there = self.look(self.start, None)
-        self.gap = there.gap
+        self.apart = np.zeros((self.n, 3))
+        self.apart[:k, :2] = mechanism.stand_off[:, :2]
+        self.apart[:, 2] = there.gap
         self.start = replace(self.start, q=self._open(there))
 
     def _open(self, there: Look) -> Array:
-        """(nv,) the posture, opened where fingertips overlap the object until they touch it: each joint moves as little
-        as it can, as in closing. What joints cannot open stays.
+        """(nv,) the posture, opened where fingertips overlap the object until they touch it, joint by joint as in
+        closing. What joints cannot open stays.
         """
-        rows = there.elastic.J[2 : 3 * self.k : 3]
-        inside = np.flatnonzero(there.gap[: self.k] < 0.0)
-        if not len(inside):
+        inside = overlaps(there.gap[: self.k])
+        if not inside.any():
             return self.posture
-        back = np.linalg.lstsq(rows[inside], there.gap[inside], rcond=RANK)[0]
-        return read_only(self.posture + back)
+        names, alone = self._mechanism.fingertips, np.eye(self.hand.nv)
+        tips = TipMotions.of(names, there.elastic.J, alone, self.spec.planar)
+        return read_only(self.posture - tips.deeper(inside))
 
     # ---- where the contacts are
     def look(self, at: Where, before: Look | None) -> Look:
