@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from handlcp.grasp.loading.events import Event
 from handlcp.grasp.loading.geometry import between
-from handlcp.grasp.loading.stability import first_unstable
+from handlcp.grasp.loading.stability import last_stable
 from handlcp.grasp.loading.stage import Controls, Goal
 from handlcp.grasp.loading.state import STILL, Failure, Guess, State
 from handlcp.grasp.loading.step import Stepper
@@ -27,7 +27,8 @@ _ALONG = 2.0  # a path is not continued further than this many times its last st
 @dataclass(slots=True)
 class Run:
     """states, stages (number of the stage) and shares of all steps, the state before anything included; events;
-    failure : why the last stage was not finished, None where it was; lost_at : share of it that was reached.
+    failure : why the stage with the number lost_stage was not finished, None where all were; lost_at : share of it that
+    was reached.
     """
 
     states: list[State]
@@ -36,6 +37,7 @@ class Run:
     events: list[Event] = field(default_factory=list)
     failure: Failure | None = None
     lost_at: float | None = None
+    lost_stage: int = 0
 
 
 def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> Run:
@@ -57,13 +59,15 @@ def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> R
 
 
 def _cut(stepper: Stepper, run: Run, begun: int) -> None:
-    """End the run at the first state of the stage that begins at `begun` that a small push would drive away."""
-    if not (found := first_unstable(stepper, run.states[begun:])):
+    """End the run at the last state of the stage that begins at `begun` that a small push would not drive away."""
+    if not (found := last_stable(stepper, run.states[begun:])):
         return
-    at = begun + found[0]
-    run.failure, run.lost_at = Failure("unstable", found[1]), run.shares[at]
+    number, share, motion = found
+    at, stage = begun + number, run.stages[-1]
+    before = run.shares[at] if number else 0.0
+    run.failure, run.lost_at = Failure("unstable", motion), before + share * (run.shares[at + 1] - before)
+    run.lost_stage = stage
     del run.states[at + 1 :], run.stages[at + 1 :], run.shares[at + 1 :]
-    stage = run.stages[-1]
     run.events = [e for e in run.events if (e.number, e.share) <= (stage, run.lost_at)]
 
 
@@ -81,7 +85,7 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
             if step < _SMALLEST * base:
                 last = _last_try(stepper, state, controls)
                 if isinstance(last, Failure):
-                    run.failure, run.lost_at = failure, share
+                    run.failure, run.lost_at, run.lost_stage = failure, share, stage
                     return False
                 found, step = last, base * _LOCATED
             else:

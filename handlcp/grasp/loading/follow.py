@@ -131,12 +131,12 @@ def _geometry(spec: GraspSpec, asked: Any) -> Geometry:
 def _loading(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
     spec = stepper.grasp.spec
     events, lost = list(run.events), run.failure is not None
-    stage = goals[run.stages[-1] if not lost else _lost_stage(run)].name if goals else None
+    stage = goals[run.lost_stage].name if goals else None
     steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), stepper.grasp)
     if lost:
         assert run.lost_at is not None
         why = why_lost(run, spec)
-        events.append(Event("lost", why, str(stage), run.lost_at, _lost_stage(run)))
+        events.append(Event("lost", why, str(stage), run.lost_at, run.lost_stage))
         sentence = f"lost in stage {stage!r} at {words.percent(run.lost_at)}: {why}"
     else:
         sentence = f"reached the end of {' and '.join(repr(g.name) for g in goals)}"
@@ -144,10 +144,3 @@ def _loading(run: Run, goals: list[Goal], stepper: Stepper, section: Section) ->
     return Loading(
         not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section
     )  # fmt: skip
-
-
-def _lost_stage(run: Run) -> int:
-    """The stage after that of the last step, where that step ended it."""
-    last, share = run.stages[-1], run.shares[-1]
-    ended = len(run.states) > 1 and share >= 1.0 - 1e-12 and run.lost_at == 0.0
-    return last + 1 if ended else last

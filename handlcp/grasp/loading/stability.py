@@ -15,7 +15,7 @@ from handlcp.grasp.loading.geometry import Where, between
 from handlcp.grasp.loading.state import STILL, State
 from handlcp.grasp.loading.step import Stepper
 
-__all__ = ["STABLE", "first_unstable", "growth"]
+__all__ = ["STABLE", "growth", "last_stable"]
 
 STABLE = 1.01  # growth up to which an object stays: one that may roll freely stays where it is pushed, which is 1
 _PUSH = 1e-5  # of the contacts' radii, and in radians
@@ -24,25 +24,28 @@ _LITTLE, _SETTLED = 0.3, 0.02
 _ELSEWHERE = 50.0  # times as far as pushed: that is another equilibrium
 
 
-def first_unstable(stepper: Stepper, states: list[State]) -> tuple[int, Array] | None:
-    """The first of a path's states that does not stay where it is, by bisection, and the motion (6,) in which it
-    leaves; None where the last one stays.
+def last_stable(stepper: Stepper, states: list[State]) -> tuple[int, float, Array] | None:
+    """The number of the last of a path's states that stays where it is, by bisection; the share of the step after it
+    that it takes to reach a growth of 1; and the motion (6,) in which the object then leaves. None where the last state
+    of all stays.
     """
     low, high, back = 0, len(states) - 1, 1
     value, motion = growth(stepper, states[high])
     while value != value and high > 0:  # NaN, as at the very end of a path that is lost: what is known a little before?
         high, back = max(high - back, 0), 2 * back
         value, motion = growth(stepper, states[high])
-    if not value > STABLE:
+    if not value > STABLE or high == 0:
         return None
+    below = np.nan
     while high - low > 1:
         middle = (low + high) // 2
-        value, toward = growth(stepper, states[middle])
-        if value > STABLE:
-            high, motion = middle, toward
+        found, toward = growth(stepper, states[middle])
+        if found > STABLE:
+            high, value, motion = middle, found, toward
         else:
-            low = middle
-    return high, motion
+            low, below = middle, found
+    share = (1.0 - below) / (value - below)
+    return low, min(max(share, 0.0), 1.0) if share == share else 1.0, motion
 
 
 def growth(stepper: Stepper, state: State) -> tuple[float, Array]:
@@ -56,7 +59,8 @@ def growth(stepper: Stepper, state: State) -> tuple[float, Array]:
     size = _PUSH * float(state.look.radius.min())
     if (still := _settled(stepper, state, size)) is None:
         return np.nan, STILL
-    push = np.random.default_rng(0).normal(size=6) * ([size] * 3 + [_PUSH] * 3)
+    freedom = stepper.solver.laws.freedom  # in a plane, motions in it
+    push = np.random.default_rng(0).normal(size=len(freedom)) @ freedom * ([size] * 3 + [_PUSH] * 3)
     pushed = geometry.moved(still.pose, push, state.look.reference, still.pose)[0]
     beside = Where(still.q, still.give, still.turn, pushed)
     last, length = np.inf, float(np.sqrt(push @ push))

@@ -86,8 +86,9 @@ def read_stages(
                 continue
             goals.append(goal)
             now = goal.end
-    if not goals and not squeezes:  # a squeeze of nothing: the load is what is left
-        raise InputError("order", "a stage that loads the grasp", repr(order)[:80])
+    if not goals:
+        expected = "a stage that loads the grasp" + ("" if squeezes else ", which has nothing to squeeze with")
+        raise InputError("order", expected, repr(order)[:80])
     return first, goals
 
 

@@ -74,7 +74,8 @@ class StepSolver:
         about the look's reference. kinds (n,) : the contacts' states before. patient : whether to
         search for an answer where the first stage finds none.
         """
-        start = self._restarted(start, look, motion)
+        loaded = any(kind != _OPEN for kind in kinds)
+        start = self._restarted(start, look, motion) if loaded else NOWHERE
         found = self._solved(look, loads, start, patient)
         if not len(start):
             if isinstance(found, Answer) and any(kind != _OPEN for kind in found.kinds):
@@ -95,8 +96,8 @@ class StepSolver:
         return found if off[0] <= off[1] else other
 
     def _restarted(self, start: Array, look: Look, motion: Array) -> Array:
-        """Where a solve begins: the last forces, and the motion. Where nothing is loaded yet, every contact sticks."""
-        if not len(start) or not start[:-9].any():
+        """Where a solve begins: the last forces, and the motion."""
+        if not len(start):
             return NOWHERE
         out = start.copy()
         out[-9:-3] = motion

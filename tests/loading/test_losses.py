@@ -1,0 +1,128 @@
+"""What loses an object, where, and what is said of it; events on the way."""
+
+import re
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.loading.hands import ball, cube, ends
+
+
+def test_a_soft_hand_drops_a_ball_that_one_solve_calls_held():
+    g = ball(stiffness=1.0, squeeze=1e-3)
+    assert g.solve("cone").held
+    h = g.follow()
+    assert not h.reached
+    assert h.lost_stage == "load"
+    assert 0.0 < h.lost_at < 1.0
+    assert h.why.startswith("lost in stage 'load' at")
+    assert h.steps.share[-1] <= h.lost_at
+    assert [e.kind for e in h.events if e.kind == "lost"] == ["lost"]
+
+
+def test_lost_raises_where_that_is_asked_for():
+    with pytest.raises(hl.NoSolutionFound, match="lost in stage 'load'") as caught:
+        ball(stiffness=1.0, squeeze=1e-3).follow(throw=True)
+    assert isinstance(caught.value.problem, hl.Loading)
+
+
+def test_a_load_that_nothing_balances_is_lost_at_once():
+    h = cube().follow((0, 0, 0, 0, 0, 5.0), steps=5)
+    assert not h.reached
+    assert h.lost_at < 0.2
+
+
+def test_a_larger_load_is_lost_earlier():
+    at = [ball().follow((0, 0, pull, 0, 0, 0), steps=20) for pull in (20.0, 40.0)]
+    assert [h.reached for h in at] == [False, False]
+    loads = [20.0 * at[0].lost_at, 40.0 * at[1].lost_at]
+    weight = [0.3 * 9.81 * h.lost_at for h in at]
+    assert loads[0] + weight[0] == pytest.approx(loads[1] + weight[1], rel=0.03)
+
+
+def test_torque_limits_are_events_at_the_share_where_they_are_passed():
+    g = ball(limits=0.14)
+    h = g.follow(order="squeeze")
+    over = [e for e in h.events if e.kind == "over limit"]
+    torque = abs(h.steps.torques)
+    first = int(np.argmax((torque > 0.14).any(axis=1)))
+    assert over
+    assert over[0].share == pytest.approx(h.steps.share[first])
+    assert torque[first].max() == pytest.approx(0.14, rel=0.01)
+
+
+def test_a_saturated_joint_yields_and_never_exceeds_its_limit():
+    h = ball(limits=0.12, effects=[hl.TorqueSaturation()]).follow(steps=10)
+    assert h.reached
+    assert abs(h.steps.torques).max() <= 0.12 * (1 + 1e-9)
+    assert any(e.kind == "yields" for e in h.events)
+
+
+def test_a_joint_beyond_its_range_is_named():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    box = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+    q = hand.close_on(box)
+    far = {"finger_1_distal": float(hand.upper[list(hand.joint_names).index("finger_1_distal")] + 1.0)}
+    h = hand.at(q).grasp(box, friction=hl.Coulomb(0.8), joint_offset=far).follow(order="squeeze", steps=10)
+    assert all(e.who in (*hand.joint_names, *hand.fingertips) or e.kind == "lost" for e in h.events)
+
+
+def test_an_object_without_squeeze_and_support_is_lost_under_its_weight():
+    h = cube(squeeze=None).follow(steps=5)
+    assert not h.reached
+    assert h.stages == ("load",)  # there is nothing to squeeze with
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ({"order": "later"}, "order[0]"),
+        ({"order": ()}, "order"),
+        ({"order": 3}, "order"),
+        ({"load": (1.0, 2.0)}, "load"),
+        ({"load": np.zeros((0, 6))}, "load"),
+        ({"geometry": "moving"}, "geometry"),
+        ({"steps": 0}, "steps"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"order": [hl.Stage("", load=np.zeros(6))]}, "order[0].name"),
+        ({"order": [hl.Stage("a", squeeze=-1.0)]}, "order[0].squeeze"),
+        ({"order": [hl.Stage("a", joint_offset=[1.0])]}, "order[0].joint_offset"),
+    ],
+)
+def test_bad_arguments_are_named(words, named):
+    with pytest.raises(hl.InputError, match=f"^{re.escape(named)}:"):
+        cube().follow(**words)
+
+
+def test_a_grasp_without_a_hand_is_followed_in_its_first_posture_alone():
+    contacts = [hl.Contact((x, 0, 0), (-np.sign(x), 0, 0)) for x in (-0.03, 0.03)]
+    g = hl.Grasp(contacts, flexibility=1e-3, preload=2e-3)
+    with pytest.raises(hl.InputError, match=r"^geometry:"):
+        g.follow(geometry="followed")
+    h = g.follow((0, 0, -0.5, 0, 0, 0))
+    assert h.reached
+    assert h.state is None
+
+
+def test_known_forces_cannot_be_followed():
+    g = cube(effects=[hl.PrescribedForce(0, (0, 0, 2.0))])
+    with pytest.raises(hl.Unsupported, match="PrescribedForce"):
+        g.follow()
+
+
+def test_stages_of_ones_own_reverse_and_repeat():
+    order = [
+        hl.Stage("half", squeeze=0.5),
+        hl.Stage("whole", squeeze=1.0, weight=1.0),
+        hl.Stage("pull", load=(0.2, 0, 0, 0, 0, 0)),
+        hl.Stage("release", squeeze=0.0),
+    ]
+    h = cube().follow(order=order, steps=8)
+    assert h.stages == ("half", "whole", "pull", "release")
+    assert h.lost_stage == "release"
+    half, whole, pull = (
+        ends(h)[:3] if h.lost_at == 0 else [int(np.flatnonzero(h.steps.stage == k)[-1]) for k in range(3)]
+    )
+    np.testing.assert_allclose(h.steps.command[half] * 2, h.steps.command[whole])
+    assert h.steps.load[pull][0] == 0.2

@@ -1,0 +1,102 @@
+"""Paths whose contacts are followed: what they return to, what they converge to, and what energy they take."""
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.loading.hands import ball, cube, ends
+
+LOAD = (0.3, 0.1, -0.5, 0.002, 0.0, 0.001)
+TIGHT = 1e-11
+
+
+def test_an_elastic_path_there_and_back_returns_to_its_start():
+    order = ("squeeze", hl.Stage("there", load=LOAD), hl.Stage("back", load=np.zeros(6)))
+    h = cube().follow(order=order, steps=6, tolerance=TIGHT)
+    start, far, end = ends(h)
+    steps = h.steps
+    assert h.reached
+    assert abs(steps.displacement[far] - steps.displacement[start]).max() > 1e-4
+    for values in (steps.displacement, steps.q, steps.forces_world):
+        np.testing.assert_allclose(values[end], values[start], atol=1e-9 * abs(values).max())
+
+
+def test_half_the_step_halves_the_error_or_better():
+    def end(steps):
+        h = cube().follow(LOAD, steps=steps, tolerance=TIGHT)
+        return np.concatenate([h.steps.forces_world[-1].ravel(), h.displacement * 1e3])
+
+    coarse, half, quarter, fine = (end(n) for n in (3, 6, 12, 24))
+    errors = [abs(x - fine).max() for x in (coarse, half, quarter)]
+    assert errors[1] <= errors[0] / 2
+    assert errors[2] <= errors[1] / 2
+
+
+@pytest.mark.parametrize("grasp", [cube, ball])
+def test_with_vanishing_load_and_squeeze_it_tends_to_one_solve(grasp):
+    g = grasp(squeeze=3e-3)
+    command, wrench = g.joint_offset, g.spec.wrench
+
+    def difference(share):
+        small = g.replace(joint_offset=share * command, wrench=share * wrench)
+        weight = small.mechanism.weight_of_object()
+        load = share * wrench - np.append(weight, np.zeros(3))  # in all, the load is the share of the whole
+        h = small.replace(wrench=share * wrench).follow(load, order="together", steps=4)
+        one = small.solve("cone")
+        assert h.reached
+        assert one.held
+        return abs(h.steps.forces_world[-1] - one.forces_world).max() / abs(one.forces_world).max()
+
+    large, less, least = (difference(x) for x in (1.0, 0.1, 0.01))
+    assert less < 0.2 * large
+    assert least < 0.2 * less
+    assert least < 1e-3
+
+
+@pytest.mark.parametrize("make", [lambda: cube(), lambda: ball(finger_weight=True), lambda: ball(stiffness=2.0)])
+def test_work_is_stored_or_taken_by_friction(make):
+    def balance(steps):
+        s = make().follow(steps=steps).steps
+        given = s.work - s.work[0]
+        return abs(given - (s.stored - s.stored[0]) - s.dissipated).max() / given.max()
+
+    assert balance(40) < 1e-3
+    assert balance(40) < 0.6 * balance(20)
+
+
+def test_the_last_step_is_a_certified_solution_of_its_own():
+    for g in (cube(), ball(friction=hl.SoftFinger(0.6, 0.003), wrench=(0, 0, 0, 0, 0, 0.01))):
+        h = g.follow(steps=10)
+        assert h.solution.held
+        np.testing.assert_allclose(h.solution.forces, h.steps.forces[-1], atol=1e-10)
+        np.testing.assert_allclose(h.solution.torques, h.steps.torques[-1], atol=1e-10)
+        np.testing.assert_allclose(h.solution.gap, h.steps.gap[-1], atol=1e-12)
+
+
+def test_the_whole_balances_in_the_posture_that_it_ends_in():
+    g = ball(stiffness=2.0)
+    h = g.follow()
+    centre, state = h.object.center_of_mass, h.state
+    again = state.grasp(h.object, friction=hl.Coulomb(0.6), gravity=(0, 0, 9.81), max_gap=1e-2)
+    force = h.steps.forces_world[-1]
+    np.testing.assert_allclose(force.sum(axis=0), (0, 0, -0.3 * 9.81), atol=1e-8)
+    arms = np.array([c.position for c in again.contacts]) - centre
+    np.testing.assert_allclose(np.cross(arms, force).sum(axis=0), 0.0, atol=1e-4 * abs(force).max())
+    # Joints are springs to where they were commanded
+    deflection = g.state.q + g.joint_offset - state.q
+    np.testing.assert_allclose(2.0 * deflection, h.steps.torques[-1], atol=1e-9)
+
+
+def test_fixed_geometry_is_one_solve_where_nothing_slips_and_all_comes_together():
+    g = cube()
+    h, one = g.follow(order="together", geometry="fixed", steps=3), g.solve("cone")
+    np.testing.assert_allclose(h.steps.forces[-1], one.forces, atol=1e-9)
+    np.testing.assert_allclose(h.displacement, one.object_displacement, atol=1e-12)
+
+
+def test_squeeze_and_load_in_turn_differ_from_both_together_where_fingers_slip():
+    h = ball(stiffness=1.0, squeeze=0.002).follow(geometry="fixed", order=("squeeze", "load"))
+    both = ball(stiffness=1.0, squeeze=0.002).follow(geometry="fixed", order="together")
+    assert any(e.kind == "slips" for e in (*h.events, *both.events))
+    assert h.reached
+    assert both.reached
