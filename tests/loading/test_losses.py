@@ -126,3 +126,11 @@ def test_stages_of_ones_own_reverse_and_repeat():
     )
     np.testing.assert_allclose(h.steps.command[half] * 2, h.steps.command[whole])
     assert h.steps.load[pull][0] == 0.2
+
+
+def test_a_ball_that_friction_does_not_hold_between_the_fingers_is_squeezed_out():
+    """Contacts lie 27 degrees above its middle: a friction angle of 17 degrees cannot keep it."""
+    h = ball(friction=hl.Coulomb(0.3)).follow(steps=10)
+    assert not h.reached
+    assert h.lost_stage == "squeeze"
+    assert np.degrees(np.arctan(0.3)) < 27.0

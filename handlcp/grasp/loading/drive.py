@@ -39,6 +39,24 @@ class Run:
     lost_at: float | None = None
     lost_stage: int = 0
 
+    def add(self, state: State, stage: int, share: float, events: list[Event]) -> None:
+        """One more step."""
+        self.states.append(state)
+        self.stages.append(stage)
+        self.shares.append(share)
+        self.events += events
+
+    def cut(self, last: int) -> None:
+        """Forget the steps after this one."""
+        stage, share = self.stages[last], self.shares[last]
+        del self.states[last + 1 :], self.stages[last + 1 :], self.shares[last + 1 :]
+        self.events = [e for e in self.events if (e.number, e.share) <= (stage, share)]
+
+    def lost(self, failure: Failure, stage: int, share: float) -> bool:
+        """That a stage is not finished: False."""
+        self.failure, self.lost_stage, self.lost_at = failure, stage, share
+        return False
+
 
 def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> Run:
     """Every stage in about so many steps, until the end or until the object is lost."""
@@ -46,7 +64,7 @@ def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> R
     run = Run([state], [0], [0.0])
     settled = stepper.step(state, first, state.same)  # gaps may open where fingers sag under their own weight
     if isinstance(settled, Failure):
-        run.failure, run.lost_at = settled, 0.0
+        run.lost(settled, 0, 0.0)
         return run
     run.states[0] = settled
     for k, goal in enumerate(goals):
@@ -65,10 +83,8 @@ def _cut(stepper: Stepper, run: Run, begun: int) -> None:
     number, share, motion = found
     at, stage = begun + number, run.stages[-1]
     before = run.shares[at] if number else 0.0
-    run.failure, run.lost_at = Failure("unstable", motion), before + share * (run.shares[at + 1] - before)
-    run.lost_stage = stage
-    del run.states[at + 1 :], run.stages[at + 1 :], run.shares[at + 1 :]
-    run.events = [e for e in run.events if (e.number, e.share) <= (stage, run.lost_at)]
+    run.lost(Failure("unstable", motion), stage, before + share * (run.shares[at + 1] - before))
+    run.cut(at)
 
 
 def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> bool:
@@ -85,8 +101,7 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
             if step < _SMALLEST * base:
                 last = _last_try(stepper, state, controls)
                 if isinstance(last, Failure):
-                    run.failure, run.lost_at, run.lost_stage = failure, share, stage
-                    return False
+                    return run.lost(failure, stage, share)
                 found, step = last, base * _LOCATED
             else:
                 continue
@@ -95,13 +110,29 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
             step = size / 2
             continue
         share += size
-        run.events += stepper.watch.events(state, found, goal.name, stage, share)
-        run.states.append(found)
-        run.stages.append(stage)
-        run.shares.append(share)
+        run.add(found, stage, share, stepper.watch.events(state, found, goal.name, stage, share))
+        if state.loaded and not found.loaded:
+            return run.lost(Failure("loose"), stage, share)
         before, state = (None if happens else (state, size)), found
         step = min(2 * size, base) if not happens else base
+    if not state.loaded and (first := _pushed_out(stepper, run, stage)) is not None:
+        run.cut(first)
+        return run.lost(Failure("loose"), stage, run.shares[-1])
     return True
+
+
+def _pushed_out(stepper: Stepper, run: Run, stage: int) -> int | None:
+    """The number of the first state of a stage, at whose end nothing is held, in which the object has been pushed away
+    by fingers that close; None where it stays where it was.
+    """
+    first = run.stages.index(stage) if stage else 0
+    begun = stepper.geometry.displacement(run.states[first].where.pose)
+    for k in range(first + 1, len(run.states)):
+        state = run.states[k]
+        moved = stepper.geometry.displacement(state.where.pose) - begun
+        if not state.loaded and float(abs(moved[:3]).max()) > stepper.watch.near:
+            return k
+    return None
 
 
 def _stepped(

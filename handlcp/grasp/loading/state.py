@@ -11,8 +11,9 @@ from handlcp.grasp.loading.geometry import Look, Where
 from handlcp.grasp.loading.numbers import Loads, Read
 from handlcp.grasp.loading.stage import Controls
 
-__all__ = ["STILL", "Failure", "Guess", "State"]
+__all__ = ["OPEN", "STILL", "Failure", "Guess", "State"]
 
+OPEN = "separated"
 STILL = read_only(np.zeros(6))
 
 
@@ -36,6 +37,11 @@ class State:
     start: Array
     looks: int
     marks: tuple[bytes, bytes, bytes]
+
+    @property
+    def loaded(self) -> bool:
+        """Whether any contact carries anything."""
+        return any(kind != OPEN for kind in self.kinds)
 
     @property
     def same(self) -> Guess:

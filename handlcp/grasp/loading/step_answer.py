@@ -15,7 +15,7 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.geometry import Look
 from handlcp.grasp.loading.numbers import Laws, Loads, Read, read_answer, write_row
-from handlcp.grasp.loading.state import Failure
+from handlcp.grasp.loading.state import OPEN, Failure
 from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, compiled_kind, start_from
@@ -25,7 +25,6 @@ from handlcp.lcp import Auto
 
 __all__ = ["Answer", "StepSolver"]
 
-_OPEN = "separated"
 _NOTHING = 1e-4  # of the forces that come next
 
 
@@ -74,11 +73,11 @@ class StepSolver:
         about the look's reference. kinds (n,) : the contacts' states before. patient : whether to
         search for an answer where the first stage finds none.
         """
-        loaded = any(kind != _OPEN for kind in kinds)
+        loaded = any(kind != OPEN for kind in kinds)
         start = self._restarted(start, look, motion) if loaded else NOWHERE
         found = self._solved(look, loads, start, patient)
         if not len(start):
-            if isinstance(found, Answer) and any(kind != _OPEN for kind in found.kinds):
+            if isinstance(found, Answer) and any(kind != OPEN for kind in found.kinds):
                 return found
             pressed = self._solved(look, loads, self._pressed(look, loads), patient)
             return found if isinstance(pressed, Failure) else pressed
