@@ -21,6 +21,7 @@ __all__ = ["Run", "drive"]
 
 _LOCATED = 2.0**-5  # of a step: events are located to this share
 _SMALLEST = 2.0**-7  # of a step: what does not settle then is lost
+_BRIEF = 0.01  # of a stage
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 
 
@@ -54,6 +55,8 @@ class Run:
 
     def lost(self, failure: Failure, stage: int, share: float) -> bool:
         """That a stage is not finished: False."""
+        while self.events and self.events[-1].kind == "snaps" and self.events[-1].share > share - _BRIEF:
+            self.events.pop()  # it never came to rest
         self.failure, self.lost_stage, self.lost_at = failure, stage, share
         return False
 
@@ -102,6 +105,8 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
                 last = _last_try(stepper, state, controls)
                 if isinstance(last, Failure):
                     return run.lost(failure, stage, share)
+                if failure.kind == "runs away":
+                    run.events.append(Event("snaps", "the object", goal.name, share + size, stage))
                 found, step = last, base * _LOCATED
             else:
                 continue

@@ -14,13 +14,15 @@ _SENTENCES = {
     "within limit": "{who} is within its torque limit again", "yields": "{who} yields at its torque limit",
     "holds": "{who} holds again, below its torque limit", "range end": "{who} passes the end of its range",
     "range": "{who} is within its range again", "lost": "the object is lost: {who}",
+    "snaps": "{who} snaps to another place",
 }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
     """kind : "slips", "sticks", "opens", "touches" (a contact), "over limit", "within limit", "yields", "holds",
-    "range end", "range" (a joint), "lost". who : the finger or the joint; for "lost" the reason. stage : its name.
+    "range end", "range" (a joint), "snaps" (the object, which comes to rest again elsewhere), "lost". who : the finger,
+    the joint or "the object"; for "lost" the reason. stage : its name.
     share : of the stage, 0 to 1, when it was there; it came after the step before. number : of the stage, from 0.
     """
 

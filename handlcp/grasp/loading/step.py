@@ -35,6 +35,7 @@ _MOST = 10  # looks at one step, before it counts as one that does not settle
 _LEAST = 0.2  # of the way from a look to its end
 _CONTRACTS = 0.7  # each look has to come nearer by this factor, or the step is shortened
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
+_CATCH, _CAUGHT = 60, 0.5  # looks and motion within which an object that snaps may come to rest again
 
 
 class _Found(NamedTuple):
@@ -94,17 +95,18 @@ class Stepper:
 
     def step(self, state: State, controls: Controls, guess: Guess, patient: bool = False) -> State | Failure:
         """The state under other controls. guess : what is expected of it. patient : whether to search for an answer
-        where the first stage of the solver finds none.
+        where the first stage of the solver finds none, and to go along with an object that snaps to another place.
         """
         geometry = self.geometry
         look, last, swing = geometry.look(guess.where, state.look), np.inf, _Swing()
-        for count in range(1, _MOST + 1):
+        most, furthest = (_CATCH, _CAUGHT) if patient else (_MOST, _LARGEST)
+        for count in range(1, most + 1):
             found = self._looked(state, controls, look, guess, patient)
             if isinstance(found, Failure):
                 return found
             end = found.end
             if found.miss <= self.tolerance or not geometry.follows:
-                if found.leap > _LARGEST:
+                if found.leap > furthest:
                     break
                 answer = found.answer
                 marks = self.watch.marks(end.q, answer.read.torque, answer.yielded)
@@ -113,7 +115,7 @@ class Stepper:
                     answer.start, count, marks,
                 )  # fmt: skip
             share = swing.share(geometry.displacement(end.pose) - geometry.displacement(look.at.pose))
-            if count > 2 and found.miss > _CONTRACTS * last:
+            if found.leap > furthest or (count > 2 and found.miss > _CONTRACTS * last and not patient):
                 break
             last = found.miss if share == 1.0 else max(found.miss, last)
             look = geometry.look(end if share == 1.0 else between(geometry, look.at, end, share), look)
