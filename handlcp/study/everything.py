@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import Contact, Coulomb, Grasp, solve_many
+from handlcp.grasp import Contact, Coulomb, Grasp, SoftFinger, solve_many
 from handlcp.hand import GraspStream, HandGrasp
 from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
 from handlcp.lcp.compiler.when import MANY
@@ -81,6 +81,16 @@ def _streams() -> None:
     GraspStream(_held(), start=_held().solve()).update(q=q)
 
 
+def _loading() -> None:
+    for faces in ("cone", 8):
+        _held().follow(faces=faces, steps=2)
+    _held().follow(geometry="fixed", steps=2)
+    _pinch(1.0).follow(steps=2)
+    trial = trials(entries()[0])[1]
+    state, ball = trial.state(), trial.ball()
+    state.grasp(ball, friction=SoftFinger(0.6, 0.003), squeeze=1e-3).follow(steps=2)
+
+
 def _batches() -> None:
     solve_many([_pinch(1.0)] * MANY, workers=1)
 
@@ -100,6 +110,7 @@ JOBS: tuple[tuple[str, Callable[[], None]], ...] = (
     ("every solver", _every_solver),
     ("searches", _searches),
     ("streams", _streams),
+    ("loading", _loading),
     ("batches", _batches),
     ("studies", _studies),
 )
