@@ -22,9 +22,10 @@ from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.force_iteration import force_dependent
-from handlcp.hand.command import commanded, out_of_reach
+from handlcp.hand.command import commanded
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
+from handlcp.hand.reach import out_of_reach
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.lcp import Auto, ContactSolver, Solver

@@ -29,6 +29,7 @@ from handlcp.hand.objects.close import close_on
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.posture_reasons import posture_reasons
+from handlcp.hand.reach import eased, reach_reasons, squeezed_further
 from handlcp.hand.robot.audit import limit_reasons
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.posture import Posture
@@ -120,7 +121,20 @@ class HandMechanism(Mechanism):
             yield from torque_reasons(solution.torque_check)
             hand = self.posture.hand
             yield from limit_reasons(hand.kinematics.facts, hand.torques.given)
+        yield from self.command_reasons(solution.spec)
         yield from self.place_reasons(self.posture, self.target)
+
+    def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
+        """What of a squeeze no command of the joints makes."""
+        yield from reach_reasons(spec)
+
+    def squeezed(self, spec: GraspSpec, depth: float) -> GraspSpec:
+        """By commands of the joints."""
+        return squeezed_further(spec, depth)
+
+    def eased(self, spec: GraspSpec, share: float) -> GraspSpec:
+        """Commands of the joints included."""
+        return eased(spec, share)
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """Of torques and posture at the end of a loading."""
@@ -141,7 +155,9 @@ class HandMechanism(Mechanism):
         except InputError:
             return None
         positions, frames = np.array([c.position for c in contacts]), np.array([c.rotation for c in contacts])
-        made = mechanism_of(posture, self.tips, read_only(positions), read_only(frames), obj, self.gravity)
+        made = mechanism_of(
+            posture, self.tips, read_only(positions), read_only(frames), obj, self.gravity, self.stand_off
+        )
         return spec.replace(
             contacts=contacts, positions=made.positions, frames=made.frames, mechanism=made,
             flexibility=finger_flexibility(made), reference=read_only(spec.reference - shift),

@@ -66,7 +66,7 @@ def test_a_soft_hand_that_one_solve_calls_held_drops_the_ball(case):
     assert one.held
     v = grasp.check(solution=one)
     assert v.word == "NOT HELD"
-    same(f"hand/test_check: dropped, {case}", without_numbers("; ".join(r.sentence for r in v.about("lost"))), "+z")
+    same(f"hand/test_check: dropped, {case}", without_numbers("; ".join(r.sentence for r in v.about("lost"))))
     (note,) = v.about("followed_forces")
     same("hand/test_check: one solve finds an equilibrium", note.sentence)
 

@@ -98,6 +98,18 @@ class Mechanism:
         """What only it knows of whether a solution of its grasp holds, as `Reason`s of a verdict."""
         return ()
 
+    def command_reasons(self, spec: Any) -> Iterable[Any]:
+        """The same of what is asked of the fingers of a grasp."""
+        return ()
+
+    def squeezed(self, spec: Any, depth: float) -> Any:
+        """The grasp with every finger whose force is not prescribed squeezed by depth [m] more."""
+        return spec.squeezed(depth)
+
+    def eased(self, spec: Any, share: float) -> Any:
+        """The grasp with this share of its squeeze."""
+        return spec
+
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterable[Any]:
         """The same of the end of a loading: torques (nv,), how far joints yield (nv,), and `at_end`."""
         return ()

@@ -53,6 +53,8 @@ def _reasons(
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
         yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
     yield lost_reason(path)
+    if spec.mechanism is not None:
+        yield from spec.mechanism.command_reasons(spec)
     yield from place_reasons(spec, path)
     if solution.held:
         text = "one solve, all at once about this posture, finds an equilibrium, which this loading does not reach"

@@ -32,7 +32,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     """Of a loading whose end is reached: torques and postures at its end, what slid, how far the object moved."""
     last, mechanism = path.last, spec.mechanism
     if mechanism is not None:
-        before = list(place_reasons(spec, path))
+        before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
         yield from before
         known = {_about(reason) for reason in before}
         place = (path.state, path.object)

@@ -112,18 +112,16 @@ def _squeezed(spec: GraspSpec) -> Iterator[_Trial]:
     most = MOST * build(spec).units.length
     for share in _SQUEEZES:
         depth = _round(share * most)
-        more = " more" if (spec.offset[spec.free_fingers, 2] < 0.0).any() else ""
-        yield _Trial(depth, f"{words.length(depth)}{more} squeeze on each finger", spec.squeezed(depth))
+        other = spec.squeezed(depth) if spec.mechanism is None else spec.mechanism.squeezed(spec, depth)
+        yield _Trial(depth, f"{words.length(depth)} more squeeze on each finger", other)
 
 
 def _eased(spec: GraspSpec) -> Iterator[_Trial]:
-    fingers = spec.free_fingers
-    if not (spec.offset[fingers, 2] < 0.0).any():
+    mechanism = spec.mechanism
+    if mechanism is None:  # which limits torques
         return
     for share in _LESS:
-        offset = spec.offset.copy()
-        offset[fingers] *= share
-        yield _Trial(share, f"{words.percent(share)} of the squeeze", spec.replace(offset=read_only(offset)))
+        yield _Trial(share, f"{words.percent(share)} of the squeeze", mechanism.eased(spec, share))
 
 
 def _rougher(spec: GraspSpec) -> Iterator[_Trial]:
