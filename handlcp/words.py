@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["NOTHING", "LengthUnit", "angle", "force", "length", "length_unit", "listed", "percent", "torque"]
+__all__ = ["NOTHING", "LengthUnit", "angle", "either", "force", "length", "length_unit", "listed", "percent", "torque"]
 
 NOTHING = 1e-10  # [m] motions below this are rounding
 _MOST = 4  # names in a list
@@ -37,7 +37,9 @@ def length_unit(metres: Iterable[float]) -> LengthUnit:
 
 
 def length(metres: float) -> str:
-    """Such as "0.42 mm", "12 µm"."""
+    """Such as "0.42 mm", "12 µm", "24 m"."""
+    if abs(metres) >= 1.0:
+        return _text(metres, " m", 2)
     return _text(metres * 1e6, " µm", 2) if NOTHING <= abs(metres) < 1e-4 else _text(metres * 1e3, " mm", 2)
 
 
@@ -69,6 +71,11 @@ def listed(names: Sequence[str]) -> str:
     """At most four names, and how many more there are."""
     names = list(names)
     return ", ".join(names[:_MOST]) + (f" and {len(names) - _MOST} more" if len(names) > _MOST else "")
+
+
+def either(parts: Sequence[str]) -> str:
+    """Such as "a, b or c"."""
+    return " or ".join(part for part in (", ".join(parts[:-1]), parts[-1]) if part)
 
 
 def _text(value: float, unit: str, digits: int = 3) -> str:

@@ -137,7 +137,7 @@ def test_each_way_inside_is_seen(source, what):
     "source",
     [
         "import handlcp as hl\nhl.grasp.Pyramid(8)\nhl.lcp.Proposal",
-        "from handlcp.show import verdict",
+        "from handlcp.grasp import Verdict",
         "from handlcp.study.accuracy import METHODS",
         "import sys\ncommand = [sys.executable, '-m', 'handlcp.cli']",
         "class A:\n    def go(self):\n        return self._x",

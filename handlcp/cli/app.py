@@ -1,6 +1,6 @@
 """The app that commands join, and what they share.
 
-Exit status: 0 held; 1 not held, not decided, or over a torque limit; 2 bad input, with one message on stderr.
+Exit status: 0 for the verdict HELD; 1 for any other; 2 bad input, with one message on stderr.
 """
 
 from __future__ import annotations

@@ -12,13 +12,15 @@ from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, say, titled
 from handlcp.errors import InputError
-from handlcp.grasp import Grasp, GraspSolution
+from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.lcp import Auto
-from handlcp.show import Verdict, tables, verdict
+from handlcp.show import tables
 from handlcp.show.file import checked
 from handlcp.show.record import record
 
 __all__ = ["solve"]
+
+_COLOURS = {"HELD": "green", "UNDECIDED": "yellow"}  # the rest is red
 
 
 @app.command()
@@ -38,9 +40,9 @@ def solve(
         float | None, typer.Option(help="Force error that will do, of the largest force; not with --faces.")
     ] = None,
 ) -> None:
-    """Solve a scene: effects, contacts, joint torques, verdict. Exit status 0 held, 1 not held, 2 bad input.
+    """Solve a scene: effects, contacts, joint torques, verdict. Exit status 0 HELD, 1 any other verdict, 2 bad input.
 
-    A joint over its torque limit is "not held". A solver that stopped without an answer is not "held" either.
+    The tables are of one solve, squeeze and load at once. The verdict follows the hand while it squeezes and is loaded.
     """
     from handlcp import scene as scenes
 
@@ -52,14 +54,14 @@ def solve(
     grasp = file.build()
     explanation = grasp.explain(sides, measure=explain)
     solution = grasp.solve(None if accuracy is not None else sides, solver, throw=False, accuracy=accuracy)
+    judged = grasp.check(faces=sides, solution=solution)
     if plot is not None:
         from handlcp.show.picture import save
 
-        save(grasp, solution, plot, obj=file.shape(), title=file.title)
+        save(grasp, solution, plot, obj=file.shape(), title=file.title, verdict=judged)
     left_out = grasp.suggest(solution, sides) if suggest and solution.held else None
-    judged = verdict(grasp, solution)
     if json:
-        print_json(record(grasp, solution, explanation, file.title, left_out))
+        print_json(record(grasp, solution, explanation, file.title, left_out, judged))
     else:
         out = titled(file.title)
         out.print(tables.effect_table(explanation))
@@ -73,7 +75,7 @@ def solve(
         if plot is not None:
             out.print(Text(f"Picture: {plot}", style="dim"))
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
-    raise typer.Exit(1 if short else judged.exit_code)
+    raise typer.Exit(1 if short or not judged.ok else 0)
 
 
 def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
@@ -100,10 +102,11 @@ def _print_numbers(out: Console, grasp: Grasp, solution: GraspSolution, sides: A
 
 
 def _print_words(out: Console, solution: GraspSolution, judged: Verdict) -> None:
-    """Verdict, accuracy and notes."""
-    say(out, judged.word, f"bold {judged.colour}", judged.text)
+    """Verdict, accuracy, warnings and advice."""
+    (word, text), *rest = judged.paragraphs
+    say(out, word, f"bold {_COLOURS.get(word, 'red')}", text)
     if (reached := solution.accuracy) is not None and solution.held:
         words = f"{reached}" if reached.met else f"{reached}: not shown to keep it"
         say(out, "Accuracy", "green" if reached.met else "bold red", words)
-    for note in judged.notes:
-        say(out, "Note", "yellow", note)
+    for head, sentence in rest:
+        say(out, head, "yellow" if head == "Warning" else "cyan", sentence)

@@ -12,6 +12,7 @@ from handlcp.grasp.analysis.suggestions import Suggestion, Suggestions
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import Uniqueness
+from handlcp.grasp.answer.verdict import Reason, Verdict
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.solve_many import solve_many
@@ -49,7 +50,7 @@ __all__ = [
     "Accuracy", "AnisotropicCoulomb", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
     "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
     "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "Loading",
-    "Placement", "PrescribedForce", "Pyramid", "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist",
-    "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound", "Uniqueness",
+    "Placement", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist",
+    "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound", "Uniqueness", "Verdict",
     "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip

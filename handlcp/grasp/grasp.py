@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Self, overload
 
-import numpy as np
-
 from handlcp.check import Array, number, read_only, yes_or_no
 from handlcp.errors import InputError, NoSolutionFound
 from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
@@ -17,20 +15,21 @@ from handlcp.grasp.analysis.required import Required, required_friction, require
 from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.analysis.suggestions import Suggestions, suggest
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import Verdict
+from handlcp.grasp.assembly.asked import asked_for, replaced
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.loading.follow import Loading, follow
-from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.environment import beside, joined, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
+from handlcp.grasp.verdict.check import check
 from handlcp.lcp import Auto, ContactSolver, Solver
 
-__all__ = ["Grasp", "as_asked"]
+__all__ = ["Grasp"]
 
 
 class Grasp:
@@ -68,19 +67,7 @@ class Grasp:
         plane: Any = None, environment: Any = None,
     ) -> None:  # fmt: skip
         if not isinstance(contacts, GraspSpec):
-            cs = validate.contacts(contacts)
-            k, around = len(cs), None if environment is None else joined(environment)
-            if around is not None:
-                cs = validate.contacts((*cs, *around.contacts))
-            positions, frames, normal = validate.placed(plane, cs)
-            point = validate.reference(reference, normal, positions)
-            load = validate.wrench(wrench, normal, validate.lift(positions, point, normal))
-            E, d = validate.flexibility(flexibility, k, normal is not None), validate.offset(offset, preload, k)
-            if around is not None:
-                E, d = beside(E, around.flexibility), read_only(np.concatenate([d, around.offset]))
-            fingers, R = None if around is None else k, read_only(frames)
-            spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
-            contacts = as_asked(spec, effects)
+            contacts = asked_for(contacts, wrench, flexibility, preload, offset, reference, effects, plane, environment)
         elif any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
             raise InputError(
                 "contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it"
@@ -220,6 +207,17 @@ class Grasp:
         """
         return equilibria(self.spec, self._section(faces), number("seconds", seconds, above=0.0))
 
+    def check(
+        self, order: Any = ("squeeze", "load"), faces: int | str | Pyramid = "cone",
+        solution: GraspSolution | None = None,
+    ) -> Verdict:  # fmt: skip
+        """Does it hold? The verdict when it is squeezed, then loaded, as by `follow`: HELD if the end is reached within
+        torque limits. Links inside the object, joints past their ranges and doubtful limits are named; where it does
+        not hold, what was tried and would help. solution : of this grasp with these faces; None: solved now.
+        """
+        one = self.solve(faces, throw=False) if solution is None else solution
+        return check(self.spec, self.scene, self._section(faces), order, one)
+
     def follow(
         self, load: Any = None, order: Any = ("squeeze", "load"), geometry: str | None = None,
         throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
@@ -250,23 +248,3 @@ class Grasp:
         planar = ", planar" if s.plane is not None else ""
         planar += f", {s.environment} of the environment" if s.environment else ""
         return f"{type(self).__name__}({s.n} contacts, {sum(t > 0 for t in s.kind.tangents)} with friction{planar})"
-
-
-def as_asked(spec: GraspSpec, effects: Any) -> GraspSpec:
-    """The specification with the effects that a user asks for by name, besides those it has. Raises InputError."""
-    asked = validate.effects(effects, spec)
-    return spec.replace(effects=(*asked, *spec.effects)) if asked else spec
-
-
-def replaced(spec: GraspSpec, wrench: Any, flexibility: Any, offset: Any, preload: Any) -> GraspSpec:
-    """See `Grasp.replace`."""
-    n, changes = spec.of_fingers, dict[str, Array]()
-    if wrench is not None:
-        height = validate.lift(spec.positions, spec.reference, spec.plane)
-        changes["wrench"] = validate.wrench(wrench, spec.plane, height)
-    if flexibility is not None:
-        around = spec.flexibility[3 * n :, 3 * n :]
-        changes["flexibility"] = beside(validate.flexibility(flexibility, n, spec.planar), around)
-    if offset is not None or preload is not None:
-        changes["offset"] = offset_beside(offset, 0.0 if preload is None else preload, n, spec.offset[n:])
-    return spec.replace(**changes)

@@ -10,12 +10,13 @@ import numpy as np
 
 from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.effects.joint_offset import JointOffset, Reach
+from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.squeeze import TOUCHING, TipMotions, by_tip, gripping, overlaps, squeezing
+from handlcp.hand.reach import joint_by_joint, motions_of
+from handlcp.hand.squeeze import by_tip, gripping, overlaps, squeezing
 
-__all__ = ["commanded", "out_of_reach", "read_joint_offset", "standing_off"]
+__all__ = ["commanded", "read_joint_offset", "standing_off"]
 
 
 def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
@@ -58,40 +59,15 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
     return spec.replace(effects=(*spec.effects, effect)) if says_something else spec
 
 
-def motions_of(mechanism: HandMechanism, planar: bool, commands: Array | None = None) -> TipMotions:
-    """What the hand's actuators do to the fingers' contacts; or others, with these commands."""
-    commands = mechanism.posture.hand.stiffness.commands if commands is None else commands
-    return TipMotions.of(mechanism.fingertips, mechanism.jacobian, commands, planar)
-
-
 def standing_off(mechanism: HandMechanism, gaps: Array, planar: bool) -> HandMechanism:
     """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
     `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`.
     """
     offset = np.outer(gaps, (0.0, 0.0, 1.0))
     if (inside := overlaps(gaps)).any():
-        tips = _joint_by_joint(mechanism, planar)
+        tips = joint_by_joint(mechanism, planar)
         offset[:, :2] -= tips.made(tips.deeper(inside))[:, :2]
     return replace(mechanism, stand_off=read_only(offset))
-
-
-def _joint_by_joint(mechanism: HandMechanism, planar: bool) -> TipMotions:
-    return motions_of(mechanism, planar, np.eye(len(mechanism.names)))
-
-
-def out_of_reach(spec: GraspSpec) -> tuple[Reach, ...]:
-    """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded."""
-    mechanism, k = spec.mechanism, spec.of_fingers
-    assert isinstance(mechanism, HandMechanism)
-    tips, found = motions_of(mechanism, spec.planar), []
-    if (inside := overlaps(mechanism.stand_off[:, 2])).any():
-        found.append(_joint_by_joint(mechanism, spec.planar).overlapping(inside))
-    given = mechanism.stand_off - spec.offset[:k]
-    given[given[:, 2] < 0.0] = 0.0  # a gap, which nothing has to make
-    if abs(given).max(initial=0.0) > TOUCHING:
-        found.append(tips.preloaded(given))
-    found += [e.reach for e in spec.effects if isinstance(e, JointOffset) and e.reach is not None]
-    return tuple([reach for reach in found if not reach.complete])
 
 
 def _of_fingers(spec: GraspSpec, mechanism: HandMechanism) -> tuple[Array, Array]:

@@ -13,17 +13,19 @@ from handlcp.grasp.analysis.equilibria import Equilibria
 from handlcp.grasp.analysis.explanation import Explanation
 from handlcp.grasp.analysis.suggestions import force_change
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.asked import replaced
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset, Reach
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.grasp.friction import Pyramid, as_section
-from handlcp.grasp.grasp import Grasp, replaced
+from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.force_iteration import force_dependent
-from handlcp.hand.command import commanded, out_of_reach
+from handlcp.hand.command import commanded
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
+from handlcp.hand.reach import out_of_reach
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.lcp import Auto, ContactSolver, Solver

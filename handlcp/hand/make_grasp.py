@@ -9,10 +9,10 @@ import numpy as np
 
 from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.assembly.asked import as_asked
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.friction import Coulomb, FrictionLaw, law_words
-from handlcp.grasp.grasp import as_asked
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside

@@ -8,13 +8,16 @@ the package's README, "The model and its symbols".
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
@@ -22,11 +25,16 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.followed.geometry import FollowedHand
+from handlcp.hand.objects.close import close_on
+from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.posture_reasons import posture_reasons
+from handlcp.hand.reach import eased, reach_reasons, squeezed_further
+from handlcp.hand.robot.audit import limit_reasons
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
-from handlcp.hand.torques import torque_check
+from handlcp.hand.torques import TorqueCheck, torque_check, torque_reasons
 from handlcp.lazy import lazy
 
 __all__ = ["HandMechanism", "finger_flexibility", "mechanism_of"]
@@ -107,6 +115,65 @@ class HandMechanism(Mechanism):
         equation, words = self.posture.hand.stiffness.law
         return ((TRANSMISSION, equation, bool(words), words or "none: the springs are those of the joints"),)
 
+    def reasons(self, solution: Any) -> Iterator[Reason]:
+        """Of its torques, its limits and its posture."""
+        if solution.held:
+            yield from torque_reasons(solution.torque_check)
+            hand = self.posture.hand
+            yield from limit_reasons(hand.kinematics.facts, hand.torques.given)
+        yield from self.command_reasons(solution.spec)
+        yield from self.place_reasons(self.posture, self.target)
+
+    def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
+        """What of a squeeze no command of the joints makes."""
+        yield from reach_reasons(spec)
+
+    def squeezed(self, spec: GraspSpec, depth: float) -> GraspSpec:
+        """By commands of the joints."""
+        return squeezed_further(spec, depth)
+
+    def eased(self, spec: GraspSpec, share: float) -> GraspSpec:
+        """Commands of the joints included."""
+        return eased(spec, share)
+
+    def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
+        """Of torques and posture at the end of a loading."""
+        yield from torque_reasons(self._check(torque, yielded))
+        hand = self.posture.hand
+        yield from limit_reasons(hand.kinematics.facts, hand.torques.given)
+        yield from self.place_reasons(*place)
+
+    def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
+        """The hand closes anew on its object, which is moved the other way; it is squeezed as far as before."""
+        if self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
+            return None
+        place, hand = self.target.placement, self.posture.hand
+        obj = self.target.moved_to(pin.SE3(place.rotation, place.translation - shift))
+        try:
+            posture = type(self.posture)(hand, close_on(hand, obj, self.posture.q, fingers=self.fingertips))
+            contacts, gaps = touching(posture, self.tips, obj, [c.friction for c in spec.contacts], 1e-3)
+        except InputError:
+            return None
+        positions, frames = np.array([c.position for c in contacts]), np.array([c.rotation for c in contacts])
+        made = mechanism_of(
+            posture, self.tips, read_only(positions), read_only(frames), obj, self.gravity, self.stand_off
+        )
+        return spec.replace(
+            contacts=contacts, positions=made.positions, frames=made.frames, mechanism=made,
+            flexibility=finger_flexibility(made), reference=read_only(spec.reference - shift),
+            offset=read_only(spec.offset + np.outer(gaps, (0.0, 0.0, 1.0))),
+        )  # fmt: skip
+
+    def stiffer(self, factor: float) -> Self:
+        """The same hand in the same posture, with springs that are so many times as stiff."""
+        hand = self.posture.hand.stiffer(factor)
+        return replace(self, root=hand.stiffness.root, posture=type(self.posture)(hand, self.posture.q))
+
+    def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
+        """Of a posture, with the object there; None: not known."""
+        if posture is not None:
+            yield from posture_reasons(posture, obj, self.tips)
+
     def moved(self, posture: Posture, positions: Array, frames: Array) -> HandMechanism:
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""
         made = mechanism_of(posture, self.tips, positions, frames, self.target, self.gravity, self.stand_off)
@@ -122,17 +189,19 @@ class HandMechanism(Mechanism):
         self, scene: Scene, effects: tuple[Effect, ...], forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:
         """As `HandGraspSolution` has it."""
-        hand = self.posture.hand
         joints = self.joints(scene, effects, forces, torsion, extra)
-        total, yielded = read_only(joints.torque), read_only(joints.yielded)
-        yielding: tuple[str, ...] = ()
-        if yielded.any():
-            yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])  # NaN without an answer
+        total = read_only(joints.torque)
         return {
-            "torques": total, "joint_deflection": read_only(joints.deflection), "joint_yield": yielded,
-            "torque_check": torque_check(self.names, total, hand.torques.limits, hand.torques.known, yielding),
-            "effort": hand.stiffness.effort(total),
+            "torques": total, "joint_deflection": read_only(joints.deflection),
+            "joint_yield": read_only(joints.yielded), "torque_check": self._check(total, joints.yielded),
+            "effort": self.posture.hand.stiffness.effort(total),
         }  # fmt: skip
+
+    def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
+        limits, yielding = self.posture.hand.torques, tuple[str, ...]()
+        if yielded.any():  # NaN without an answer
+            yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
+        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding)
 
 
 def mechanism_of(

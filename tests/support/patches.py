@@ -90,9 +90,9 @@ def advice_is_watched(patch: Patch) -> list[Any]:
     """Each time that somebody asks for the squeeze that would hold."""
     asked: list[Any] = []
 
-    def watched(*arguments: Any) -> Any:
+    def watched(*arguments: Any, **named: Any) -> Any:
         asked.append(arguments)
-        return required_preload(*arguments)
+        return required_preload(*arguments, **named)
 
     patch.setattr("handlcp.grasp.analysis.advice.required_preload", watched)
     return asked

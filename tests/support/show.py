@@ -19,10 +19,8 @@ from handlcp.show.picture.camera import camera_for, facing
 from handlcp.show.picture.overlay import nice, rim
 from handlcp.show.picture.raster import fill
 from handlcp.show.record import record
-from handlcp.show.verdict import SMALL_TURN
 
 __all__ = [
-    "SMALL_TURN",
     "all_tables",
     "camera_of",
     "convergence_figure",

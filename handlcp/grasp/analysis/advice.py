@@ -7,8 +7,9 @@ from functools import partial
 
 from handlcp.check import Array
 from handlcp.errors import NoSolutionFound
-from handlcp.grasp.analysis.required import required_preload
+from handlcp.grasp.analysis.required import CHAIN, required_preload
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.problem import AnyProblem
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
@@ -18,7 +19,9 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["advised", "no_solution", "solve_with_advice"]
+__all__ = ["MOST", "advised", "no_solution", "solve_with_advice"]
+
+MOST = 0.2  # of the grasp's size: no hand squeezes farther than that for a better hold
 
 
 def solve_with_advice(
@@ -37,7 +40,15 @@ def advised(solution: GraspSolution, spec: GraspSpec, section: Section) -> Grasp
 
 
 def _squeeze(spec: GraspSpec, section: Section) -> float | None:
-    return required_preload(spec, section).value
+    """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]."""
+    return required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears).value
+
+
+def _bears(spec: GraspSpec, section: Section) -> bool:
+    """Whether an equilibrium is found, and no joint is over its torque limit there."""
+    found = solve_spec(spec, section, CHAIN)
+    check = getattr(found, "torque_check", None)
+    return found.held and (check is None or not check.over)
 
 
 def no_solution(problem: AnyProblem, solution: GraspSolution) -> NoSolutionFound:

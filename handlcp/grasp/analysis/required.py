@@ -23,11 +23,11 @@ from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp import Auto
 
-__all__ = ["Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
+__all__ = ["CHAIN", "Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
 
 Holds = Callable[[GraspSpec, Section], bool]
 
-_CHAIN = Auto(search_work=BRIEF)
+CHAIN = Auto(search_work=BRIEF)
 _FIRST = 2.0**-10  # of the natural size: the first step upwards
 _FRICTION = 10.0  # the largest coefficient that is tried
 
@@ -69,7 +69,7 @@ class Required:
 
 def holds(spec: GraspSpec, section: Section) -> bool:
     """Whether the solver chain, with a brief search, finds an equilibrium that the certifier passes."""
-    return solve_spec(spec, section, _CHAIN).held
+    return solve_spec(spec, section, CHAIN).held
 
 
 def required_preload(

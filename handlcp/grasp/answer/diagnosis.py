@@ -65,16 +65,14 @@ class Sentences:
         way = self.motion(escape, "slides out", "turns out")
         return f"no {self._who} forces within friction balance the load: the object {way}"
 
-    def no_equilibrium(
-        self, offset: Array, required: float | None, known: str, bounds: tuple[float, float] | None
-    ) -> str:
+    def no_equilibrium(self, offset: Array, required: float | None, known: str, proven: bool) -> str:
         """With the cause, and what would help.
 
         offset (n,) m along the normals: says which contacts carry no preload. required: squeeze [m] on every finger
-        that would hold; known: a cause, if one is. bounds: forces [N] and motions [m] within which that was proven.
+        that would hold; known: a cause, if one is. proven: that there is none far beyond the grasp's own size.
         """
-        within = "" if bounds is None else f" (none up to {_number(bounds[0])} N and motions of {_number(bounds[1])} m)"
-        cannot = f"forces within friction could balance the load, but these {self._who}s do not create them{within}"
+        far = " (searched far beyond any force or motion of this grasp)" if proven else ""
+        cannot = f"forces within friction could balance the load, but these {self._who}s do not create them{far}"
         names, squeeze = self._fingers, offset[: len(self._fingers)]
         noise = ACTIVE * float(abs(squeeze).max())
         bare = [name for name, gap in zip(names, squeeze, strict=True) if gap >= -noise]
@@ -87,7 +85,7 @@ class Sentences:
             cause = "" if required is None else "the preload is too small"
         if required is not None:
             more = "" if everyone else " more"
-            return f"{cannot}: {cause}; {_enough(required)} m{more} on each finger would hold it"
+            return f"{cannot}: {cause}; {_enough(required)}{more} on each finger would hold it"
         if cause or known:
             return f"{cannot}: {'; '.join(c for c in (cause, known) if c)}"
         return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} carries preload"
@@ -139,17 +137,14 @@ def _vector(v: Array, size: float = 1.0) -> str:
     return "(" + ", ".join("0" if abs(x) < 5e-4 * size else f"{x:.3g}" for x in v) + ")"
 
 
-def _number(x: float) -> str:
-    mantissa, e, exponent = f"{x:.2g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if e else mantissa
-
-
-def _enough(x: float) -> str:
+def _enough(metres: float) -> str:
     """Two digits, rounded up: what is called enough has to be."""
-    if not x > 0.0:
+    if not metres > 0.0:
         return "0"
-    unit = 10.0 ** (np.floor(np.log10(x)) - 1)
-    return _number(float(np.ceil(x / unit * (1 - 1e-12)) * unit))
+    unit, size = ("µm", 1e6) if metres < 1e-4 else ("mm", 1e3)
+    x = metres * size
+    step = 10.0 ** (np.floor(np.log10(x)) - 1)
+    return f"{float(np.ceil(x / step * (1 - 1e-12)) * step):.2g} {unit}"
 
 
 def _listed(names: Sequence[str]) -> str:

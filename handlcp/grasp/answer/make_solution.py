@@ -76,7 +76,7 @@ def solution_of(
         slip=read_only(points[:, :2]), object_displacement=read_only(shifted(candidate.twist, arm)),
         contact_state=states, residuals=judged.verdict.residuals, uniqueness=uniqueness, certificate=None,
         iterations=judged.iterations, trace=trace, extra=candidate.extra, torsion=torsion, spin=spin, scene=scene,
-        reference=spec.reference, **read,
+        reference=spec.reference, spec=spec, **read,
     )  # fmt: skip
 
 

@@ -13,8 +13,12 @@ from handlcp.check import Array, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.deferred import Deferred
 from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
+from handlcp.grasp.answer.reasons import reasons_of
+from handlcp.grasp.answer.small_motions import Motions, motions
 from handlcp.grasp.answer.uniqueness import Uniqueness
+from handlcp.grasp.answer.verdict import Verdict, verdict_of
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY
@@ -48,7 +52,8 @@ class GraspSolution(Deferred):
         stands in the way, in words, where it is known. yielding : with a certificate, how far each limit gives way, by
         name, SI.
     accuracy : what was asked for with `solve(accuracy=...)`, and what was reached; None otherwise.
-    advise : finds `required_preload`; None: nothing to find. scene, reference : what was solved, for `diagnosis`.
+    advise : finds `required_preload`; None: nothing to find. spec, scene, reference : what was solved, for `diagnosis`
+        and `verdict`.
     """
 
     status: Status
@@ -74,6 +79,7 @@ class GraspSolution(Deferred):
     advise: Callable[[], float | None] | None = field(default=None, repr=False, compare=False)
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
+    spec: GraspSpec | None = field(default=None, repr=False, compare=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """After pickling, read-only again."""
@@ -81,13 +87,15 @@ class GraspSolution(Deferred):
 
     @property
     def held(self) -> bool:
-        """Whether a certified equilibrium exists. A hand's joints may not bear it: `torque_check` says so."""
+        """Whether a certified equilibrium of small motions exists, with squeeze and load applied together. A designer's
+        question, whether the hand closes, is loaded and keeps the object, is answered by `grasp.check()`.
+        """
         return self.status is Status.SOLVED
 
     @cached_property
     def required_preload(self) -> float | None:
-        """For NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds, where one is found: many solves, made
-        when it is first asked for. None otherwise.
+        """For NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds within the joints' torque limits, if a
+        fifth of the grasp's size is enough: many solves, made when it is first asked for. None otherwise.
         """
         return None if self.advise is None else self.advise()
 
@@ -98,11 +106,25 @@ class GraspSolution(Deferred):
             return self.status.meaning
         say = Sentences(self.names, self.scene.positions, self.reference, self.scene.environment)
         if self.held:
-            return say.held(self.forces, self.contact_state, self.uniqueness)
+            text, moved = say.held(self.forces, self.contact_state, self.uniqueness), self._motions
+            return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text
         if self.status is Status.NO_EQUILIBRIUM:
             squeeze = self.scene.offset[2 : 3 * self.scene.n : 3]
-            return say.no_equilibrium(squeeze, self.required_preload, self.cause, self.bounds)
+            return say.no_equilibrium(squeeze, self.required_preload, self.cause, self.bounds is not None)
         return UNDECIDED if self.certificate is None else say.not_holdable(self.certificate)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Does it hold? What this solution alone says: its status, its forces, and how far it goes beyond small
+        motions. `grasp.check()` also follows the hand while it closes and is loaded.
+        """
+        mechanism = None if self.spec is None else self.spec.mechanism
+        return verdict_of((*(() if mechanism is None else mechanism.reasons(self)), *reasons_of(self)))
+
+    @property
+    def _motions(self) -> Motions | None:
+        """How far an answer goes beyond small motions; None where it is not known what was solved."""
+        return None if self.spec is None else motions(self)
 
     @property
     def normal_force(self) -> Array:

@@ -78,6 +78,11 @@ class Steps:
         return _rows([s.read.motion[:, :2] for s in self.states])
 
     @lazy
+    def spin(self) -> Array:
+        """(m, n) how far the object turns on each soft fingertip about its normal in this step [rad]."""
+        return _rows([s.read.spin for s in self.states])
+
+    @lazy
     def gap(self) -> Array:
         """(m, n) between object and fingertip [m]."""
         return _rows([s.read.motion[:, 2] for s in self.states])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -92,6 +93,40 @@ class Mechanism:
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
         """(title, equation, whether it is on, why) of what else it is made of, for `explain()`."""
         return ()
+
+    def reasons(self, solution: Any) -> Iterable[Any]:
+        """What only it knows of whether a solution of its grasp holds, as `Reason`s of a verdict."""
+        return ()
+
+    def command_reasons(self, spec: Any) -> Iterable[Any]:
+        """The same of what is asked of the fingers of a grasp."""
+        return ()
+
+    def squeezed(self, spec: Any, depth: float) -> Any:
+        """The grasp with every finger whose force is not prescribed squeezed by depth [m] more."""
+        return spec.squeezed(depth)
+
+    def eased(self, spec: Any, share: float) -> Any:
+        """The grasp with this share of its squeeze."""
+        return spec
+
+    def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterable[Any]:
+        """The same of the end of a loading: torques (nv,), how far joints yield (nv,), and `at_end`."""
+        return ()
+
+    def place_reasons(self, posture: Any, obj: Any) -> Iterable[Any]:
+        """The same of a posture alone, with the object where it is then; None for what is not known."""
+        return ()
+
+    def elsewhere(self, spec: Any, shift: Array) -> Any:
+        """The same grasp of the object by a mechanism that stands farther on by shift (3,) [m], closed anew; None where
+        that is not known, or does not reach the object.
+        """
+        return None
+
+    def stiffer(self, factor: float) -> Self:
+        """The same with joints that are so many times as stiff."""
+        return replace(self, root=read_only(self.root / np.sqrt(factor)))
 
     def rows(self, soft: tuple[int, ...]) -> Array:
         """(3n + k, nv) [J; T]: the Jacobian of the points, then of the turns of the k contacts in `soft`."""

@@ -23,7 +23,7 @@ def lazy_solution(spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> Grasp
     kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution
     return kind.deferred(
         _Fields(spec, scene, found), status=Status.SOLVED, certificate=None, extra={}, yielding={}, scene=scene,
-        reference=spec.reference,
+        reference=spec.reference, spec=spec,
     )  # fmt: skip
 
 

@@ -10,8 +10,9 @@ what the actuators hold: the joints stand at the commanded posture minus δq.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -76,6 +77,12 @@ class Elasticity:
     def effort(self, torque: Array) -> Effort | None:
         """What the actuators do for joint torques (nv,) [N·m]; None where each joint has its own actuator."""
         return None
+
+    def stiffer(self, factor: float) -> Self:
+        """The same with every spring so many times as stiff."""
+        made = copy(self)
+        made.root = read_only(self.root / np.sqrt(factor))
+        return made
 
     @property
     def law(self) -> tuple[str, str]:

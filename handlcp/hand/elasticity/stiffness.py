@@ -30,6 +30,10 @@ class JointStiffness(Elasticity):
         """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint."""
         return self._matrix
 
+    def stiffer(self, factor: float) -> JointStiffness:
+        """The same with every spring so many times as stiff."""
+        return JointStiffness(self._matrix * factor, self.uniform)
+
 
 def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_stiffness") -> Elasticity:
     """From a number, a mapping by joint name, (nv,), an SPD matrix (nv, nv) [N·m/rad], or a transmission.

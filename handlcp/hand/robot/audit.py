@@ -7,13 +7,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
+from handlcp import words
+from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.joints import JointFacts, joint_facts
 from handlcp.hand.robot.urdf import read_urdf
 
-__all__ = ["Audit", "Doubt", "audit_urdf", "doubts_of"]
+__all__ = ["Audit", "Doubt", "audit_urdf", "doubts_of", "limit_reasons"]
 
 # An effort that all joints of a hand share is a placeholder if it is one of these numbers [N·m].
 PLACEHOLDERS = frozenset({1.0, 5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0, 300.0, 500.0, 1000.0, 10000.0})
+LARGEST_TORQUE, LARGEST_FORCE = 20.0, 1000.0  # [N·m, N] no joint of a finger has more
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,10 +99,30 @@ def _efforts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     endless = [f for f in facts if not math.isfinite(f.effort)]
     yield from _together(endless, "effort limit is absent or infinite, read as unknown", advice)
     yield from _together((f for f in facts if f.effort < 0), "effort limit is negative, read as unknown", advice)
-    efforts = {f.effort for f in facts}
+    yield from _placeholders(facts)
+
+
+def _placeholders(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    """Of efforts that are numbers, but hardly those of a motor."""
+    efforts, advice = {f.effort for f in facts}, "torque_limits with the torque of each actuator [N·m]"
     if len(facts) > 1 and len(efforts) == 1 and efforts <= PLACEHOLDERS:
         what = f"every effort limit is {efforts.pop():g} N·m: a placeholder, not a measurement"
-        yield from _together(facts, what, "torque_limits with the torque of each actuator [N·m]")
+        yield from _together(facts, what, advice)
+        return
+    most = {f.name: LARGEST_FORCE if f.kind == "prismatic" else LARGEST_TORQUE for f in facts}
+    large = [f for f in facts if most[f.name] < f.effort < math.inf]
+    for effort in dict.fromkeys(f.effort for f in large):
+        what = f"an effort limit of {effort:g} is more than the joint of a finger has"
+        yield from _together((f for f in large if f.effort == effort), what, advice)
+
+
+def limit_reasons(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> Iterator[Reason]:
+    """A warning for torque limits that the audit doubts; arguments as of `doubts_of`."""
+    given = set(limits_given)
+    for d in _placeholders([f for f in facts if f.mimic is None and f.name not in given]):
+        joints = d.joint.split(", ")
+        text = f"the torque limits of {words.listed(joints)} are doubtful: {d.what}; pass torque_limits"
+        yield Reason("limit_doubtful", "warning", text, {"joints": joints})
 
 
 def _ranges(facts: Sequence[JointFacts]) -> Iterator[Doubt]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pinocchio as pin
 
@@ -14,7 +14,9 @@ from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.pads import Pads
 from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics, TipFrames
+from handlcp.hand.robot.link_surface import LinkSurface, link_surfaces
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
+from handlcp.lazy import lazy
 
 __all__ = ["HandModel"]
 
@@ -103,6 +105,17 @@ class HandModel:
     def tip_shapes(self, tip: int) -> tuple[TipShape, ...]:
         """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError for none."""
         return self._geometry.shapes(tip)
+
+    @lazy
+    def link_surfaces(self) -> tuple[LinkSurface, ...]:
+        """The links' collision geometry, loaded when first asked for; none for a pinocchio.Model. Raises URDFError."""
+        return link_surfaces(self.kinematics.model, self._geometry.root, self._geometry.folders)
+
+    def stiffer(self, factor: float) -> Self:
+        """The same hand with springs that are so many times as stiff."""
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__, stiffness=self.stiffness.stiffer(factor))
+        return made
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.grasp import Grasp, GraspSolution
+from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Frame, camera_for, frame
@@ -28,19 +28,24 @@ WIDTH, HEIGHT, DPI = 10.0, 6.6, 160  # inches, dots an inch
 SCENE = 0.70  # of the width; the rest is the panel
 
 
-def save(grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "") -> Path:
+def save(
+    grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None
+) -> Path:
     """Draw and write a file; see `draw`. Raises InputError for an unknown format or a folder that does not exist."""
     file = checked(path)
-    return write(draw(grasp, solution, obj, title), file, DPI)
+    return write(draw(grasp, solution, obj, title, verdict), file, DPI)
 
 
-def draw(grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = "") -> Figure:
+def draw(
+    grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = "", verdict: Verdict | None = None
+) -> Figure:
     """The figure. obj : what to draw as the object when the grasp does not know it; None: the hull of the contacts.
+    verdict : of `check`; None: the solution's.
 
     Raises Unsupported when matplotlib is not installed.
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT))
-    head = headline(figure, grasp, solution, title)
+    head = headline(figure, solution.verdict if verdict is None else verdict, title)
     shown = Content(grasp, solution, obj)
     _scene(figure, shown, head)
     bottom = legend(figure, 0.722, head - 0.03, shown.entries())

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.grasp import Grasp, GraspSolution
+from handlcp.grasp import Verdict
 from handlcp.show.style import BLUE, INK, RED, width
-from handlcp.show.verdict import verdict
 
 __all__ = ["Entry", "headline", "legend", "torque_bars"]
 
@@ -21,14 +20,16 @@ LETTERS = 31  # that fit a bar's width: joint and share, bold, at full size
 VERDICT = {"HELD": "#00734D", "UNDECIDED": "#8A6100"}  # the rest is red
 
 
-def headline(figure: Any, grasp: Grasp, solution: GraspSolution, title: str) -> float:
-    """Title and verdict at the top; returns where the picture may begin, as a share of the height."""
-    v, y = verdict(grasp, solution), 0.972
+def headline(figure: Any, v: Verdict, title: str) -> float:
+    """Title, and the verdict's word and first reason, at the top; returns where the picture may begin, as a share of
+    the height.
+    """
+    y = 0.972
     if title:
         figure.text(0.018, y, title, fontsize=14, weight="bold", color=INK, va="top")
         y -= 0.052
     style = {"fontsize": 10.5, "va": "top"}
-    said, letters = " ".join([f"{v.word}: {v.text}.", *(f"Note: {n}." for n in v.notes)]), 140
+    said, letters = f"{v.word}: {v.reasons[0].sentence}." if v.reasons else f"{v.word}:", 140
     lines = textwrap.wrap(said, letters)
     while any(width(figure, line, **style) > 0.94 * figure.bbox.width for line in lines):
         letters -= 3

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import pathlib
+import pickle
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
 from handlcp.hand import Box, Hand, example_hand
 from handlcp.lcp import NSNGRK, Status
 from handlcp.scene import load
-from handlcp.show import verdict
 from tests.support.grasp import changed
 from tests.support.hand import urdf
 from tests.support.texts import same, without_numbers
@@ -37,18 +39,18 @@ def cube(**words):
 
 def test_held_names_the_binding_joint_and_its_share():
     grasp = cube()
-    v = verdict(grasp, grasp.solve())
-    assert (v.word, v.exit_code, v.colour) == ("HELD", 0, "green")
-    same("show/test_verdict: held", v.text, "finger_2_proximal", "38 % of 0.8 N·m")
+    v = grasp.solve().verdict
+    assert (v.word, v.ok) == ("HELD", True)
+    same("grasp/test_verdict: held", v.text, "finger_2_proximal", "38 % of 0.8 N·m")
 
 
 def test_a_joint_over_its_limit_is_not_held():
     grasp = cube(torque_limits=0.2)
     s = grasp.solve()
     assert s.held, "the contacts could"
-    v = verdict(grasp, s)
-    assert (v.word, v.exit_code, v.colour) == ("OVER LIMIT", 1, "red")
-    same("show/test_verdict: over its limit", v.text, "finger_2_proximal", "0.301 N·m", "0.2 N·m")
+    v = s.verdict
+    assert (v.word, v.ok) == ("OVER LIMIT", False)
+    same("grasp/test_verdict: over its limit", v.text, "finger_2_proximal", "0.301 N·m", "0.2 N·m")
 
 
 def test_limits_that_are_not_known_are_not_judged_and_that_is_said(tmp_path):
@@ -56,18 +58,18 @@ def test_limits_that_are_not_known_are_not_judged_and_that_is_said(tmp_path):
     file.write_text(urdf("three_finger").read_text().replace('effort="0.4"', 'effort="0"'))
     hand = Hand.from_urdf(file, joint_stiffness=6.0, pad_flexibility=1e-4)
     grasp = hand.at(hand.close_on(BOX)).grasp(BOX, Coulomb(0.8), preload=5e-3)
-    v = verdict(grasp, grasp.solve())
+    v = grasp.solve().verdict
     assert v.word == "HELD"
-    (note,) = (n for n in v.notes if "finger_1_distal" in n)
-    same("show/test_verdict: limits that are not known", note, "finger_2_distal", "finger_3_distal")
+    (note,) = (r.sentence for r in v.about("limit_unknown"))
+    same("grasp/test_verdict: limits that are not known", note, "finger_2_distal", "finger_3_distal")
 
 
 def test_not_holdable_says_where_the_object_goes():
     grasp = pinch(friction=Frictionless())
     s = grasp.solve(throw=False)
-    v = verdict(grasp, s)
-    assert (v.word, v.exit_code, v.text) == ("NOT HELD", 1, s.diagnosis)
-    same("show/test_verdict: where the object goes", without_numbers(v.text))
+    v = s.verdict
+    assert (v.word, v.ok, v.text) == ("NOT HELD", False, s.diagnosis)
+    same("grasp/test_verdict: where the object goes", without_numbers(v.text))
 
 
 def test_undecided_claims_nothing_about_the_scene():
@@ -75,9 +77,9 @@ def test_undecided_claims_nothing_about_the_scene():
     lazy = NSNGRK(max_iterations=1, polish=False, tol=1e-10)
     s = grasp.solve(solver=lazy, throw=False)
     assert s.status is Status.UNDECIDED
-    v = verdict(grasp, s)
-    assert (v.word, v.exit_code, v.colour) == ("UNDECIDED", 1, "yellow")
-    same("show/test_verdict: undecided", v.text)
+    v = s.verdict
+    assert (v.word, v.ok) == ("UNDECIDED", False)
+    same("grasp/test_verdict: undecided", v.text)
     for claim in ("not held", "slides", "escapes", "cannot"):
         assert claim not in str(v).lower().replace("claims", "")
 
@@ -86,29 +88,28 @@ def test_no_equilibrium_says_which_squeeze_would_hold():
     grasp = pinch(squeeze=0.0)
     s = grasp.solve(throw=False)
     assert s.status is Status.NO_EQUILIBRIUM
-    v = verdict(grasp, s)
+    v = s.verdict
     assert (v.word, v.text) == ("NOT HELD", s.diagnosis)
-    same("show/test_verdict: no squeeze", v.text)
+    same("grasp/test_verdict: no squeeze", v.text)
     enough = pinch(squeeze=1.01 * s.required_preload)
-    assert verdict(enough, enough.solve()).word == "HELD"
+    assert enough.solve().verdict.word == "HELD"
 
 
 def test_other_ways_to_hold_are_mentioned():
     grasp = pinch()
     s = grasp.solve()
-    notes = {
-        others: verdict(grasp, replace(s, uniqueness=replace(s.uniqueness, others=others))).notes
+    said = {
+        others: replace(s, uniqueness=replace(s.uniqueness, others=others)).verdict.about("others")
         for others in (True, False, None)
     }
-    (said,) = set(notes[True]) - set(notes[False])
-    same("show/test_verdict: in other ways", said)
-    assert said not in notes[None]
+    assert said[False] == said[None] == ()
+    same("grasp/test_verdict: in other ways", said[True][0].sentence)
 
 
 def test_slips_and_motion_are_told_with_a_fitting_unit():
     grasp = load(EXAMPLES / "psyonic_grasp.toml").build()
-    text = verdict(grasp, grasp.solve()).text
-    same("show/test_verdict: slips and motion", text, "Left_ring_anchor", "0.11 mm", "Left_middle_anchor", "24 µm")
+    text = grasp.solve().verdict.text
+    same("grasp/test_verdict: slips and motion", text, "Left_ring_anchor", "0.11 mm", "Left_middle_anchor", "24 µm")
     assert all(length in text for length in ("0.91 mm", "0.42 mm", "1.2°")), "the object's motion, part of it, its turn"
 
 
@@ -116,45 +117,80 @@ def test_motions_beyond_the_linear_model_are_flagged():
     grasp = pinch(mu=0.6, squeeze=20e-3, force=-5.0)
     s = grasp.solve()
     big = replace(s, object_displacement=np.array([0, 0, -0.02, 0.3, 0, 0]))
-    (note,) = set(verdict(grasp, big).notes) - set(verdict(grasp, s).notes)
-    same("show/test_verdict: beyond small motions", note)
+    (found,) = big.verdict.about("large_motion")
+    same("grasp/test_verdict: beyond small motions", found.sentence)
+    assert found.severity == "warning"
+    assert found.values["turn_rad"] == pytest.approx(0.3)
+    assert found.values["force_error"] >= 0.3, "a turn turns forces with it"
+
+
+def test_a_displacement_beyond_reason_is_named_in_python_too():
+    """Fingers a million times as soft as usual: the equations have an answer, 24 m away."""
+    contacts = pinch().contacts
+    s = Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=100.0, preload=500.0).solve()
+    assert s.held
+    assert np.linalg.norm(s.object_displacement[:3]) > 10.0
+    v = s.verdict
+    assert v.word == "UNDECIDED"
+    (found,) = v.about("large_motion")
+    same("grasp/test_verdict: motions of metres", found.sentence)
+    assert found.sentence in s.diagnosis
+    assert found.sentence in str(s)
+
+
+def test_it_prints_in_80_columns_and_goes_to_json():
+    v = pinch(mu=0.6, squeeze=20e-3, force=-5.0).solve().verdict
+    assert len(v.warnings) == 1
+    lines = str(v).splitlines()
+    assert max(map(len, lines)) <= 80
+    assert [line.partition(":")[0] for line in lines if line.startswith(("HELD", "Warning"))] == ["HELD", "Warning"]
+    found = json.loads(json.dumps(v.to_dict()))
+    assert (found["word"], found["ok"]) == ("HELD", True)
+    assert [r["severity"] for r in found["reasons"]] == ["note", "note", "warning"]
+    assert {"code", "severity", "sentence", "values"} == set(found["reasons"][0])
+
+
+def test_a_verdict_is_pickled_with_its_solution():
+    s = cube().solve()
+    v = s.verdict
+    assert str(pickle.loads(pickle.dumps(s)).verdict) == str(v)
 
 
 def test_a_finger_that_lets_go_is_named():
     grasp = pinch()
     s = replace(grasp.solve(), contact_state=("sticking", "separated", "sticking"))
-    same("show/test_verdict: a finger lets go", verdict(grasp, s).text, "finger 2")
+    same("grasp/test_verdict: a finger lets go", s.verdict.text, "finger 2")
 
 
 def test_without_a_load_there_is_nothing_to_move_along():
     grasp = pinch(force=0.0)
-    text = verdict(grasp, grasp.solve()).text
-    same("show/test_verdict: no load", text)
+    text = grasp.solve().verdict.text
+    same("grasp/test_verdict: no load", text)
     assert "load" not in text
 
 
 def test_what_bounds_and_readings_do_to_fingers_is_said_with_their_names():
     free = pinch().solve()
     bounded = changed(pinch(), effects=(FingerForceBound(0.9 * float(free.normal_force[0])),))
-    text = verdict(bounded, bounded.solve()).text
-    same("show/test_verdict: a bound is reached", text, "per-finger force bound", "thumb")
+    text = bounded.solve().verdict.text
+    same("grasp/test_verdict: a bound is reached", text, "per-finger force bound", "thumb")
     known = changed(pinch(), effects=(KnownForce(0, (None, None, 0.9 * float(free.normal_force[0]))),))
-    same("show/test_verdict: a reading moves a finger", verdict(known, known.solve()).text, "thumb")
+    same("grasp/test_verdict: a reading moves a finger", known.solve().verdict.text, "thumb")
     four = [*pinch().contacts, Contact((0, 0.03, 0), (0, -1, 0), Coulomb(0.6))]
     load, suction = (0, 0, -1, 0, 0, 0), [PrescribedForce(3, (0, 0, -0.01))]
     pulls = Grasp(four, load, flexibility=1e-3, preload=5e-3, effects=suction)
-    same("show/test_verdict: a finger pulls", verdict(pulls, pulls.solve()).text, "finger 4")
+    same("grasp/test_verdict: a finger pulls", pulls.solve().verdict.text, "finger 4")
 
 
 def test_a_squeeze_too_large_for_small_motions_is_noted():
     grasp = pinch(squeeze=0.03)
-    (note,) = (n for n in verdict(grasp, grasp.solve()).notes if "30 mm" in n)
-    same("show/test_verdict: a large squeeze", note)
+    (found,) = grasp.solve().verdict.about("large_motion")
+    same("grasp/test_verdict: a large squeeze", found.sentence, "30 mm")
 
 
 def test_a_hands_diagnosis_names_the_joint_that_would_need_more():
     s = cube(torque_limits=0.2).solve()
     worst = max(s.torque_check, key=lambda r: r.utilisation)
     assert s.held
-    same("show/test_verdict: the joint that would need more", s.diagnosis, worst.joint)
+    same("grasp/test_verdict: the joint that would need more", s.diagnosis, worst.joint)
     assert worst.joint not in cube().solve().diagnosis

@@ -1,0 +1,118 @@
+"""What one solution says about holding the object, as the reasons of a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp.answer.small_motions import Motions, motions
+from handlcp.grasp.answer.uniqueness import Uniqueness
+from handlcp.grasp.answer.verdict import Reason
+from handlcp.lcp.status import Status
+
+__all__ = [
+    "contacts_reason", "equilibrium_reason", "large_motion", "motion_reason", "open_reasons", "reasons_of",
+]  # fmt: skip
+
+_TWIST = 1e-4  # [rad] a soft finger that turns less on the object is not said to twist
+_CODES = {Status.NOT_HOLDABLE: "not_holdable", Status.NO_EQUILIBRIUM: "no_equilibrium"}
+
+
+def reasons_of(s: Any) -> Iterator[Reason]:
+    """Of a `GraspSolution`, which imports this file."""
+    if not s.held:
+        yield equilibrium_reason(s.status, s.diagnosis)
+    elif s.spec is not None and s.scene is not None:
+        for e in s.spec.effects:  # which bounds are reached, and how far they give way
+            for part in e.words(s.scene, s.names, s.extra):
+                yield Reason("effect", "note", part, {"effect": e.title})
+        yield _contacts(s)
+        yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
+        yield from open_reasons(s.uniqueness)
+        yield from large_motion(motions(s))
+
+
+def equilibrium_reason(status: Status, diagnosis: str) -> Reason:
+    """Why there is no answer."""
+    if status is Status.UNDECIDED:
+        why = "the solver stopped before it found an answer, which says nothing about the grasp"
+        return Reason("solver_stopped", "decides", f"{why}; try another seed or number of faces")
+    return Reason(_CODES.get(status, "solver_stopped"), "decides", diagnosis, {"status": status.name})
+
+
+def large_motion(found: Motions) -> Iterator[Reason]:
+    """Of motions that are too large for the equations of small ones."""
+    if text := found.sentence:
+        severity = "decides" if found.too_large else "warning"
+        values = {
+            "move_m": found.move, "turn_rad": found.turn, "slip_m": found.slip, "squeeze_m": found.squeeze,
+            "size_m": found.size, "yield_rad": found.yielded, "force_error": found.share,
+        }  # fmt: skip
+        yield Reason("large_motion", severity, text, values)
+
+
+def _contacts(s: Any) -> Reason:
+    """What the contacts of a `GraspSolution` do."""
+    slips = np.hypot(*s.slip.T).tolist()
+    spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
+    sliding = {n: d for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"}
+    turns = {n: float(a) for n, a in zip(s.names, spins, strict=True) if a > _TWIST}
+    apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
+    return contacts_reason("contacts" if s.scene.environment else "fingers", len(s.names), sliding, turns, apart)
+
+
+def contacts_reason(
+    who: str, count: int, sliding: Mapping[str, float], turns: Mapping[str, float], apart: Sequence[str]
+) -> Reason:
+    """Which of `count` contacts slide [m], twist on the object [rad] or let go; "all stick" where none does. who : what
+    they are called.
+    """
+    parts = []
+    if sliding and len(sliding) == count > 1:
+        parts.append(f"all {who} slide, up to {words.length(max(sliding.values()))}")
+    elif sliding:
+        there = {n: d for n, d in sliding.items() if d > words.NOTHING or not turns}
+        parts.append(", ".join(f"{n} slides {words.length(d)}" for n, d in there.items()))
+    if turns and len(sliding) < max(count, 2):
+        parts.append(", ".join(f"{n} twists by {words.angle(a)} on the object" for n, a in turns.items()))
+    if apart:
+        parts.append(f"{words.listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
+    text = "; ".join(p for p in parts if p) or f"all {who} stick"
+    values = {"sliding_m": dict(sliding), "twisting_rad": dict(turns), "separated": list(apart)}
+    return Reason("contacts", "note", text, values)
+
+
+def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
+    """How far the object moves (6,), how much of that along the load (3,), and how far it turns; size of the grasp."""
+    u = displacement
+    move, turn = float(np.linalg.norm(u[:3])), float(np.linalg.norm(u[3:]))
+    strength, values = float(np.linalg.norm(load)), {"move_m": move, "turn_rad": turn}
+    if max(move, turn * size) < words.NOTHING:
+        return Reason("motion", "note", "the object stays where it is", values)
+    text = f"the object moves {words.length(move)}"
+    if strength > 0:
+        along = float(u[:3] @ load) / strength
+        way = "along" if along >= 0 else "against"
+        same = words.length(abs(along)) == words.length(move)
+        text += f" {way} the load" if same else f", {words.length(abs(along))} of it {way} the load,"
+    text = f"{text} and turns {words.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
+    return Reason("motion", "note", text, values)
+
+
+def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
+    """What the equations leave open."""
+    if free is None:
+        return
+    if not free.forces_determined:
+        text = "other forces satisfy the same conditions; the smallest are given"
+        yield Reason("forces_open", "warning", text)
+    if k := free.loose_motions:
+        text = f"the object is loose in {k} direction{'s' if k > 1 else ''}; the smallest motion is given"
+        yield Reason("loose", "warning", text, {"directions": k})
+    if free.others:
+        text = "friction can hold the object in other ways, too; grasp.equilibria() lists them"
+        yield Reason("others", "warning", text)

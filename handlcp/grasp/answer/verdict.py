@@ -1,0 +1,110 @@
+"""The verdict: does it hold? One word, and the reasons for it.
+
+| code | what it is about |
+| --- | --- |
+| `not_holdable`, `no_equilibrium` | no force within friction balances the load; no elastic equilibrium exists |
+| `lost` | the order of loading loses the object on its way |
+| `solver_stopped`, `follow_stopped` | a solver, or the loading in steps, ended without an answer |
+| `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
+| `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
+| `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
+| `out_of_reach` | a part of the squeeze that no command of the joints makes |
+| `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
+| `forces_open`, `loose`, `others` | what the equations leave open |
+| `not_followed`, `only_followed` | the order of loading was not followed; one solve and the steps disagree |
+| `advice` | a change that was tried, and holds; or that nothing tried does |
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+__all__ = ["HELD", "NOT_HELD", "OVER_LIMIT", "UNDECIDED", "Reason", "Verdict", "verdict_of"]
+
+HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
+WIDTH = 80  # columns of a printed verdict
+
+_RANK = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
+_DECIDES = {
+    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "lost": NOT_HELD, "solver_stopped": UNDECIDED,
+    "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
+    "torque_over_limit": OVER_LIMIT,
+}  # fmt: skip
+_HEADS = {"warning": "Warning", "advice": "Advice"}
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """One reason of a verdict.
+
+    code : what it is about, see the top of this file. severity : "decides": with it the word cannot be HELD;
+    "warning": a doubt about the word; "note": what is so; "advice": what would help. sentence : without a full stop.
+    values : its numbers and names, SI units in the keys.
+    """
+
+    code: str
+    severity: str
+    sentence: str
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns.
+
+    word : "HELD"; "OVER LIMIT": the contacts hold, some motor cannot; "NOT HELD"; "UNDECIDED": nothing is known.
+    reasons : those that decide the word first, then notes, warnings and advice.
+    """
+
+    word: str
+    reasons: tuple[Reason, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether the word is HELD."""
+        return self.word == HELD
+
+    @property
+    def text(self) -> str:
+        """What decides and what is so, in one sentence without the word and a full stop."""
+        return "; ".join(r.sentence for r in self.reasons if r.severity not in _HEADS)
+
+    @property
+    def warnings(self) -> tuple[Reason, ...]:
+        """The doubts about the word."""
+        return tuple(r for r in self.reasons if r.severity == "warning")
+
+    @property
+    def paragraphs(self) -> tuple[tuple[str, str], ...]:
+        """(head, sentence) of each printed paragraph: the word, then "Warning"s and "Advice"."""
+        rest = [(_HEADS[r.severity], r.sentence) for r in self.reasons if r.severity in _HEADS]
+        return ((self.word, self.text), *rest)
+
+    def about(self, code: str) -> tuple[Reason, ...]:
+        """The reasons with this code."""
+        return tuple(r for r in self.reasons if r.code == code)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: word, ok, and each reason's code, severity, sentence and values."""
+        reasons = [
+            {"code": r.code, "severity": r.severity, "sentence": r.sentence, "values": dict(r.values)}
+            for r in self.reasons
+        ]
+        return {"word": self.word, "ok": self.ok, "reasons": reasons}
+
+    def __str__(self) -> str:
+        said = (f"{head}: {sentence}." if sentence else f"{head}." for head, sentence in self.paragraphs)
+        return "\n".join(textwrap.fill(line, WIDTH, break_long_words=False, break_on_hyphens=False) for line in said)
+
+
+def verdict_of(reasons: Iterable[Reason]) -> Verdict:
+    """The verdict that these reasons make; of reasons with one sentence the first counts."""
+    every = list({r.sentence: r for r in reversed(list(reasons))}.values())[::-1]
+    deciding = [r for r in every if r.severity == "decides"]
+    ranks = sorted(deciding, key=lambda r: _RANK.index(_DECIDES[r.code]))
+    word = _DECIDES[ranks[0].code] if ranks else HELD
+    by_kind = [[r for r in every if r.severity == kind] for kind in ("note", "warning", "advice")]
+    return Verdict(word, (*ranks, *by_kind[0], *by_kind[1], *by_kind[2]))

@@ -1,0 +1,65 @@
+"""The verdict on a grasp: one solve, then the loading followed in steps, then what would help."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from handlcp.errors import Unsupported
+from handlcp.grasp.answer.reasons import equilibrium_reason
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import HELD, OVER_LIMIT, UNDECIDED, Reason, Verdict, verdict_of
+from handlcp.grasp.friction import Section
+from handlcp.grasp.loading.follow import Loading, follow
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.verdict.others import other_equilibria
+from handlcp.grasp.verdict.path_reasons import compared, lost_reason, place_reasons, reached_reasons
+from handlcp.grasp.verdict.trials import advice
+from handlcp.lcp import Status
+
+__all__ = ["check"]
+
+STEPS = 10  # of a stage; where something happens there are more
+
+
+def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
+    """See `Grasp.check`; solution : one solve of this grasp."""
+    try:
+        path = follow(spec, section, None, order, None, STEPS, None)
+    except Unsupported as why:
+        told = Reason("not_followed", "warning", f"the loading was not followed: {why}")
+        return verdict_of([*solution.verdict.reasons, told])
+    verdict = verdict_of(_reasons(spec, scene, section, solution, path))
+    if verdict.word in (HELD, UNDECIDED):
+        return verdict
+    over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
+    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable)])
+
+
+def _reasons(
+    spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
+) -> Iterator[Reason]:
+    if path.reached:
+        yield from reached_reasons(spec, scene, path)
+        if solution.held:
+            yield from compared(solution, path)
+            yield from other_equilibria(spec, scene, section, solution, path.solution)
+        elif solution.status is not Status.UNDECIDED:
+            text = "one solve, all at once about this posture, finds no equilibrium: the grasp holds as it moves"
+            yield Reason("only_followed", "warning", text, {"status": solution.status.name})
+        return
+    if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
+        yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
+    yield lost_reason(path)
+    if spec.mechanism is not None:
+        yield from spec.mechanism.command_reasons(spec)
+    yield from place_reasons(spec, path)
+    if solution.held:
+        text = "one solve, all at once about this posture, finds an equilibrium, which this loading does not reach"
+        yield Reason("followed_forces", "note", text)
+
+
+def _without_advice(solution: GraspSolution) -> GraspSolution:
+    return replace(solution, advise=None)

@@ -1,0 +1,56 @@
+"""Other equilibria of a grasp with few fingers, as far as a handful of solves finds them.
+
+Newton's method goes to the equilibrium near where it starts. It starts from the end of the loading, and from answers of
+the same grasp under other loads and squeezes, where one equilibrium may be the only one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import read_only
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.compiled_answer import start_from
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.lcp import Auto
+
+__all__ = ["other_equilibria"]
+
+_FINGERS = 4  # with more, equilibria are too many to look for
+_LOADS, _SQUEEZES = (0.0, 0.5, 2.0), (0.5, 2.0)  # shares of the grasp's own
+_APART = 0.01  # of the largest force
+
+_CHAIN = Auto(search_seconds=0.0)
+
+
+def other_equilibria(
+    spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, end: GraspSolution
+) -> Iterator[Reason]:
+    """A note where another one than `solution` is found. end : of the loading."""
+    if spec.of_fingers > _FINGERS or not scene.frictional or (solution.uniqueness and solution.uniqueness.others):
+        return
+    size = float(np.linalg.norm(solution.forces, axis=1).max(initial=0.0))
+    starts = [end] if end.held else []
+    starts += [s for s in (solve_spec(other, section, _CHAIN, proof=False) for other in _nearby(spec)) if s.held]
+    far = 0.0
+    for start in starts:
+        found = solve_spec(spec, section, _CHAIN, start_from(start, scene), scene, proof=False)
+        if found.held and (found.uniqueness is None or found.uniqueness.forces_determined):
+            far = max(far, float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0))
+    if far > _APART:
+        text = f"friction can hold the object in other ways, too, with forces that differ by {words.percent(far)}"
+        yield Reason("others", "note", f"{text} (grasp.equilibria() lists them)", {"forces_differ": far})
+
+
+def _nearby(spec: GraspSpec) -> Iterator[GraspSpec]:
+    for share in _LOADS:
+        yield spec.replace(wrench=read_only(share * spec.wrench))
+    for share in _SQUEEZES:
+        yield spec.replace(offset=read_only(share * spec.offset))

@@ -1,0 +1,97 @@
+"""What a followed loading says about holding the object, as the reasons of a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp.answer.reasons import contacts_reason, large_motion, motion_reason, open_reasons
+from handlcp.grasp.answer.small_motions import NOTICED, Motions
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons"]
+
+_SLIDES = 1e-4  # of the grasp's size: what slides less on its way is not said to
+_TWIST = 1e-3  # [rad] the same of a soft finger's turn
+
+
+def lost_reason(path: Loading) -> Reason:
+    """Where the object is lost, and why."""
+    values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
+    return Reason("lost", "decides", f"the object is {path.why}", values)
+
+
+def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:
+    """Of a loading whose end is reached: torques and postures at its end, what slid, how far the object moved."""
+    last, mechanism = path.last, spec.mechanism
+    if mechanism is not None:
+        before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
+        yield from before
+        known = {_about(reason) for reason in before}
+        place = (path.state, path.object)
+        found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
+        yield from (r for r in found if _about(r) not in known)
+    end = path.solution
+    if end.held and end.scene is not None:
+        for e in spec.effects:
+            for part in e.words(end.scene, end.names, end.extra):
+                yield Reason("effect", "note", part, {"effect": e.title})
+    slid, turned = _slid(path, scene.units.length)
+    apart = [n for n, kind in zip(spec.names, last.kinds, strict=True) if kind == "separated"]
+    yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
+    yield motion_reason(path.displacement, scene.force, scene.units.length)
+    if end.held:
+        yield from open_reasons(end.uniqueness)
+    if not path.steps.geometry.follows:
+        yield from large_motion(_motions(path, scene, slid))
+
+
+def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
+    """Of the posture before anything is loaded."""
+    first, mechanism = path.steps.states[0].where, spec.mechanism
+    if mechanism is not None and path.steps.geometry.follows:
+        yield from mechanism.place_reasons(*mechanism.at_end(first.q, first.pose))
+
+
+def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
+    """How far the forces of one solve are from those at the end of the path, where that is worth a word."""
+    there, here = path.steps.forces[-1], solution.forces
+    size = float(np.linalg.norm(there, axis=1).max(initial=0.0))
+    off = np.linalg.norm(there - here, axis=1)
+    k = int(off.argmax())
+    if size > 0.0 and (share := float(off[k]) / size) > NOTICED:
+        name = solution.names[k]
+        off_by = f"{words.percent(share)} of the largest force ({name})"
+        text = f"one solve, all at once about this posture, is off by {off_by}"
+        yield Reason("followed_forces", "note", text, {"finger": name, "force_error": share})
+
+
+def _about(r: Reason) -> tuple[object, ...]:
+    """What a reason of a posture is about."""
+    links = tuple(str(link["link"]) for link in r.values.get("links", ()))
+    return r.code, r.severity, r.values.get("joint"), links
+
+
+def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:
+    """How far the object slid past each finger [m], and turned on it [rad], in all; of those where it did."""
+    steps = path.steps
+    slides = np.array([[kind == "sliding" for kind in kinds] for kinds in steps.contact_state])
+    way = (np.hypot(steps.slip[:, :, 0], steps.slip[:, :, 1]) * slides)[1:].sum(axis=0)
+    turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
+    names, soft = steps.names, steps.torsion.any()
+    far = {n: float(d) for n, d in zip(names, way, strict=True) if d > _SLIDES * size}
+    return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _TWIST} if soft else {}
+
+
+def _motions(path: Loading, scene: Scene, slid: dict[str, float]) -> Motions:
+    u, size = path.displacement, scene.units.length
+    shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
+    squeeze = -float(scene.lawful(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
+    return Motions(max(shift, turn * size), turn, max(slid.values(), default=0.0), squeeze, size)

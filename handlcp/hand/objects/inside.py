@@ -1,0 +1,142 @@
+"""Links inside an object: which, and how deep. The model knows contacts of fingertips alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import InputError
+from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Sphere
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.robot.tip_geometry import sphere_tip
+
+__all__ = ["Inside", "links_inside"]
+
+_MOST = 24  # points of a link that are measured one by one, where no formula measures all at once
+_UNTURNED = np.eye(3)
+
+
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """A link that is inside the object. depth : of its deepest point below the object's surface [m], beyond that of its
+    fingertip where it carries one. tip : that fingertip, or None.
+    """
+
+    link: str
+    depth: float
+    tip: str | None
+
+
+def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[Inside, ...]:
+    """The links inside the object, the deepest first; tips : numbers of the fingertips that are meant to touch it.
+
+    A link that carries such a fingertip may be as deep as the fingertip is: that much its pad is compressed.
+    Raises URDFError where the links' meshes cannot be read.
+    """
+    hand = posture.hand
+    links = hand.link_surfaces
+    if not links:
+        return ()
+    placements, _ = hand.kinematics.frames_at(posture.q, [link.frame for link in links])
+    carried = {hand.kinematics.model.frames[hand.tips.frames[i]].parentJoint: i for i in tips}
+    centre, around = _ball_around(obj)
+    found = []
+    for link, placement in zip(links, placements, strict=True):
+        R, p = placement[:3, :3], placement[:3, 3]
+        if float(np.linalg.norm(p - centre)) > link.reach + around:
+            continue
+        points, radii = link.net
+        points = points @ R.T + p
+        near = np.linalg.norm(points - centre, axis=1) < radii + around
+        depth = _depth(points[near], radii[near], obj)
+        tip = carried.get(link.joint)
+        if depth > 0.0 and tip is not None:
+            depth -= max(0.0, -_tip_gap(posture, tip, obj))
+        if depth > 0.0:
+            found.append(Inside(link.name, depth, None if tip is None else hand.fingertips[tip]))
+    return tuple(sorted(found, key=lambda one: -one.depth))
+
+
+def _tip_gap(posture: Posture, tip: int, obj: Object) -> float:
+    """Signed distance of a fingertip [m]; 0 where nothing is known of its shape."""
+    try:
+        shapes = posture.hand.tip_shapes(tip)
+        return nearest(shapes, posture.tip_positions[tip], posture.tip_rotations[tip], obj).gap
+    except InputError:
+        return 0.0
+
+
+def _depth(points: Array, radii: Array, obj: Object) -> float:
+    """How deep the deepest of balls at points (m, 3) with radii (m,) is in the object [m]; ≤ 0: none is."""
+    if not len(points):
+        return 0.0
+    local = (points - obj.placement.translation) @ obj.placement.rotation
+    known = _distances(local, obj)
+    if known is not None:
+        return float((radii - known).max())
+    rough = _rough(local, obj) - radii
+    least = np.argsort(rough)
+    few = [i for i in least[:: max(1, len(least) // _MOST)] if rough[i] < 0.0]
+    few += [i for i in least[:_MOST] if rough[i] < 0.0]
+    exact = (_ball_gap(points[i], float(radii[i]), obj) for i in dict.fromkeys(few))
+    return max((-gap for gap in exact), default=0.0)
+
+
+def _distances(x: Array, obj: Object) -> Array | None:
+    """(m,) signed distances of points in the object's frame, where a formula has them."""
+    if isinstance(obj, Sphere):
+        return np.asarray(np.linalg.norm(x, axis=1) - obj.radius)
+    if isinstance(obj, Box):
+        return _from_box(abs(x) - 0.5 * obj.size)
+    if isinstance(obj, Cylinder):
+        away = np.hypot(x[:, 0], x[:, 1]) - obj.radius
+        return _from_box(np.stack([away, abs(x[:, 2]) - 0.5 * obj.length], axis=1))
+    return None
+
+
+def _from_box(beyond: Array) -> Array:
+    """(m,) signed distances from how far points lie beyond each pair of faces (m, k)."""
+    return np.asarray(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0))
+
+
+def _rough(x: Array, obj: Object) -> Array:
+    """(m,) what orders points by their depth, and is not above their signed distance by much."""
+    if isinstance(obj, Ellipsoid):
+        level = np.linalg.norm(x / obj.radii, axis=1)
+        return np.asarray((level - 1.0) * float(obj.radii.min()))
+    corners = _corners(obj)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return _from_box(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
+
+
+def _corners(obj: Object) -> Array:
+    """(m, 3) of a mesh, or of its hull, in its own frame."""
+    if obj.triangles is not None:
+        return obj.triangles.reshape(-1, 3)
+    return np.array(obj.geometry.points(), dtype=float)
+
+
+def _ball_around(obj: Object) -> tuple[Array, float]:
+    """Centre (3,) and radius [m] of a ball that holds the object."""
+    place = obj.placement
+    if isinstance(obj, Sphere):
+        return place.translation, obj.radius
+    if isinstance(obj, Box):
+        return place.translation, 0.5 * float(np.linalg.norm(obj.size))
+    if isinstance(obj, Cylinder):
+        return place.translation, float(np.hypot(obj.radius, 0.5 * obj.length))
+    if isinstance(obj, Ellipsoid):
+        return place.translation, float(obj.radii.max())
+    corners = _corners(obj)
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    return place.act(middle), float(np.linalg.norm(corners - middle, axis=1).max())
+
+
+def _ball_gap(point: Array, radius: float, obj: Object) -> float:
+    """Signed distance of a ball at a point (3,) [m]."""
+    tiny = 1e-6  # a ball without any radius is none
+    return nearest(sphere_tip(radius + tiny), point, _UNTURNED, obj).gap + tiny

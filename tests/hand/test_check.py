@@ -1,0 +1,142 @@
+"""`grasp.check()`: squeezed, then loaded, held or lost, and why; what it advises holds when it is done."""
+
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.hand.levers import MU, C, L, lever_hand, lever_pinch
+from tests.support.texts import same, without_numbers
+
+Write = Callable[[str], pathlib.Path]
+SQUEEZE = 5.0 * C  # [m] of each lever finger: 5 N
+BALL = hl.Sphere(0.035, (0.0, 0.0, 0.07), mass=0.3)
+CUBE = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.2)
+
+
+def lever(write: Write, pull: float, torque_limit: float = 5.0, mu: float = MU, **more: object) -> hl.HandGrasp:
+    """Two lever fingers that squeeze with 5 N, under a pull along their tips; friction holds up to 2 μ 5 N."""
+    hand = lever_hand(write, torque_limits=torque_limit, **more)
+    contacts = [
+        hl.Contact((side * 0.01, 0, L), (-side, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for side in (-1.0, 1.0)
+    ]
+    load = (0, 0, -pull, 0, 0, 0)
+    return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE)
+
+
+def five(stiffness: float, wrench: object = None) -> hl.HandGrasp:
+    """The five-finger hand on a ball that is pulled out of it by its weight, closed by 1 mm."""
+    hand = hl.example_hand("five_finger", joint_stiffness=stiffness)
+    q = hand.close_on(BALL)
+    return hand.at(q).grasp(BALL, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=1e-3, wrench=wrench)
+
+
+# ---------------------------------------------------------------- held or not
+def test_friction_of_a_pinch_holds_up_to_twice_mu_times_the_squeeze_and_is_lost_at_that_share(write):
+    held, lost = lever(write, 0.98 * 2 * MU * 5.0).check(), lever(write, 1.25 * 2 * MU * 5.0).check()
+    assert (held.word, held.ok) == ("HELD", True)
+    assert lost.word == "NOT HELD"
+    (why,) = lost.about("lost")
+    assert why.values["stage"] == "load"
+    assert why.values["share"] == pytest.approx(1 / 1.25, abs=0.02), "the geometry moves a little"
+
+
+def test_a_torque_over_its_limit_is_over_limit_with_the_torque_at_the_end(write):
+    """Each joint holds 5 N at the length of its finger, 0.4 N·m."""
+    v = lever(write, 2.0, torque_limit=0.3).check()
+    assert v.word == "OVER LIMIT"
+    (over,) = v.about("torque_over_limit")
+    assert {j["joint"] for j in over.values["joints"]} == {"left_joint", "right_joint"}
+    assert over.values["joints"][0]["torque_Nm"] == pytest.approx(5.0 * L, rel=0.02)
+    (gentler,) = v.about("advice")
+    same("hand/test_check: less squeeze", gentler.sentence)
+    eased = lever(write, 2.0, torque_limit=0.3).replace(preload=gentler.values["value"] * SQUEEZE)
+    assert eased.check().word == "HELD"
+
+
+@pytest.mark.parametrize("case", ["soft", "pulled"])
+def test_a_soft_hand_that_one_solve_calls_held_drops_the_ball(case):
+    """A simulation in MuJoCo, springs in the joints, drops both; one solve proves an equilibrium of small motions."""
+    grasp = five(1.0) if case == "soft" else five(6.0, (0, 0, 20.0, 0, 0, 0))
+    one = grasp.solve("cone")
+    assert one.held
+    v = grasp.check(solution=one)
+    assert v.word == "NOT HELD"
+    same(f"hand/test_check: dropped, {case}", without_numbers("; ".join(r.sentence for r in v.about("lost"))))
+    (note,) = v.about("followed_forces")
+    same("hand/test_check: one solve finds an equilibrium", note.sentence)
+
+
+def test_the_end_of_the_path_is_compared_with_one_solve():
+    """Friction remembers the squeeze: squeezed first, the fingers on the box press otherwise than all at once."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, hl.Coulomb(0.8), preload=5e-3, wrench=(1.0, 1.5, 0, 0, 0, 0))
+    one, path = grasp.solve("cone"), grasp.follow()
+    size = np.linalg.norm(path.solution.forces, axis=1).max()
+    off = np.linalg.norm(path.solution.forces - one.forces, axis=1).max() / size
+    said = grasp.check().about("followed_forces")
+    assert len(said) == (off > 0.05)
+    if said:
+        assert said[0].values["force_error"] == pytest.approx(off, rel=1e-2)
+
+
+def test_a_loading_that_cannot_be_followed_is_said(write):
+    effects = (hl.PrescribedForce(0, (0.5, 0.0, 5.0)),)
+    grasp = lever_pinch(lever_hand(write), preload=SQUEEZE, effects=effects)
+    v = grasp.check()
+    (told,) = v.about("not_followed")
+    assert told.severity == "warning"
+    assert v.word == grasp.solve("cone").verdict.word
+
+
+def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, hl.Coulomb(0.8), preload=20e-3)
+    assert not grasp.solve("cone").verdict.about("joint_range"), "not in this posture"
+    end = grasp.follow().state.q
+    names, inside = np.array(hand.joint_names), (hand.lower <= end) & (end <= hand.upper)
+    past = set(names[~inside].tolist())
+    assert past
+    assert {r.values["joint"] for r in grasp.check().about("joint_range")} == past
+
+
+# ---------------------------------------------------------------- advice
+@pytest.mark.parametrize("pull", [1.1, 1.5])
+def test_what_is_advised_holds_when_it_is_done(write, pull):
+    grasp = lever(write, pull * 2 * MU * 5.0)
+    v = grasp.check()
+    advice = {r.values["change"]: r.values["value"] for r in v.about("advice")}
+    assert "friction" in advice
+    assert advice["friction"] >= pull * MU * 0.97, "2 μ 5 N have to bear the pull"
+    assert lever(write, pull * 2 * MU * 5.0, mu=advice["friction"]).check().ok
+    if "squeeze" in advice:
+        assert grasp.replace(preload=SQUEEZE + advice["squeeze"]).check().ok
+    if "stiffness" in advice:
+        harder = lever(write, pull * 2 * MU * 5.0, joint_stiffness=20.0 * advice["stiffness"])
+        assert harder.check().ok
+
+
+def test_advice_keeps_within_torque_limits(write):
+    """8 N of pull need 8 N of each finger at μ = 0.5, 0.64 N·m: with 0.45 N·m more squeeze is no advice."""
+    v = lever(write, 8.0, torque_limit=0.45).check()
+    assert v.word == "NOT HELD"
+    assert {r.values["change"] for r in v.about("advice")} == {"friction"}
+
+
+def test_advice_has_a_sensible_size(write):
+    """Twenty times what friction bears: nothing tried holds it, and that is what is said."""
+    v = lever(write, 20 * 2 * MU * 5.0).check()
+    (said,) = v.about("advice")
+    same("hand/test_check: nothing that was tried holds it", said.sentence)
+    assert "74 mm" not in str(v)
+    assert max(map(len, str(v).splitlines())) <= 80
+
+
+def test_a_soft_hand_is_told_how_much_stiffer_it_has_to_be():
+    v = five(1.0).check()
+    advice = {r.values["change"]: r.values["value"] for r in v.about("advice")}
+    assert five(1.0 * advice["stiffness"]).check().ok

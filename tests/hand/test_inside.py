@@ -1,0 +1,172 @@
+"""Links inside an object are found, with the depth that a closed form gives, and a verdict names them."""
+
+from __future__ import annotations
+
+import pathlib
+import pickle
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import handlcp as hl
+from tests.support.hand import links_inside
+from tests.support.texts import same
+
+Write = Callable[[str], pathlib.Path]
+
+ONE_LINK = """
+<robot name="one"><link name="palm"/>
+  <link name="link"><collision>{origin}<geometry>{shape}</geometry></collision></link><link name="link_tip"/>
+  <joint name="joint" type="revolute"><parent link="palm"/><child link="link"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="0.5" velocity="1"/></joint>
+  <joint name="end" type="fixed"><parent link="link"/><child link="link_tip"/><origin xyz="0 0 0.3"/></joint>
+</robot>
+"""
+BOX_STL = "solid box\n{}endsolid box\n"
+
+
+def one_link(write: Write, shape: str, origin: str = "") -> hl.Hand:
+    """A link at the origin, its tip far away."""
+    file = write(ONE_LINK.format(shape=shape, origin=origin))
+    return hl.Hand.from_urdf(file, joint_stiffness=1.0, tip_radius=0.008)
+
+
+def depth(hand: hl.Hand, obj: hl.hand.Object, q: float = 0.0) -> float:
+    """Of the one link in the object, none of whose fingertips is meant to touch it."""
+    found = links_inside(hand.at([q]), obj, ())
+    return found[0].depth if found else 0.0
+
+
+def box_mesh(file: pathlib.Path, size: tuple[float, float, float]) -> pathlib.Path:
+    """A box of twelve triangles."""
+    x, y, z = np.array(size) / 2
+    corners = np.array([[a, b, c] for a in (-x, x) for b in (-y, y) for c in (-z, z)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    facets = [corners[[q[i] for i in three]] for q in quads for three in ((0, 1, 2), (0, 2, 3))]
+    corners_of = ("".join(f"vertex {x} {y} {z}\n" for x, y, z in facet) for facet in facets)
+    text = "".join(f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n" for corners in corners_of)
+    file.write_text(BOX_STL.format(text))
+    return file
+
+
+BALL = hl.Sphere(0.025)
+
+
+@pytest.mark.parametrize(
+    ("shape", "reach"),
+    [
+        ('<sphere radius="0.01"/>', 0.01),
+        ('<cylinder radius="0.01" length="0.2"/>', 0.01),  # its side faces the ball
+        ('<box size="0.02 0.05 0.3"/>', 0.01),
+    ],
+)
+@pytest.mark.parametrize("overlap", [-1e-3, 0.3e-3, 4.5e-3, 12e-3])
+def test_the_depth_in_a_ball_is_what_the_distance_of_its_centre_says(write, shape, reach, overlap):
+    ball = BALL.moved_to((0.025 + reach - overlap, 0.0, 0.0))
+    assert depth(one_link(write, shape), ball) == pytest.approx(max(overlap, 0.0), abs=5e-5)
+
+
+@pytest.mark.parametrize("overlap", [0.5e-3, 5e-3])
+def test_every_kind_of_object_is_known(write, tmp_path, overlap):
+    hand = one_link(write, '<sphere radius="0.01"/>')
+    at = (0.03 - overlap, 0.0, 0.0)
+    lying = pin.SE3(pin.utils.rotate("y", np.pi / 2), np.array(at))
+    objects = [
+        hl.Box((0.04, 0.1, 0.1), at),
+        hl.Cylinder(0.02, 0.1, at),
+        hl.Cylinder(0.05, 0.04, lying),
+        hl.Ellipsoid((0.02, 0.02, 0.02), at),
+        hl.Mesh(box_mesh(tmp_path / "box.stl", (0.04, 0.1, 0.1)), 1.0, at),
+    ]
+    for obj in objects:
+        assert depth(hand, obj) == pytest.approx(overlap, abs=2e-5), obj
+
+
+def test_a_cylinder_that_overlaps_a_box_has_a_depth(write):
+    """Where coal 3.0.3 returns -1.8e308, NaN or a wrong number: the rim of a tilted cylinder in a face of a box."""
+    hand = one_link(write, '<cylinder radius="0.02" length="0.06"/>', '<origin rpy="0 0.5 0"/>')
+    lowest = 0.03 * np.cos(0.5) + 0.02 * np.sin(0.5)
+    box = hl.Box((0.3, 0.3, 0.1), (0.0, 0.0, -0.05 - lowest + 4e-3))
+    assert depth(hand, box) == pytest.approx(4e-3, abs=1e-4)
+
+
+def test_a_mesh_is_as_deep_as_the_shape_that_it_draws(write, tmp_path):
+    mesh = box_mesh(tmp_path / "link.stl", (0.02, 0.05, 0.3))
+    drawn = one_link(write, f'<mesh filename="{mesh}"/>')
+    plain = one_link(write, '<box size="0.02 0.05 0.3"/>')
+    for q in (0.0, 0.04, -0.03):
+        ball = BALL.moved_to((0.03, 0.004, 0.02))
+        assert depth(drawn, ball, q) == pytest.approx(depth(plain, ball, q), abs=5e-5)
+        assert depth(plain, ball, q) > 1e-3
+
+
+def test_it_moves_with_the_joint(write):
+    hand, ball = one_link(write, '<box size="0.02 0.05 0.3"/>'), BALL.moved_to((0.035, 0.0, 0.1))
+    assert depth(hand, ball) == 0.0
+    # The face x = 10 mm turns towards the ball: its distance to the centre is x cos q - z sin q - 10 mm
+    q = 0.08
+    gap = 0.035 * np.cos(q) - 0.1 * np.sin(q) - 0.01 - 0.025
+    assert depth(hand, ball, q) == pytest.approx(-gap, abs=5e-5)
+
+
+def test_a_hand_with_its_surfaces_loaded_is_pickled(write, tmp_path):
+    hand = one_link(write, f'<mesh filename="{box_mesh(tmp_path / "link.stl", (0.02, 0.05, 0.3))}"/>')
+    ball = BALL.moved_to((0.03, 0.0, 0.0))
+    assert depth(pickle.loads(pickle.dumps(hand)), ball) == depth(hand, ball) == pytest.approx(5e-3, abs=5e-5)
+
+
+def test_a_ball_deep_in_the_palm_is_not_called_held():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
+    contacts = {
+        f"finger_{k + 1}_tip": hl.Contact(ball.center_of_mass - 0.03 * n, n, hl.Coulomb(0.8))
+        for k, a in enumerate((0.0, 2.1, 4.2))
+        for n in [-np.array([np.cos(a), np.sin(a), 0.0])]
+    }
+    known = hand.at(hand.neutral).grasp(contacts, preload=1e-3, gravity=(0, 0, 0))
+    assert not known.solve().verdict.about("link_inside"), "contacts alone say nothing of the object's shape"
+    found = links_inside(hand.at(hand.neutral), ball, ())
+    assert [one.link for one in found] == ["palm"]
+    assert found[0].depth == pytest.approx(4.5e-3, abs=5e-5)
+
+
+def test_links_other_than_the_tips_decide_the_verdict():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    box = hl.Box((0.05, 0.05, 0.13), (0.0, 0.0, 0.05), mass=0.1)  # down through the palm
+    v = hand.at(hand.close_on(box)).grasp(box, hl.Coulomb(0.8), preload=2e-3).solve().verdict
+    assert v.word == "UNDECIDED"
+    decides = [r for r in v.about("link_inside") if r.severity == "decides"]
+    same("hand/test_inside: the palm", "; ".join(r.sentence for r in decides), "palm")
+    assert decides[0].values["links"][0]["depth_m"] == pytest.approx(0.015, abs=1e-4), "below the palm's top at z = 0"
+
+
+def test_a_fingertips_own_link_may_be_as_deep_as_its_tip():
+    """Tips 3 mm inside a box are preloaded by 3 mm; their links are with them and not deeper."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    box = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.1)
+    state = hand.at(hand.close_on(box, squeeze=3e-3))
+    assert not state.grasp(box, hl.Coulomb(0.8)).solve().verdict.about("link_inside")
+    assert links_inside(state, box, ()), "without a tip that is meant to be there they are inside"
+
+
+def test_meshes_that_are_missing_are_said_and_nothing_is_claimed(write):
+    hand = one_link(write, '<mesh filename="nowhere.stl"/>')
+    with pytest.raises(hl.URDFError):
+        links_inside(hand.at([0.0]), BALL, ())
+
+
+@pytest.mark.parametrize(("past", "word", "severity"), [(0.01, "HELD", "warning"), (0.2, "UNDECIDED", "decides")])
+def test_a_joint_past_its_range_is_named(past, word, severity):
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    q = np.zeros(6)
+    q[1] = -past  # the distal joints' ranges begin at 0
+    state = hand.at(q)
+    centre = state.tip_positions.mean(axis=0)
+    contacts = [hl.Contact(p, (centre - p) / np.linalg.norm(centre - p), hl.Coulomb(0.8)) for p in state.tip_positions]
+    v = state.grasp(contacts, preload=1e-3).solve().verdict
+    (found,) = v.about("joint_range")
+    assert (v.word, found.severity) == (word, severity)
+    assert found.values["joint"] == hand.joint_names[1] == "finger_1_distal"
+    same(f"hand/test_inside: past its range, {severity}", found.sentence)
