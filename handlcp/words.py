@@ -84,4 +84,5 @@ def _text(value: float, unit: str, digits: int = 3) -> str:
         return "–"
     if abs(value) < 1e-9:
         return f"0{unit}"
-    return f"{value:.0f}{unit}" if abs(value) >= 10**digits else f"{value:.{digits}g}{unit}"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}{unit}" if "e" in text else f"{text}{unit}"
