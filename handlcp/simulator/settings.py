@@ -1,0 +1,46 @@
+"""What makes MuJoCo quasi-static: how stiff contacts are, how much motion is damped, how heavy an object feels.
+
+MuJoCo simulates motion over time with contacts that give way a little. Statics is what is left of it when everything
+moves slowly, motion is damped, and contacts are much stiffer than fingers and pads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from handlcp.check import number
+from handlcp.errors import InputError
+
+__all__ = ["SimulatorSettings"]
+
+_STEPS = 10  # a contact that is softer than this many time steps does not chatter
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorSettings:
+    """Numbers that statics does not have.
+
+    timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; below some 10
+    time steps contacts chatter, and friction forgets its load. impedance : below 1; nearer to 1 contacts are stiffer.
+    friction_impedance : how many times stiffer friction is than the normal direction.
+    damping : [s] of joints and pads, times their stiffness. pad_mass : [kg] of a fingertip's surface, without weight.
+    object_mass : [kg] that the object has besides its own, without weight. Raises InputError.
+    """
+
+    timestep: float = 1e-4
+    contact_time: float = 2e-3
+    impedance: float = 0.999
+    friction_impedance: float = 1000.0
+    damping: float = 0.01
+    pad_mass: float = 0.01
+    object_mass: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("timestep", "contact_time", "impedance", "friction_impedance", "damping", "pad_mass"):
+            number(f"SimulatorSettings.{name}", getattr(self, name), above=0.0)
+        number("SimulatorSettings.object_mass", self.object_mass, minimum=0.0)
+        if not self.impedance < 1.0:
+            raise InputError("SimulatorSettings.impedance", "a number below 1", self.impedance)
+        if not self.contact_time >= _STEPS * self.timestep:
+            expected = f"at least {_STEPS} time steps, {_STEPS * self.timestep:g} s"
+            raise InputError("SimulatorSettings.contact_time", expected, self.contact_time)
