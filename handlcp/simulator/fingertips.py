@@ -22,6 +22,7 @@ from handlcp.simulator.words import add, placed
 
 __all__ = ["Pad", "add_pad", "add_tip", "convex_points", "round_shape", "shape_words"]
 
+_MASS, _INERTIA = 1e-4, 1e-8  # [kg, kg·m²] of a pad's body, without weight
 _NONE = 1e-12  # of the largest flexibility of a pad: a direction with less is rigid
 
 
@@ -71,10 +72,16 @@ def add_pad(body: ET.Element, name: str, flexibility: Array, settings: Simulator
     soft = np.flatnonzero(values > _NONE * abs(values).max())
     names = tuple([f"{name} {i + 1}" for i in range(len(soft))])
     for each, i in zip(names, soft, strict=True):
-        k = 1.0 / values[i]
-        add(body, "joint", name=each, type="slide", axis=vectors[:, i], stiffness=k, damping=settings.damping * k)
-    inertia = np.full(3, settings.pad_mass * 1e-4)
-    add(body, "inertial", pos=np.zeros(3), mass=settings.pad_mass, diaginertia=inertia)
+        add(
+            body,
+            "joint",
+            name=each,
+            type="slide",
+            axis=vectors[:, i],
+            stiffness=1 / values[i],
+            **settings.damped(1 / values[i]),
+        )
+    add(body, "inertial", pos=np.zeros(3), mass=_MASS, diaginertia=np.full(3, _INERTIA))
     return Pad(names, vectors[:, soft].T, values[soft])
 
 

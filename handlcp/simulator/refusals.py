@@ -13,7 +13,7 @@ from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.hand import HandGrasp
-from handlcp.hand.mechanism import finger_flexibility
+from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 
 __all__ = ["check_writable", "friction_words"]
 
@@ -29,7 +29,7 @@ def check_writable(grasp: Grasp, gaps: Array) -> HandGrasp:
     gaps : (k,) [m] between fingertips and object, as detected. Raises InputError, Unsupported.
     """
     hand_grasp = of_a_hand(grasp)
-    spec, mechanism = hand_grasp.spec, hand_grasp.mechanism
+    spec = hand_grasp.spec
     for effect in spec.effects:
         if not isinstance(effect, _KNOWN):
             raise Unsupported(f"MuJoCo has no exact counterpart of {effect.title}")
@@ -42,7 +42,9 @@ def check_writable(grasp: Grasp, gaps: Array) -> HandGrasp:
         raise Unsupported(
             "a preload or an offset of the tips, which no joint makes, cannot be written: squeeze with joint_offset"
         )
-    own, flexibility = finger_flexibility(mechanism), spec.flexibility[: 3 * k, : 3 * k]
+    alone = spec.fingers_alone().mechanism
+    assert isinstance(alone, HandMechanism)
+    own, flexibility = finger_flexibility(alone), spec.flexibility[: 3 * k, : 3 * k]
     if abs(own - flexibility).max() > _SAME * abs(own).max():
         raise Unsupported("a flexibility other than that of the hand's joints and pads cannot be written")
     if spec.offset[k:, :2].any():

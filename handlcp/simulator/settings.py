@@ -23,20 +23,19 @@ class SimulatorSettings:
     timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; below some 10
     time steps contacts chatter, and friction forgets its load. impedance : below 1; nearer to 1 contacts are stiffer.
     friction_impedance : how many times stiffer friction is than the normal direction.
-    damping : [s] of joints and pads, times their stiffness. pad_mass : [kg] of a fingertip's surface, without weight.
+    damping : [s] of joints and pads: they come to rest in about this time, without swinging.
     object_mass : [kg] that the object has besides its own, without weight. Raises InputError.
     """
 
-    timestep: float = 1e-4
-    contact_time: float = 2e-3
+    timestep: float = 2e-4
+    contact_time: float = 4e-3
     impedance: float = 0.999
-    friction_impedance: float = 1000.0
+    friction_impedance: float = 1e5
     damping: float = 0.01
-    pad_mass: float = 0.01
     object_mass: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("timestep", "contact_time", "impedance", "friction_impedance", "damping", "pad_mass"):
+        for name in ("timestep", "contact_time", "impedance", "friction_impedance", "damping"):
             number(f"SimulatorSettings.{name}", getattr(self, name), above=0.0)
         number("SimulatorSettings.object_mass", self.object_mass, minimum=0.0)
         if not self.impedance < 1.0:
@@ -44,3 +43,7 @@ class SimulatorSettings:
         if not self.contact_time >= _STEPS * self.timestep:
             expected = f"at least {_STEPS} time steps, {_STEPS * self.timestep:g} s"
             raise InputError("SimulatorSettings.contact_time", expected, self.contact_time)
+
+    def damped(self, stiffness: float) -> dict[str, float]:
+        """Attributes of a joint with this stiffness that make it come to rest as fast as it can: k = c²/4m."""
+        return {"damping": self.damping * stiffness, "armature": 0.25 * self.damping**2 * stiffness}

@@ -23,7 +23,7 @@ from handlcp.simulator.to_mujoco import to_mujoco
 
 __all__ = ["Simulation", "simulate"]
 
-_READ = 10  # time steps between two readings, and between two changes of what drives the simulation
+_READ = 5  # time steps between two readings, and between two changes of what drives the simulation
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
 _PATIENCE = 8.0  # times `settle` that an object may take to come to rest
 

@@ -55,7 +55,7 @@ def add_springs(root: ET.Element, hand: HandModel, at: Array, limited: bool, set
     for name, arms, k in zip(springs.names, springs.arms, springs.stiffness, strict=True):
         words: dict[str, object] = {"name": name, "kp": k}
         if tendons is not None:
-            tendon = add(tendons, "fixed", name=name, damping=settings.damping * k)
+            tendon = add(tendons, "fixed", name=name)
             for joint in np.flatnonzero(arms):
                 add(tendon, "joint", joint=hand.joint_names[joint], coef=arms[joint])
             words["tendon"] = name
@@ -65,8 +65,7 @@ def add_springs(root: ET.Element, hand: HandModel, at: Array, limited: bool, set
             if limited and np.isfinite(limits[j]):
                 words["forcerange"] = (-limits[j], limits[j])
         add(actuators, "position", **words)
-    if tendons is None:
-        _damp(root, springs, hand, settings)
+    _damp(root, springs, hand, settings)
     _add_equations(root, hand, springs, at)
     return springs
 
@@ -108,12 +107,13 @@ def _single(arms: Array) -> bool:
 
 
 def _damp(root: ET.Element, springs: Springs, hand: HandModel, settings: SimulatorSettings) -> None:
-    by_joint = {
-        hand.joint_names[int(np.flatnonzero(a)[0])]: k for a, k in zip(springs.arms, springs.stiffness, strict=True)
-    }
+    """Each joint as its own spring would need it, coupled or not."""
+    own = dict(
+        zip(hand.joint_names, np.einsum("ij,i,ij->j", springs.arms, springs.stiffness, springs.arms), strict=True)
+    )
     for joint in root.iter("joint"):
-        if (k := by_joint.get(joint.get("name", ""))) is not None and joint.get("type") in ("hinge", "slide"):
-            joint.set("damping", text(settings.damping * k))
+        if (k := own.get(joint.get("name", ""), 0.0)) > 0.0 and joint.get("type") in ("hinge", "slide"):
+            joint.attrib.update({word: text(value) for word, value in settings.damped(float(k)).items()})
 
 
 def _add_equations(root: ET.Element, hand: HandModel, springs: Springs, at: Array) -> None:

@@ -95,11 +95,11 @@ def _frame(settings: SimulatorSettings, gravity: Array) -> ET.Element:
     root = ET.Element("mujoco", model="handlcp")
     add(root, "compiler", angle="radian", autolimits="true", balanceinertia="true")
     option = add(
-        root, "option", timestep=settings.timestep, gravity=gravity, cone="elliptic", integrator="implicitfast",
+        root, "option", timestep=settings.timestep, gravity=gravity, cone="elliptic", integrator="Euler",
         impratio=settings.friction_impedance, solver="Newton", iterations="100", tolerance=1e-10, ccd_tolerance=1e-9,
         ccd_iterations="100",
     )  # fmt: skip
-    add(option, "flag", eulerdamp="enable")
+    add(option, "flag", eulerdamp="disable")
     stiff = {
         "solref": text((settings.contact_time, 1.0)),
         "solimp": text((settings.impedance, settings.impedance, 1e-3)),
