@@ -64,8 +64,10 @@ def add_tip(
     return name, pad, shape
 
 
-def add_pad(body: ET.Element, name: str, flexibility: Array, settings: SimulatorSettings) -> Pad:
-    """Slides of a body, with springs that make a flexibility (3, 3) [m/N] in its axes."""
+def add_pad(body: ET.Element, name: str, flexibility: Array, settings: SimulatorSettings, mass: float = _MASS) -> Pad:
+    """Slides of a body, with springs that make a flexibility (3, 3) [m/N] in its axes. mass : [kg] of the body, without
+    weight.
+    """
     values, vectors = np.linalg.eigh(flexibility)
     if not (abs(flexibility - flexibility[0, 0] * np.eye(3)) > _NONE * abs(flexibility).max()).any():
         vectors = np.eye(3)
@@ -81,7 +83,7 @@ def add_pad(body: ET.Element, name: str, flexibility: Array, settings: Simulator
             stiffness=1 / values[i],
             **settings.damped(1 / values[i]),
         )
-    add(body, "inertial", pos=np.zeros(3), mass=_MASS, diaginertia=np.full(3, _INERTIA))
+    add(body, "inertial", pos=np.zeros(3), mass=mass, diaginertia=np.full(3, _INERTIA))
     return Pad(names, vectors[:, soft].T, values[soft])
 
 

@@ -79,7 +79,10 @@ def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorS
             "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
         )
     block = add(world, "body", name=place.name, gravcomp=1.0, **placed(place.axes, place.surface))
-    add_pad(block, place.name, place.flexibility, settings)
+    mass = settings.damped(1.0 / float(place.flexibility.max()))[
+        "armature"
+    ]  # contacts are as stiff as bodies are heavy
+    add_pad(block, place.name, place.flexibility, settings, mass)
     words: Any = {"type": "box", "pos": (0, 0, -_BLOCK), "size": np.full(3, _BLOCK)}
     add(block, "geom", name=place.name, contype="0", conaffinity="0", mass=0.0, **words)
     return Support(place.name, place.name, "object")
