@@ -22,7 +22,8 @@ class SimulatorSettings:
 
     timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; below some 10
     time steps contacts chatter, and friction forgets its load. impedance : below 1; nearer to 1 contacts are stiffer.
-    friction_impedance : how many times stiffer friction is than the normal direction.
+    friction_impedance : how many times stiffer friction is than the normal direction. friction_time : [s] as
+    contact_time, of friction.
     damping : [s] of joints and pads: they come to rest in about this time, without swinging.
     object_mass : [kg] that the object has besides its own, without weight. Raises InputError.
     """
@@ -31,8 +32,9 @@ class SimulatorSettings:
     contact_time: float = 4e-3
     impedance: float = 0.999
     friction_impedance: float = 1e5
+    friction_time: float = 4e-3
     damping: float = 0.01
-    object_mass: float = 0.5
+    object_mass: float = 0.1
 
     def __post_init__(self) -> None:
         for name in ("timestep", "contact_time", "impedance", "friction_impedance", "damping"):

@@ -105,7 +105,7 @@ def _frame(settings: SimulatorSettings, gravity: Array) -> ET.Element:
         "solimp": text((settings.impedance, settings.impedance, 1e-3)),
     }
     default = add(root, "default")
-    add(default, "pair", **stiff)
+    add(default, "pair", solreffriction=(settings.friction_time, 1.0), **stiff)
     add(default, "equality", **stiff)
     return root
 
@@ -117,13 +117,10 @@ def _state(grasp: HandGrasp, springs: Springs, pads: list[Pad], places: _Places)
     for j in springs.rigid:
         if offset[j]:
             raise Unsupported(f"joint {hand.joint_names[j]!r} is rigid: it cannot be commanded beyond where it stands")
-    command, start = np.array(q), np.array(q)
-    if grasp.finger_weight == "torques":
+    command, weighing = np.array(q), tuple(kinematics.model.names)[1:] if grasp.finger_weight is True else ()
+    if grasp.finger_weight == "torques":  # the posture has sagged already
         command = q + hand.stiffness.deflection(kinematics.gravity_torque(q, gravity))
-    elif grasp.finger_weight:
-        for _ in range(100):
-            start = q - hand.stiffness.deflection(kinematics.gravity_torque(start, gravity))
-    full = start if kinematics.coupling is None else kinematics.coupling @ start + kinematics.offset
+    full = q if kinematics.coupling is None else kinematics.coupling @ q + kinematics.offset
     before, after = springs.arms @ command, springs.arms @ (command + offset)
     obj, spec = grasp.target, grasp.spec
     assert obj is not None
@@ -132,7 +129,7 @@ def _state(grasp: HandGrasp, springs: Springs, pads: list[Pad], places: _Places)
     return SimulatorState(
         dict(zip(full_names(hand), full.tolist(), strict=True)), _retreat(grasp, pads, places),
         dict(zip(springs.names, before.tolist(), strict=True)), dict(zip(springs.names, after.tolist(), strict=True)),
-        read_only(spec.wrench - np.append(weight, moment)),
+        weighing, read_only(spec.wrench - np.append(weight, moment)),
     )  # fmt: skip
 
 

@@ -19,11 +19,12 @@ from handlcp.simulator.probe import Probe
 from handlcp.simulator.refusals import of_a_hand
 from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.state import SimulatorState
-from handlcp.simulator.to_mujoco import to_mujoco
+from handlcp.simulator.write import to_mujoco
 
-__all__ = ["Simulation", "simulate"]
+__all__ = ["SAG", "Simulation", "simulate"]
 
 _READ = 5  # time steps between two readings, and between two changes of what drives the simulation
+SAG = "own weight"  # the stage before all others where the hand's links bend its joints
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
 _PATIENCE = 8.0  # times `settle` that an object may take to come to rest
 
@@ -80,8 +81,10 @@ def simulate(
     data = mujoco.MjData(model)
     began = perf_counter()
     state.put(model, data, 0.0, 0.0)
+    state.drive(model, data, 0.0, 0.0, sag=0.0)
     the_grasp = of_a_hand(grasp)
     run = _Run(mujoco, model, data, state, Probe(the_grasp, model, data), wrench)
+    stages = (SAG, *stages) if state.weighing else stages
     held = all(run.stage(name, seconds, settle) for name in stages)
     took, record = perf_counter() - began, run.track.record()
     q, torques = run.probe.joints()
@@ -102,6 +105,11 @@ def _stages(order: Any) -> tuple[str, ...]:
     raise InputError("order", '("squeeze", "load"), ("squeeze",) or "together"', repr(order))
 
 
+def _ramp(x: float) -> float:
+    """From 0 to 1, starting so slowly that friction, which starts from nothing as well, carries the object along."""
+    return x**4 * (5.0 - 4.0 * x)
+
+
 class _Run:
     """A simulation under way."""
 
@@ -117,8 +125,7 @@ class _Run:
         """Ramp one stage and wait for rest; whether the object is still there."""
         steps = max(round(seconds / self.period), 1)
         for k in range(steps):
-            x = (k + 1) / steps
-            if not self._advance(name, x * x * (3.0 - 2.0 * x)):
+            if not self._advance(name, _ramp((k + 1) / steps)):
                 return False
         wait = round(settle / self.period)
         for k in range(round(_PATIENCE * wait)):
@@ -135,11 +142,12 @@ class _Run:
         return lost_at(self.track.record(), reach, mass, size)
 
     def _advance(self, name: str, share: float) -> bool:
-        if name != "load":
+        if name in ("squeeze", "together"):
             self.squeeze = share
-        if name != "squeeze":
+        if name in ("load", "together"):
             self.load = share
-        self.state.drive(self.model, self.data, self.squeeze, self.load, self.load * self.wrench)
+        sag = share if name == SAG else 1.0
+        self.state.drive(self.model, self.data, self.squeeze, self.load, self.load * self.wrench, sag)
         self.mujoco.mj_step(self.model, self.data, _READ)
         reading = self.probe.read()
         self.slip += self.period * reading.slipping
