@@ -6,7 +6,7 @@ moves slowly, motion is damped, and contacts are much stiffer than fingers and p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from handlcp.check import number
 from handlcp.errors import InputError
@@ -20,28 +20,30 @@ _STEPS = 10  # a contact that is softer than this many time steps does not chatt
 class SimulatorSettings:
     """Numbers that statics does not have.
 
-    timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; below some 10
-    time steps contacts chatter, and friction forgets its load. impedance : below 1; nearer to 1 contacts are stiffer.
-    friction_impedance : how many times stiffer friction is than the normal direction. friction_time : [s] as
-    contact_time, of friction.
+    timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; at least some 10
+    time steps, or contacts chatter. friction_time : [s] the same for slip. In MuJoCo a contact that slides opens by
+    about 2 μ · speed · contact_time² / friction_time; where that is more than the force pushes in, it hops.
+    impedance, support_impedance : of fingers, and of supports and equations; nearer to 1 they are stiffer, at 0.998 a
+    finger's contact gives way by about 2e-7 m/N. friction_impedance : how many times stiffer friction is.
     damping : [s] of joints and pads: they come to rest in about this time, without swinging.
     object_mass : [kg] that the object has besides its own, without weight. Raises InputError.
     """
 
     timestep: float = 2e-4
-    contact_time: float = 4e-3
-    impedance: float = 0.999
+    contact_time: float = 2e-3
+    impedance: float = 0.998
+    support_impedance: float = 0.999
     friction_impedance: float = 1e5
-    friction_time: float = 4e-3
+    friction_time: float = 0.02
     damping: float = 0.01
     object_mass: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("timestep", "contact_time", "impedance", "friction_impedance", "damping"):
-            number(f"SimulatorSettings.{name}", getattr(self, name), above=0.0)
-        number("SimulatorSettings.object_mass", self.object_mass, minimum=0.0)
-        if not self.impedance < 1.0:
-            raise InputError("SimulatorSettings.impedance", "a number below 1", self.impedance)
+        for f in fields(self):
+            number(f"SimulatorSettings.{f.name}", getattr(self, f.name), above=0.0)
+        for name in ("impedance", "support_impedance"):
+            if not getattr(self, name) < 1.0:
+                raise InputError(f"SimulatorSettings.{name}", "a number below 1", getattr(self, name))
         if not self.contact_time >= _STEPS * self.timestep:
             expected = f"at least {_STEPS} time steps, {_STEPS * self.timestep:g} s"
             raise InputError("SimulatorSettings.contact_time", expected, self.contact_time)

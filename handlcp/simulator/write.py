@@ -21,7 +21,7 @@ from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.springs import Springs, add_springs
 from handlcp.simulator.state import SimulatorState
 from handlcp.simulator.supports import add_supports
-from handlcp.simulator.words import add, text
+from handlcp.simulator.words import add
 
 __all__ = ["to_mujoco"]
 
@@ -67,8 +67,9 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     supports = add_supports(world, body, spec, obj, settings)
     pairs += [(s.name, s.ground, s.ours) for s in supports]
     touching = add(root, "contact")
-    for (name, one, other), contact in zip(pairs, spec.contacts, strict=True):
-        add(touching, "pair", name=name, geom1=one, geom2=other, **friction_words(name, contact.friction))
+    for i, ((name, one, other), contact) in enumerate(zip(pairs, spec.contacts, strict=True)):
+        stiff = {} if i < spec.of_fingers else _stiffness(settings.support_impedance)
+        add(touching, "pair", name=name, geom1=one, geom2=other, **friction_words(name, contact.friction), **stiff)
     limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)
     springs = add_springs(root, hand, hand_grasp.state.q, limited, settings)
     ET.indent(root)
@@ -99,15 +100,17 @@ def _frame(settings: SimulatorSettings, gravity: Array) -> ET.Element:
         impratio=settings.friction_impedance, solver="Newton", iterations="100", tolerance=1e-10, ccd_tolerance=1e-9,
         ccd_iterations="100",
     )  # fmt: skip
-    add(option, "flag", eulerdamp="disable")
-    stiff = {
-        "solref": text((settings.contact_time, 1.0)),
-        "solimp": text((settings.impedance, settings.impedance, 1e-3)),
-    }
+    add(option, "flag", eulerdamp="disable")  # else friction would be computed with other accelerations
+    stiff = _stiffness(settings.impedance)
+    times = {"solref": (settings.contact_time, 1.0), "solreffriction": (settings.friction_time, 1.0)}
     default = add(root, "default")
-    add(default, "pair", solreffriction=(settings.friction_time, 1.0), **stiff)
-    add(default, "equality", **stiff)
+    add(default, "pair", **times, **stiff)
+    add(default, "equality", solref=(settings.contact_time, 1.0), **_stiffness(settings.support_impedance))
     return root
+
+
+def _stiffness(impedance: float) -> dict[str, tuple[float, ...]]:
+    return {"solimp": (impedance, impedance, 1e-3)}
 
 
 def _state(grasp: HandGrasp, springs: Springs, pads: list[Pad], places: _Places) -> SimulatorState:
