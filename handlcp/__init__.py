@@ -77,6 +77,7 @@ if TYPE_CHECKING:
         example_hand,
     )
     from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
+    from handlcp.simulator import to_mujoco
     from handlcp.study.accuracy import AccuracyCost, accuracy_cost
 
 __version__ = VERSION
@@ -90,7 +91,7 @@ __all__ = [
     "Required", "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere",
     "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
     "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "accuracy_cost", "audit_urdf",
-    "example_hand", "solve_lcp", "solve_many", "wrench_from_fingertip_forces",
+    "example_hand", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -105,6 +106,7 @@ _ROOMS = {
         "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
         "audit_urdf", "example_hand",
     },
+    "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},
     "grasp": set[str](),
 }  # fmt: skip

@@ -1,5 +1,5 @@
-"""Imports run one way: cli → show → study → scene → hand → grasp → lcp → check → words, lazy, errors, tolerances,
-version.
+"""Imports run one way: cli → show → study → scene → simulator → hand → grasp → lcp → check → words, lazy, errors,
+tolerances, version.
 
 Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone.
 """
@@ -27,6 +27,7 @@ ORDER = [
     "lcp",
     "grasp",
     "hand",
+    "simulator",
     "scene",
     "study",
     "show",

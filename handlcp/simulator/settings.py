@@ -1,0 +1,53 @@
+"""What makes MuJoCo quasi-static: how stiff contacts are, how much motion is damped, how heavy an object feels.
+
+MuJoCo simulates motion over time with contacts that give way a little. Statics is what is left of it when everything
+moves slowly, motion is damped, and contacts are much stiffer than fingers and pads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from handlcp.check import number
+from handlcp.errors import InputError
+
+__all__ = ["SimulatorSettings"]
+
+_STEPS = 10  # a contact that is softer than this many time steps does not chatter
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorSettings:
+    """Numbers that statics does not have.
+
+    timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; at least some 10
+    time steps, or contacts chatter. friction_time : [s] the same for slip. In MuJoCo a contact that slides opens by
+    about 2 μ · speed · contact_time² / friction_time; where that is more than the force pushes in, it hops.
+    impedance, support_impedance : of fingers, and of supports and equations; nearer to 1 they are stiffer, at 0.998 a
+    finger's contact gives way by about 2e-7 m/N. friction_impedance : how many times stiffer friction is.
+    damping : [s] of joints and pads: they come to rest in about this time, without swinging.
+    object_mass : [kg] that the object has besides its own, without weight. Raises InputError.
+    """
+
+    timestep: float = 2e-4
+    contact_time: float = 2e-3
+    impedance: float = 0.998
+    support_impedance: float = 0.999
+    friction_impedance: float = 1e5
+    friction_time: float = 0.02
+    damping: float = 0.01
+    object_mass: float = 0.1
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            number(f"SimulatorSettings.{f.name}", getattr(self, f.name), above=0.0)
+        for name in ("impedance", "support_impedance"):
+            if not getattr(self, name) < 1.0:
+                raise InputError(f"SimulatorSettings.{name}", "a number below 1", getattr(self, name))
+        if not self.contact_time >= _STEPS * self.timestep:
+            expected = f"at least {_STEPS} time steps, {_STEPS * self.timestep:g} s"
+            raise InputError("SimulatorSettings.contact_time", expected, self.contact_time)
+
+    def damped(self, stiffness: float) -> dict[str, float]:
+        """Attributes of a joint with this stiffness that make it come to rest as fast as it can: k = c²/4m."""
+        return {"damping": self.damping * stiffness, "armature": 0.25 * self.damping**2 * stiffness}

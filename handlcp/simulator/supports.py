@@ -1,0 +1,107 @@
+"""What the object touches besides the hand, as planes.
+
+A contact of the environment is a point of a table or a wall that gives way by itself. On a body with corners or rims
+each such point becomes a small ball at the object, on slides of its own where the support gives way. A ball or an
+ellipsoid rolls: it touches a plane, or where that gives way a block on slides.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from typing import Any
+
+import coal
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import Unsupported
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.objects.object import Object
+from handlcp.simulator.fingertips import add_pad, round_shape
+from handlcp.simulator.settings import SimulatorSettings
+from handlcp.simulator.words import add, placed
+
+__all__ = ["Support", "add_supports"]
+
+_FOOT = 1e-4  # [m] radius of the balls at a body's corners
+_BLOCK = 0.5  # [m] half the size of a block that gives way, far larger than what it carries
+_STANDING = 3  # points of a cylinder that stands on its rim; one that lies on its side has fewer
+
+
+@dataclass(frozen=True)
+class Support:
+    """A contact of the environment: its name, and the names of the two shapes that touch."""
+
+    name: str
+    ground: str
+    ours: str
+
+
+def add_supports(
+    world: ET.Element, body: ET.Element, spec: GraspSpec, obj: Object, settings: SimulatorSettings
+) -> tuple[Support, ...]:
+    """Planes in the world and feet at the object's body. Raises Unsupported for supports that share their flexibility,
+    and for a cylinder that lies on something flexible.
+    """
+    k, found = spec.of_fingers, []
+    E = spec.flexibility[3 * k :, 3 * k :]
+    for i in range(spec.n - k):
+        block = E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]
+        shared = E[3 * i : 3 * i + 3].copy()
+        shared[:, 3 * i : 3 * i + 3] = 0.0
+        if shared.any():
+            raise Unsupported("contacts of the environment that move under each other's forces cannot be written")
+        R, gap = spec.frames[k + i], float(spec.offset[k + i, 2])
+        surface = spec.positions[k + i] - gap * R[:, 2]
+        place = _Place(spec.names[k + i], R, spec.positions[k + i], surface, block)
+        rolls = round_shape(obj.geometry) or (isinstance(obj.geometry, coal.Cylinder) and spec.n - k < _STANDING)
+        found.append(_rolling(world, place, obj, settings) if rolls else _foot(world, body, place, obj, settings))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """A contact: its name, axes (3, 3), point of the object and point of the surface (3,), flexibility (3, 3)."""
+
+    name: str
+    axes: Array
+    point: Array
+    surface: Array
+    flexibility: Array
+
+
+def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorSettings) -> Support:
+    if not place.flexibility.any():
+        return Support(place.name, _plane(world, place), "object")
+    if isinstance(obj.geometry, coal.Cylinder):
+        raise Unsupported(
+            "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
+        )
+    block = add(world, "body", name=place.name, gravcomp=1.0, **placed(place.axes, place.surface))
+    mass = settings.damped(1.0 / float(place.flexibility.max()))[
+        "armature"
+    ]  # contacts are as stiff as bodies are heavy
+    add_pad(block, place.name, place.flexibility, settings, mass)
+    words: Any = {"type": "box", "pos": (0, 0, -_BLOCK), "size": np.full(3, _BLOCK)}
+    add(block, "geom", name=place.name, contype="0", conaffinity="0", mass=0.0, **words)
+    return Support(place.name, place.name, "object")
+
+
+def _foot(world: ET.Element, body: ET.Element, place: _Place, obj: Object, settings: SimulatorSettings) -> Support:
+    """A ball whose lowest point is the contact, on slides in the contact's axes."""
+    centre = obj.placement.actInv(place.point + _FOOT * place.axes[:, 2])
+    axes = obj.placement.rotation.T @ place.axes
+    name = f"{place.name} foot"
+    foot = add(body, "body", name=name, gravcomp=1.0, **placed(axes, centre))
+    add_pad(foot, name, place.flexibility, settings)
+    add(foot, "geom", name=name, type="sphere", size=[_FOOT], contype="0", conaffinity="0", mass=0.0)
+    return Support(place.name, _plane(world, place), name)
+
+
+def _plane(world: ET.Element, place: _Place) -> str:
+    add(
+        world, "geom", name=place.name, type="plane", size=(_BLOCK, _BLOCK, 0.01), contype="0", conaffinity="0",
+        **placed(place.axes, place.surface),
+    )  # fmt: skip
+    return place.name
