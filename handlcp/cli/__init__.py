@@ -8,12 +8,15 @@ import sys
 from handlcp.cli.app import app
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
+from handlcp.cli.follow import follow  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
 from handlcp.cli.warm import warm  # isort: skip
 
-__all__ = ["accuracy", "app", "audit", "compare", "effects", "hands", "keys", "main", "paper", "solve", "warm"]
+__all__ = [
+    "accuracy", "app", "audit", "compare", "effects", "follow", "hands", "keys", "main", "paper", "solve", "warm",
+]  # fmt: skip
 
 
 def main() -> None:

@@ -11,14 +11,15 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
+from handlcp.check import Array
 from handlcp.grasp import Explanation, Grasp, GraspSolution
 from handlcp.grasp.analysis.explanation import Description, EffectLine
 from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
 
 __all__ = [
-    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "friction_used", "hand_table",
-    "key_table", "numbers", "torque_table",
+    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "friction_share", "friction_used",
+    "hand_table", "key_table", "numbers", "torque_table",
 ]  # fmt: skip
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
@@ -68,14 +69,19 @@ def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Tabl
 
 def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
     """(n) |r_T| / (μ r_N), in units of the half-axes of an elliptic limit; NaN without friction or without a force."""
+    return list(friction_share(grasp, solution.forces, solution.torsion).tolist())
+
+
+def friction_share(grasp: Grasp, contact_forces: Array, torsion: Array | None) -> Array:
+    """(n,) the same from forces (n, 3) in contact axes [N] and moments (n,) about the normals [N·m]."""
     scene, soft = grasp.scene, list(grasp.scene.soft)
-    moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
-    forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])
+    moments = np.zeros(scene.n) if torsion is None else torsion
+    forces, turning = np.split(scene.lawful(np.append(contact_forces, moments[soft])), [3 * scene.n])
     moment = np.zeros(scene.n)
     moment[soft] = turning
     x, y, z = forces.reshape(-1, 3).T
     limit = np.where(scene.mu * z > 0, scene.mu * z, np.nan)
-    return list((np.hypot(np.hypot(x, y), moment) / limit).tolist())
+    return np.asarray(np.hypot(np.hypot(x, y), moment) / limit)
 
 
 def torque_table(check: Any) -> Table:

@@ -8,11 +8,14 @@ import numpy as np
 
 import handlcp as hl
 from handlcp import words as units
+from handlcp.grasp.loading.events import summary
 from handlcp.show import convergence as convergence_figure
+from handlcp.show import loading as loading_figure
 from handlcp.show import picture as _picture
 from handlcp.show import tables
 from handlcp.show import work_precision as work_precision_figure
 from handlcp.show.accuracy_table import all_tables
+from handlcp.show.loading import end, report
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
 from handlcp.show.picture.camera import camera_for, facing
@@ -25,11 +28,15 @@ __all__ = [
     "camera_of",
     "convergence_figure",
     "draw",
+    "end",
     "environment_bodies",
+    "events_in_short",
     "facing",
     "fill",
+    "loading_figure",
     "nice",
     "record",
+    "report",
     "rim",
     "save",
     "shapes",
@@ -38,6 +45,12 @@ __all__ = [
     "units",
     "work_precision_figure",
 ]
+
+
+def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:
+    """What happens, in the order and words of `Loading`: events of several fingers at one place in one line."""
+    return [str(s) for s in summary(events, grasp.spec)]
+
 
 draw, save = _picture.draw, _picture.save
 

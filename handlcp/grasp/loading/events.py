@@ -1,21 +1,46 @@
-"""What happens while a grasp is loaded: a finger slips or lets go, a joint reaches its limit, the object is lost."""
+"""What happens while a grasp is loaded: a finger slips or lets go, a joint reaches its limit, the object is lost.
+
+Several fingers often slip at one place, and a finger near its limit may slip and stick by turns. `summary` says each of
+these once.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from handlcp import words
+from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["Event"]
+__all__ = ["Event", "Summary", "summary"]
 
-_SENTENCES = {
-    "slips": "{who} begins to slip", "sticks": "{who} sticks again", "opens": "{who} loses contact",
-    "touches": "{who} touches the object", "over limit": "{who} needs more than its torque limit",
-    "within limit": "{who} is within its torque limit again", "yields": "{who} yields at its torque limit",
-    "holds": "{who} holds again, below its torque limit", "range end": "{who} passes the end of its range",
-    "range": "{who} is within its range again", "lost": "the object is lost: {who}",
-    "snaps": "{who} snaps to another place",
+_SENTENCES = {  # of one, of several
+    "slips": ("begins to slip", "begin to slip"),
+    "sticks": ("sticks again", "stick again"),
+    "slips by turns": ("slips and sticks by turns", "slip and stick by turns"),
+    "opens": ("loses contact", "lose contact"),
+    "touches": ("touches the object", "touch the object"),
+    "opens by turns": ("loses and finds contact by turns", "lose and find contact by turns"),
+    "over limit": ("needs more than its torque limit", "need more than their torque limits"),
+    "within limit": ("is within its torque limit again", "are within their torque limits again"),
+    "over limit by turns": ("goes over its torque limit and back by turns", "go over their torque limits and back by "
+                            "turns"),
+    "yields": ("yields at its torque limit", "yield at their torque limits"),
+    "holds": ("holds again, below its torque limit", "hold again, below their torque limits"),
+    "yields by turns": ("yields and holds by turns", "yield and hold by turns"),
+    "range end": ("passes the end of its range", "pass the ends of their ranges"),
+    "range": ("is within its range again", "are within their ranges again"),
+    "range end by turns": ("leaves its range and returns by turns", "leave their ranges and return by turns"),
+    "snaps": ("snaps to another place", "snap to another place"),
+    "snaps by turns": ("snaps to other places, several times", "snap to other places, several times"),
 }  # fmt: skip
+_LOST, _BY_TURNS = "lost", " by turns"
+_JOINTS = ("over limit", "within limit", "yields", "holds", "range end", "range")
+_UNDONE = {"sticks": "slips", "touches": "opens", "within limit": "over limit", "holds": "yields", "range": "range end"}
+_NEAR = 0.01  # of a stage: events of one kind no further apart are told as one
+_START = 0.005  # of a stage
+_TURNS, _APART = 3, 0.03  # so many changes of one finger, each no further from the last, are "by turns"
+_MOST = 4  # names in a sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,4 +58,121 @@ class Event:
     number: int = 0
 
     def __str__(self) -> str:
-        return f"{self.stage}, {words.percent(self.share)}: {_SENTENCES[self.kind].format(who=self.who)}"
+        said = f"the object is lost: {self.who}" if self.kind == _LOST else f"{self.who} {_SENTENCES[self.kind][0]}"
+        return f"{self.stage}, {_at(self.share)}: {said}"
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Events of one kind at one place. kind : as in `Event`, or with " by turns" after it. stage, number : its name and
+    number. share, until : of the stage, of the first event and of the last. who : the fingers or joints, or the object.
+    sentence : in words, without the place.
+    """
+
+    kind: str
+    stage: str
+    number: int
+    share: float
+    until: float
+    who: tuple[str, ...]
+    sentence: str
+
+    @property
+    def at(self) -> str:
+        """Such as "46 %", "46 % to 49 %", "start"."""
+        first, last = _at(self.share), _at(self.until)
+        return f"{first} to {last}" if self.kind.endswith(_BY_TURNS) and first != last else first
+
+    @property
+    def where(self) -> str:
+        """Such as "load, 46 %"."""
+        return f"{self.stage}, {self.at}"
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.sentence}"
+
+
+def _at(share: float) -> str:
+    """Such as "46 %"; "start" and "end" of a stage where a step cannot tell it from these."""
+    return "start" if share < _START else "end" if share > 1.0 - 1e-9 else words.percent(share)
+
+
+def summary(events: Iterable[Event], spec: GraspSpec) -> tuple[Summary, ...]:
+    """Events in their order, those of one kind at one place as one; "lost" is left out.
+
+    spec : of the grasp, which knows the names of all fingers and joints.
+    """
+    groups = list[_Group]()
+    for new in _by_turns(events):
+        for old in reversed(groups):
+            if old.takes(new):
+                old.who += new.who
+                old.until = max(old.until, new.until)
+                break
+        else:
+            groups.append(new)
+    joints = () if spec.mechanism is None else spec.mechanism.names
+    order = {name: k for k, name in enumerate((*spec.names, *joints))}
+    for g in groups:
+        g.who.sort(key=lambda name: order.get(name, -1))
+    return tuple([
+        Summary(g.kind, g.stage, g.number, g.share, g.until, tuple(g.who), _sentence(g.kind, g.who, spec))
+        for g in groups
+    ])  # fmt: skip
+
+
+@dataclass(slots=True)
+class _Group:
+    """As `Summary`, while it grows."""
+
+    kind: str
+    stage: str
+    number: int
+    share: float
+    until: float
+    who: list[str]
+
+    def takes(self, other: _Group) -> bool:
+        """Whether what another finger does is the same, at the same place."""
+        since = self.until if self.kind.endswith(_BY_TURNS) else self.share
+        same = (self.kind, self.number) == (other.kind, other.number) and other.who[0] not in self.who
+        return same and other.share - since <= _NEAR
+
+
+def _by_turns(events: Iterable[Event]) -> Iterator[_Group]:
+    """Each event; what one finger does and undoes several times becomes one group, where the first of it is."""
+    left = [e for e in events if e.kind != _LOST]
+    while left:
+        first = left[0]
+        family, run = _UNDONE.get(first.kind, first.kind), [first]
+        for e in left[1:]:
+            if e.who != first.who or _UNDONE.get(e.kind, e.kind) != family:
+                continue
+            if e.number != first.number or e.share - run[-1].share > _APART:
+                break
+            run.append(e)
+        run = run if len(run) >= _TURNS else [first]
+        kind = first.kind if len(run) == 1 else family + _BY_TURNS
+        yield _Group(kind, first.stage, first.number, first.share, run[-1].share, [first.who])
+        left = [e for e in left if all(e is not other for other in run)]
+
+
+def _sentence(kind: str, who: Sequence[str], spec: GraspSpec) -> str:
+    """Such as "all 5 fingers begin to slip"."""
+    one, several = _SENTENCES[kind]
+    names, k = spec.names, spec.of_fingers
+    groups = [(names[:k], "fingers"), (names, "contacts")]
+    if kind.removesuffix(_BY_TURNS) in _JOINTS:
+        groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]
+    for group, called in groups:
+        if len(who) > 1 and set(who) == set(group):
+            return f"{'both' if len(who) == 2 else f'all {len(who)}'} {called} {several}"
+    return f"{_named(who)} {one if len(who) == 1 else several}"
+
+
+def _named(who: Sequence[str]) -> str:
+    """Such as "a, b and c", "a, b, c and 2 more"."""
+    told, more = (who, 0) if len(who) <= _MOST else (who[: _MOST - 1], len(who) - _MOST + 1)
+    if more:
+        return f"{', '.join(told)} and {more} more"
+    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"

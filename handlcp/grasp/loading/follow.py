@@ -14,7 +14,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.drive import Run, drive
-from handlcp.grasp.loading.events import Event
+from handlcp.grasp.loading.events import Event, summary
 from handlcp.grasp.loading.geometry import FixedGeometry, Geometry
 from handlcp.grasp.loading.stage import Goal, read_stages
 from handlcp.grasp.loading.state import State
@@ -85,8 +85,18 @@ class Loading:
         return mechanism.at_end(where.q, where.pose)
 
     def __str__(self) -> str:
-        lines = [self.why, *(f"  {event}" for event in self.events)]
-        return "\n".join(lines)
+        """The outcome, what happens on the way, and what the last step is like."""
+        u, forces = self.displacement, self.steps.forces[-1, :, 2]
+        moved = f"the object has moved {words.length(float(np.linalg.norm(u[:3])))}"
+        if (turned := float(np.linalg.norm(u[3:]))) > 1e-4:
+            moved += f" and turned {words.angle(turned)}"
+        most = int(np.argmax(forces >= (1.0 - 1e-6) * forces.max()))  # the first of equals
+        pressed = f"the largest normal force is {words.force(float(forces[most]))}, at {self.steps.names[most]}"
+        if not forces[most] > 0.0:
+            pressed = "nothing presses on it"
+        when = "at the end" if self.reached else "before that"
+        told = [str(s) for s in summary(self.events, self.steps.grasp.spec)]
+        return "\n  ".join([self.why, *told, f"{when}: {moved}; {pressed}"])
 
 
 def follow(

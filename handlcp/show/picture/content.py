@@ -23,7 +23,8 @@ _NO_MOMENT = 5e-6  # [N·m] moments below are not written
 
 
 class Content:
-    """All vectors are in world axes; an arrow that is not drawn is zero.
+    """All vectors are in world axes; an arrow that is not drawn is zero. around : the grasp whose environment is drawn;
+    None: this one.
 
     solids, glass : opaque bodies, and the translucent object or None. colours : (n) by contact state.
     per_newton : length of a force arrow [m/N]. forces (n, 3) : their arrows [m]. load [N] and its arrow `pull` [m].
@@ -31,11 +32,12 @@ class Content:
     slips : contact → arrow of its slip [m], where it slides. slip_note : their line in the legend.
     """
 
-    def __init__(self, grasp: Grasp, solution: GraspSolution, obj: Any) -> None:
+    def __init__(self, grasp: Grasp, solution: GraspSolution, obj: Any, around: Grasp | None = None) -> None:
         self.grasp, self.solution, scene, s = grasp, solution, grasp.scene, solution
         state, size = getattr(grasp, "state", None), scene.units.length
         solids = hand_bodies(state) if state is not None else stub_bodies(grasp)
-        self.solids, self.glass = [*solids, *environment_bodies(grasp)], object_body(grasp, obj)
+        self.solids = [*solids, *environment_bodies(grasp if around is None else around)]
+        self.glass = object_body(grasp, obj)
         self.colours = [STATE[state] if s.held else UNKNOWN for state in s.contact_state]
         self.acts_at = grasp.reference
         if obj is None and getattr(grasp, "target", None) is None:

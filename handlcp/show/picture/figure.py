@@ -22,7 +22,7 @@ from handlcp.show.picture.overlay import Overlay, nice, rim
 from handlcp.show.picture.painter import paint
 from handlcp.show.picture.panel import headline, legend, torque_bars
 
-__all__ = ["draw", "save"]
+__all__ = ["DPI", "HEIGHT", "WIDTH", "compose", "draw", "save"]
 
 WIDTH, HEIGHT, DPI = 10.0, 6.6, 160  # inches, dots an inch
 SCENE = 0.70  # of the width; the rest is the panel
@@ -46,12 +46,16 @@ def draw(
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT))
     head = headline(figure, solution.verdict if verdict is None else verdict, title)
-    shown = Content(grasp, solution, obj)
+    compose(figure, Content(grasp, solution, obj), head)
+    return figure
+
+
+def compose(figure: Figure, shown: Content, head: float) -> None:
+    """The picture, its legend and the joint torques, below `head`, a share of the figure's height."""
     _scene(figure, shown, head)
     bottom = legend(figure, 0.722, head - 0.03, shown.entries())
-    if solution.held and (check := getattr(solution, "torque_check", None)) is not None:
+    if shown.solution.held and (check := getattr(shown.solution, "torque_check", None)) is not None:
         torque_bars(figure, (0.725, 0.25), bottom - 0.055, check)
-    return figure
 
 
 def _scene(figure: Any, shown: Content, head: float) -> None:

@@ -1,0 +1,96 @@
+"""`handlcp follow`: a scene loaded in steps, what happens on the way, and what it is like at the end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.text import Text
+
+from handlcp.cli.app import Json, app, print_json, say, titled
+from handlcp.errors import InputError
+from handlcp.grasp import Loading
+from handlcp.show.file import checked
+
+__all__ = ["follow"]
+
+
+@app.command()
+def follow(
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    json: Json = False,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw forces, motion and torques over the load into this file (png, svg, pdf).")
+    ] = None,
+    picture: Annotated[Path | None, typer.Option(help="Draw the hand where it ends into this file.")] = None,
+    order: Annotated[
+        str, typer.Option(help="Stages, one after the other: squeeze, load; or together.")
+    ] = "squeeze,load",
+    fixed: Annotated[
+        bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions, as in `handlcp solve`.")
+    ] = False,
+    faces: Annotated[
+        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
+    ] = None,
+    steps: Annotated[int, typer.Option(help="Steps of a stage, more where something happens.")] = 40,
+) -> None:
+    """Load a scene in steps: the hand squeezes, then weight and load come. Exit status 0 reached, 1 lost, 2 bad input.
+
+    The hand is followed as it moves, contacts are detected anew in every step.
+    """
+    from handlcp import scene as scenes
+
+    for file in (plot, picture):
+        if file is not None:
+            checked(file)
+    read = scenes.load(scene)
+    sides = _sides(read, faces)
+    stages = tuple([name.strip() for name in order.split(",")])
+    found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
+    drawn = _draw(found, read, plot, picture)
+    if json:
+        from handlcp.show.loading.report import record
+
+        print_json(record(found, read.title))
+    else:
+        _print(found, read.title, sides, drawn)
+    raise typer.Exit(0 if found.reached else 1)
+
+
+def _sides(read: Any, faces: str | None) -> Any:
+    """Faces of the friction pyramids, or "cone", which is what counts where nothing else is asked for."""
+    if faces is None:
+        return read.solve_with.faces if "faces" in read.solve_with.model_fields_set else "cone"
+    if faces == "cone":
+        return faces
+    if not faces.isdecimal() or int(faces) < 3:
+        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
+    return int(faces)
+
+
+def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) -> list[Path]:
+    """The files that were drawn."""
+    from handlcp.show import loading as shown
+
+    if plot is not None:
+        shown.save(found, plot, read.title)
+    if picture is not None:
+        shown.save_picture(found, picture, read.title, read.shape())
+    return [file for file in (plot, picture) if file is not None]
+
+
+def _print(found: Loading, title: str, sides: Any, drawn: list[Path]) -> None:
+    """What happens on the way, contacts and joints at the end, the object's motion, the outcome."""
+    from handlcp.show.loading import report
+
+    out = titled(title)
+    if (happens := report.event_table(found)) is not None:
+        out.print(happens)
+    for table in report.end_tables(found, sides):
+        out.print(table)
+    word, style = ("REACHED", "green") if found.reached else ("LOST", "red")
+    say(out, word, f"bold {style}", found.why.removeprefix("reached ").removeprefix("lost "))
+    say(out, "Motion", "bold", report.motion(found))
+    for file in drawn:
+        out.print(Text(f"Picture: {file}", style="dim"))

@@ -1,0 +1,99 @@
+"""What the panels of a loading show: curves over the steps, with the names and colours of what they belong to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp import Grasp
+from handlcp.grasp.loading.follow import Loading
+from handlcp.show.loading.end import STILL
+from handlcp.show.style import BLUE, GREEN, PURPLE, RED
+from handlcp.show.tables import friction_share
+
+__all__ = ["Curve", "Panel", "friction_used", "panels"]
+
+COLOURS = (BLUE, RED, GREEN, PURPLE, "#B87800", "#3A9BD8", "#7A3E00", "#8C8C00")
+OTHERS = "#B9BEC4"
+_MOST = 6  # joints with a name in their panel: those nearest to their limits
+_NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """values (m,) : one for each step, NaN where there is none. name : "" for none."""
+
+    name: str
+    colour: str
+    values: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """title : with its unit. every : what to call all curves when they lie on each other, such as "all 5 fingers".
+    limit : a line across, None without.
+    """
+
+    title: str
+    curves: tuple[Curve, ...]
+    every: str
+    limit: float | None = None
+
+
+def panels(loading: Loading) -> list[Panel]:
+    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has."""
+    grasp, steps = Grasp(loading.steps.grasp.spec), loading.steps
+    n, names = grasp.scene.n, steps.names
+    colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
+    every = f"all {n} {'contacts' if grasp.scene.environment else 'fingers'}"
+    out = [Panel("Normal force [N]", _curves(names, colours, steps.forces[:, :, 2]), every)]
+    if (grasp.scene.mu > 0).any():
+        used = 100.0 * friction_used(loading)
+        out.append(Panel("Friction [% of its limit]", _curves(names, colours, used), every, 100.0))
+    out += _motion(steps.displacement)
+    if grasp.spec.mechanism is not None:
+        out.append(_torques(grasp.spec.mechanism.names, steps.torques, grasp.spec.mechanism.limits))
+    return out
+
+
+def friction_used(loading: Loading) -> Array:
+    """(m, n) of each step and contact, the share of its friction limit; NaN without friction or without a force."""
+    grasp, steps = Grasp(loading.steps.grasp.spec), loading.steps
+    used = np.array([friction_share(grasp, f, t) for f, t in zip(steps.forces, steps.torsion, strict=True)])
+    normal = steps.forces[:, :, 2]
+    used[normal <= _NO_FORCE * normal.max()] = np.nan
+    return used
+
+
+def _curves(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:
+    return tuple([Curve(*each) for each in zip(names, colours, values.T, strict=True)])
+
+
+def _motion(displacement: Array) -> Iterator[Panel]:
+    """Of the object since the start, along the world's axes; and its turn, where it turns."""
+    colours, move, turn = (RED, GREEN, BLUE), displacement[:, :3], displacement[:, 3:]
+    unit = words.length_unit(move.ravel().tolist())
+    yield Panel(f"Motion of the object [{unit.name}]", _curves("xyz", colours, move / unit.size), "x, y, z")
+    if abs(turn).max() > STILL:
+        yield Panel("Turn of the object [°]", _curves("xyz", colours, np.degrees(turn)), "x, y, z")
+
+
+def _torques(names: Sequence[str], torques: Array, limits: Array) -> Panel:
+    """Against their limits where these are known; the nearest to them are named."""
+    known = np.flatnonzero(np.isfinite(limits) & (limits > 0.0))
+    shown = known if len(known) else np.arange(len(names))
+    values = 100 * abs(torques[:, known]) / limits[known] if len(known) else torques
+    most = abs(values).max(axis=0)
+    ranked = np.argsort(-np.round(most, 6), kind="stable")
+    curves = [Curve("", OTHERS, values[:, j]) for j in ranked[_MOST:]]
+    curves += [Curve(names[shown[j]], COLOURS[k], values[:, j]) for k, j in enumerate(ranked[:_MOST])]
+    title = "Joint torque [% of its limit]" if len(known) else "Joint torque [N·m]"
+    if len(ranked) > _MOST:
+        title += f", the {_MOST} largest of {len(ranked)} in colour"
+    every = f"all {len(curves)} joints"
+    near = bool(len(known)) and float(most.max(initial=0.0)) > 50.0
+    return Panel(title, tuple(curves), every, 100.0 if near else None)

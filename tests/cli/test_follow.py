@@ -1,0 +1,165 @@
+"""`handlcp follow` from the outside."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from handlcp import scene as scenes
+from handlcp.cli import app
+from tests.support.show import events_in_short
+from tests.support.texts import same
+
+ROOT = pathlib.Path(__file__).parents[2]
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+FEW = ("--steps", "8")
+
+
+def run(*arguments, width="80"):
+    words = ["follow", *(str(a) for a in arguments)]
+    return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
+
+
+def strict(text):
+    """JSON without NaN or Infinity."""
+    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+
+
+def changed(tmp_path, *changes, name="cube_three_fingers"):
+    text = (ROOT / "examples" / f"{name}.toml").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    file = tmp_path / "scene.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+@pytest.fixture
+def heavy(tmp_path):
+    """A cube that is too heavy."""
+    return changed(tmp_path, ("mass_kg = 0.2", "mass_kg = 1.5"))
+
+
+def test_a_scene_that_is_held_prints_its_end_within_80_columns_and_exits_0():
+    done = run(CUBE, *FEW)
+    assert done.exit_code == 0, done.output
+    for part in ("Contacts at the end", "Joint torques at the end", "finger_2_tip", "sticking", "finger_1_distal"):
+        assert part in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    said = " ".join(done.stdout[done.stdout.index("REACHED:") :].split())
+    same("cli/test_follow: a cube that is held", said)
+    assert done.stderr == ""
+
+
+def test_a_scene_that_is_lost_exits_1_and_says_where_and_why(heavy):
+    done = run(heavy, *FEW)
+    assert done.exit_code == 1, done.output
+    found = scenes.load(heavy).build().follow(steps=8)
+    assert found.lost_stage == "load"
+    said = " ".join(done.stdout[done.stdout.index("LOST:") :].split())
+    assert said.startswith(found.why.replace("lost", "LOST:", 1))
+    assert "before the object is lost" in done.stdout
+
+
+def test_what_happens_on_the_way_is_a_table(tmp_path):
+    file = changed(tmp_path, ("[object]", "torque_limits_Nm = 0.1\n[object]"))
+    grasp = scenes.load(file).build()
+    told = events_in_short(grasp.follow(steps=8).events, grasp)
+    done = run(file, *FEW, width="160")
+    assert told
+    lines = [" ".join(line.split()) for line in done.stdout.splitlines()]
+    for line in told:
+        place, sentence = line.split(": ", 1)
+        assert f"{place.replace(',', '', 1)} {sentence}" in lines
+    assert "On the way" not in run(CUBE, *FEW).stdout, "nothing happens"
+
+
+def test_json_is_one_object_with_the_numbers_of_all_steps_and_no_nan():
+    done = run(CUBE, *FEW, "--json")
+    assert done.exit_code == 0, done.output
+    found, h = strict(done.stdout), scenes.load(CUBE).build().follow(steps=8)
+    assert found["reached"] is True
+    assert found["lost_at"] is found["lost_stage"] is None
+    assert (found["why"], found["stages"], found["geometry"]) == (h.why, list(h.stages), "followed")
+    assert found["status_at_end"] == "SOLVED"
+    np.testing.assert_allclose(found["contacts"]["forces_N"], h.steps.forces, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(found["steps"]["displacement_m_rad"], h.steps.displacement, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(found["joints"]["torques_Nm"], h.steps.torques, rtol=1e-6, atol=1e-12)
+    assert found["contacts"]["names"] == list(h.steps.names)
+    assert found["contacts"]["friction_used"][0] == [None] * 3, "nothing is loaded at first"
+    assert len(found["steps"]["share"]) == len(found["contacts"]["state"]) == len(h.steps)
+
+
+def test_json_of_a_scene_that_is_lost_says_where_and_lists_events(heavy):
+    done = run(heavy, *FEW, "--json")
+    assert done.exit_code == 1
+    found = strict(done.stdout)
+    assert found["reached"] is False
+    assert found["lost_stage"] == "load"
+    assert 0.0 < found["lost_at"] < 1.0
+    assert found["events"][-1]["kind"] == "lost"
+    assert "lost" not in [s["kind"] for s in found["summary"]]
+
+
+def test_json_of_a_grasp_without_a_hand_has_no_joints():
+    found = strict(run(ROOT / "examples" / "paper" / "hard_finger.toml", *FEW, "--json").stdout)
+    assert found["joints"] is None
+    assert found["geometry"] == "fixed"
+    assert found["stages"] == ["load"]
+
+
+def test_options_reach_the_loading():
+    together = strict(run(CUBE, "--order", "together", *FEW, "--json").stdout)
+    assert together["stages"] == ["together"]
+    fixed = strict(run(CUBE, "--fixed", "--order", "together", "--steps", "1", "--json").stdout)
+    assert fixed["geometry"] == "fixed"
+    one = scenes.load(CUBE).build().solve("cone")
+    np.testing.assert_allclose(fixed["contacts"]["forces_N"][-1], one.forces, rtol=1e-6, atol=1e-6)
+    grasp = scenes.load(CUBE).build()
+    six = strict(run(CUBE, "--faces", "6", *FEW, "--json").stdout)
+    np.testing.assert_allclose(
+        six["contacts"]["forces_N"][-1], grasp.follow(faces=6, steps=8).steps.forces[-1], rtol=1e-6, atol=1e-9
+    )
+
+
+def test_figure_and_picture_are_written(tmp_path):
+    done = run(CUBE, *FEW, "--plot", tmp_path / "way.svg", "--picture", tmp_path / "end.png")
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "way.svg").stat().st_size > 10_000
+    assert (tmp_path / "end.png").stat().st_size > 50_000
+    assert done.stdout.count("Picture: ") == 2
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("nothing_here.toml",),
+        (CUBE, "--faces", "2"),
+        (CUBE, "--faces", "many"),
+        (CUBE, "--steps", "0"),
+        (CUBE, "--steps", "x"),
+        (CUBE, "--order", "load,then"),
+        (CUBE, "--order", ""),
+        (CUBE, "--plot", "way.doc"),
+        (CUBE, "--picture", "nowhere/end.png"),
+        (CUBE, "--unknown"),
+        (),
+    ],
+)
+def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "rror" in done.stderr
+
+
+def test_known_forces_are_refused_with_exit_2():
+    done = run(ROOT / "examples" / "paper" / "partially_known_forces.toml")
+    assert done.exit_code == 2
+    assert "PrescribedForce" in done.stderr
+    assert "Traceback" not in done.stderr

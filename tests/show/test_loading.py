@@ -1,0 +1,314 @@
+"""The figure of a loading shows the steps it was given, its words do not cover each other, and its events are told in
+short; the picture of the end shows the hand and the object where they end.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.image import imread
+from matplotlib.text import Text
+
+import handlcp as hl
+from handlcp.hand import Sphere, example_hand
+from tests.support import patches
+from tests.support.show import end, events_in_short, loading_figure
+from tests.support.texts import same, without_numbers
+
+MU = 0.6
+
+
+def ball(load=0.0, stiffness=6.0, **more):
+    """A ball that five fingers hold from above; +z is down."""
+    hand = example_hand("five_finger", joint_stiffness=stiffness, **more)
+    obj = Sphere(0.035, placement=(0.0, 0.0, 0.07), mass=0.3)
+    state = hand.at(hand.close_on(obj))
+    wrench = (0.0, 0.0, load, 0.0, 0.0, 0.0)
+    return state.grasp(obj, friction=hl.Coulomb(MU), wrench=wrench, gravity=(0, 0, 9.81), squeeze=0.002)
+
+
+def three_points():
+    """Contacts without a hand, pulled aside, so that each does something else."""
+    angles = np.radians([0, 120, 240])
+    contacts = [
+        hl.Contact(0.03 * np.array([np.cos(a), np.sin(a), 0]), (-np.cos(a), -np.sin(a), 0), hl.Coulomb(0.5), name=name)
+        for a, name in zip(angles, ("thumb", "index", "a finger with a very long name"), strict=True)
+    ]
+    return hl.Grasp(contacts, (0.8, 0.3, -0.5, 0, 0, 0), flexibility=1e-3, preload=2e-3)
+
+
+@cache
+def found(name):
+    if name == "ball":
+        return ball().follow(steps=8)
+    if name == "lost":
+        return ball(20.0, 1.0).follow(steps=8)
+    if name == "without limits":
+        return ball(0.0, torque_limits=np.inf).follow(steps=4)
+    if name == "many stages":
+        path = [(0.3 * k, 0, -0.2 * k, 0, 0, 0) for k in (1, -1, 1, -1)]
+        return three_points().follow(load=path, steps=4)
+    return three_points().follow(steps=8)
+
+
+def axis(figure, title):
+    return next(ax for ax in figure.axes if ax.get_title("left").startswith(title))
+
+
+def curves(ax):
+    """(y) of the curves, which are all lines with as many points as there are steps."""
+    most = max(len(line.get_xdata()) for line in ax.lines)
+    return [line for line in ax.lines if len(line.get_xdata()) == most]
+
+
+@pytest.mark.parametrize("name", ["ball", "lost", "points"])
+def test_numbers_drawn_are_those_of_the_steps(name):
+    h = found(name)
+    figure = loading_figure.figure(h)
+    forces = curves(axis(figure, "Normal force"))
+    assert len(forces) == h.steps.forces.shape[1]
+    for i, line in enumerate(forces):
+        np.testing.assert_array_equal(line.get_ydata(), h.steps.forces[:, i, 2])
+        np.testing.assert_allclose(line.get_xdata(), h.steps.stage + h.steps.share)
+    motion = axis(figure, "Motion")
+    unit = {"[mm]": 1e3, "[µm]": 1e6}[motion.get_title("left").split()[-1]]
+    assert len(curves(motion)) == 3
+    for j, line in enumerate(curves(motion)):
+        np.testing.assert_allclose(line.get_ydata(), unit * h.steps.displacement[:, j])
+
+
+def test_friction_is_drawn_as_a_share_of_its_limit_and_sliding_is_100_percent():
+    h = found("lost")
+    pushed = np.hypot(*h.steps.forces[..., :2].transpose(2, 0, 1)) / (MU * np.maximum(h.steps.forces[..., 2], 1e-12))
+    drawn = np.array([line.get_ydata() for line in curves(axis(loading_figure.figure(h), "Friction"))]).T
+    known = np.isfinite(drawn)
+    assert known.sum() > 0.9 * known.size
+    np.testing.assert_allclose(drawn[known], 100 * pushed[known], rtol=1e-6)
+    slides = np.array([[kind == "sliding" for kind in kinds] for kinds in h.steps.contact_state])
+    assert slides.any()
+    np.testing.assert_allclose(drawn[slides & known], 100.0, rtol=1e-6)
+
+
+def test_torques_are_shares_of_their_limits_the_six_nearest_to_them_in_colour():
+    h = found("ball")
+    ax = axis(loading_figure.figure(h), "Joint torque")
+    check = h.solution.torque_check
+    ends = sorted(line.get_ydata()[-1] for line in curves(ax))
+    np.testing.assert_allclose(ends, sorted(100 * check.utilisation), rtol=1e-6)
+    coloured = [line.get_ydata()[-1] for line in curves(ax) if line.get_linewidth() > 1.0]
+    np.testing.assert_allclose(sorted(coloured), ends[-6:])
+
+
+def test_without_limits_torques_are_drawn_in_newton_metres():
+    h = found("without limits")
+    ax = axis(loading_figure.figure(h), "Joint torque [N·m]")
+    ends = [line.get_ydata()[-1] for line in curves(ax)]
+    np.testing.assert_allclose(sorted(ends), sorted(h.steps.torques[-1]))
+
+
+def test_panels_that_a_grasp_has_no_numbers_for_are_left_out():
+    titles = [ax.get_title("left") for ax in loading_figure.figure(found("points")).axes]
+    assert not [t for t in titles if "torque" in t]
+    smooth = [hl.Contact(c.position, c.normal, hl.Frictionless()) for c in three_points().contacts]
+    h = hl.Grasp(smooth, (0.1, 0, 0, 0, 0, 0), flexibility=1e-3, preload=2e-3).follow(steps=2)
+    assert not [ax for ax in loading_figure.figure(h).axes if "Friction" in ax.get_title("left")]
+
+
+def test_where_it_is_lost_is_marked_and_said():
+    h = found("lost")
+    assert not h.reached
+    figure = loading_figure.figure(h, "A title")
+    at = 1.0 + h.lost_at
+    for ax in figure.axes:
+        assert any(line.get_linewidth() > 1.7 and set(line.get_xdata()) == {at} for line in ax.lines)
+        assert ax.get_xlim() == (0.0, 2.0), "the load that is not reached is shown"
+    said = [t.get_text() for t in figure.texts]
+    assert "LOST:" in said
+    assert "lost" in [t.get_text() for t in figure.axes[0].texts]
+    assert "REACHED:" in [t.get_text() for t in loading_figure.figure(found("ball")).texts]
+
+
+def test_every_event_in_short_is_numbered_in_the_figure_and_listed():
+    h = found("lost")
+    told = events_in_short(h.events, ball())
+    assert len(told) < len(h.events) - 1, "five fingers slip at one place"
+    figure = loading_figure.figure(h)
+    listed = [t.get_text() for t in figure.texts]
+    for k, line in enumerate(told, 1):
+        where, sentence = line.split(": ", 1)
+        assert {str(k), where, sentence} <= set(listed)
+        assert str(k) in [t.get_text() for t in figure.axes[0].texts]
+
+
+def written(figure):
+    """(text, box in pixels) of everything that is written."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    texts = [*figure.texts]
+    for ax in figure.axes:
+        texts += [*ax.texts, *(t for t in ax.findobj(Text) if t.get_text() == ax.get_title("left") != "")]
+        for line, (low, high) in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+            ticks = [t for t in line.get_major_ticks() if low <= t.get_loc() <= high]
+            texts += [t.label1 for t in ticks if t.label1.get_visible()]
+    return [(t.get_text(), Text.get_window_extent(t, canvas.get_renderer())) for t in texts if t.get_text()]
+
+
+@pytest.mark.parametrize("name", ["ball", "lost", "points", "many stages", "crowded"])
+def test_no_text_leaves_the_page_or_covers_another(name):
+    h = found("points" if name == "crowded" else name)
+    if name == "crowded":
+        kinds = ("slips", "sticks", "opens", "touches")
+        more = [hl.grasp.Event(kinds[k % 4], "thumb", "load", 0.2 + 0.031 * k, 1) for k in range(20)]
+        h = dataclasses.replace(h, events=tuple(more))
+    figure = loading_figure.figure(h, "A ball that five fingers hold: a title")
+    shown = written(figure)
+    assert len(shown) > 20
+    for i, (text, a) in enumerate(shown):
+        assert a.x0 >= -1, text
+        assert a.y0 >= -1, text
+        assert a.x1 <= figure.bbox.x1 + 1, text
+        assert a.y1 <= figure.bbox.y1 + 1, text
+        for other, b in shown[i + 1 :]:
+            across, along = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
+            assert min(across, along) < 3.0, f"{text!r} over {other!r}"
+
+
+@pytest.mark.parametrize("name", ["ball", "lost", "points"])
+def test_names_stand_beside_the_panels_and_not_over_curves(name):
+    figure = loading_figure.figure(found(name))
+    for ax in figure.axes:
+        inside = ax.get_window_extent()
+        names = [t for t in ax.texts if not t.get_text().isdigit() and t.get_text() not in ("lost", "squeeze", "load")]
+        assert names
+        assert all(t.get_window_extent().x0 > inside.x1 for t in names)
+
+
+# ---------------------------------------------------------------- the end
+def test_the_grasp_of_the_end_is_where_hand_and_object_end():
+    h = found("lost")
+    grasp, solution = end.grasp_at_end(h), end.solution_at_end(h)
+    assert np.linalg.norm(h.state.q - ball().state.q) > 1e-2, "the joints have been pushed back"
+    np.testing.assert_allclose(grasp.state.q, h.state.q, atol=1e-3)
+    np.testing.assert_allclose(grasp.scene.positions, h.steps.positions[-1])
+    np.testing.assert_allclose(solution.forces, h.steps.forces[-1], atol=1e-6)
+    centre = h.object.placement.translation
+    assert np.linalg.norm(h.displacement[:3]) > 3e-3
+    np.testing.assert_allclose(centre - [0.0, 0.0, 0.07], h.displacement[:3], atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(grasp.scene.positions - centre, axis=1), 0.035, atol=1e-4)
+
+
+def test_slips_at_the_end_are_those_of_the_whole_way():
+    h = found("lost")
+    slipped = np.hypot(*end.solution_at_end(h).slip.T)
+    way = np.hypot(*h.steps.slip.transpose(2, 0, 1)).sum(axis=0)
+    assert (slipped > 3e-3).all()
+    assert (slipped <= way * (1 + 1e-9)).all()
+    np.testing.assert_allclose(slipped, way, rtol=0.05)  # they slip one way, along what turns a little
+
+
+@pytest.mark.parametrize("name", ["lost", "points"])
+def test_the_end_is_drawn_and_said(name):
+    figure = loading_figure.picture(found(name), "A title")
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    image = np.asarray(canvas.buffer_rgba())[..., :3] / 255
+    height, width, _ = image.shape
+    assert image[height // 5 :, : 2 * width // 3].std() > 0.05, "not blank"
+    said = [t.get_text() for t in figure.texts]
+    assert ("LOST:" if name == "lost" else "REACHED:") in said
+    (drawn,) = [t for t in said if t.startswith("Drawn")]
+    same(f"show/test_loading: which step is drawn, {name}", without_numbers(drawn))
+
+
+def test_files_are_written_or_refused(tmp_path, monkeypatch):
+    h = found("points")
+    image = imread(loading_figure.save(h, tmp_path / "a.png"))[..., :3]
+    assert image.shape[1] == 1600
+    edge = np.concatenate([image[:4].reshape(-1, 3), image[-4:].reshape(-1, 3), image[:, -4:].reshape(-1, 3)])
+    assert edge.min() > 0.98, "nothing runs off the page"
+    assert loading_figure.save(h, tmp_path / "a.svg").stat().st_size > 10_000
+    for save in (loading_figure.save, loading_figure.save_picture):
+        with pytest.raises(hl.InputError, match=r"\.png, \.svg, \.pdf"):
+            save(h, tmp_path / "a.doc")
+    patches.without_module(monkeypatch, "matplotlib")
+    for draw in (loading_figure.figure, loading_figure.picture):
+        with pytest.raises(hl.Unsupported, match=r"pip install 'handlcp\[plot\]'"):
+            draw(h)
+
+
+# ---------------------------------------------------------------- words
+def events(*told):
+    return [hl.grasp.Event(kind, who, stage, share, int(stage == "load")) for kind, who, stage, share in told]
+
+
+@pytest.mark.parametrize(
+    ("told", "short"),
+    [
+        ([("slips", "thumb", "load", 0.4)], ["load, 40 %: thumb begins to slip"]),
+        (
+            [("slips", "index", "load", 0.4), ("slips", "thumb", "load", 0.405)],
+            ["load, 40 %: thumb and index begin to slip"],
+        ),
+        (
+            [("slips", n, "load", 0.4) for n in ("thumb", "index", "a finger with a very long name")],
+            ["load, 40 %: all 3 fingers begin to slip"],
+        ),
+        (
+            [("slips", "thumb", "load", 0.4), ("slips", "index", "load", 0.6)],
+            ["load, 40 %: thumb begins to slip", "load, 60 %: index begins to slip"],
+        ),
+        (
+            [("slips", "thumb", "squeeze", 1.0), ("slips", "index", "load", 0.001)],
+            ["squeeze, end: thumb begins to slip", "load, start: index begins to slip"],
+        ),
+        (
+            [(("slips", "sticks")[k % 2], "thumb", "load", 0.4 + 0.01 * k) for k in range(7)],
+            ["load, 40 % to 46 %: thumb slips and sticks by turns"],
+        ),
+        (
+            [("slips", "thumb", "load", 0.4), ("sticks", "thumb", "load", 0.5), ("slips", "thumb", "load", 0.6)],
+            [
+                "load, 40 %: thumb begins to slip",
+                "load, 50 %: thumb sticks again",
+                "load, 60 %: thumb begins to slip",
+            ],
+        ),
+        ([("lost", "because", "load", 0.4)], []),
+        ([("snaps", "the object", "load", 0.4)], ["load, 40 %: the object snaps to another place"]),
+        (
+            [("snaps", "the object", "load", 0.4 + 0.01 * k) for k in range(4)],
+            ["load, 40 % to 43 %: the object snaps to other places, several times"],
+        ),
+    ],
+)
+def test_several_fingers_at_one_place_are_one_sentence(told, short):
+    assert events_in_short(events(*told), three_points()) == short
+
+
+def test_of_many_names_some_are_left_out_and_joints_have_their_own_words():
+    five = ball()
+    slipping = [("slips", f"finger_{k}_tip", "load", 0.4) for k in (1, 2, 3, 4)]
+    assert events_in_short(events(*slipping), five)[0].endswith(
+        "finger_1_tip, finger_2_tip, finger_3_tip and finger_4_tip begin to slip"
+    )
+    joints = five.state.hand.joint_names
+    over = events_in_short(events(*[("over limit", j, "load", 0.4) for j in joints[:6]]), five)
+    assert over == [
+        f"load, 40 %: {', '.join(joints[:3])} and 3 more need more than their torque limits",
+    ]
+    every = events_in_short(events(*[("yields", j, "load", 0.4) for j in joints]), five)
+    assert every == ["load, 40 %: all 10 joints yield at their torque limits"]
+
+
+def test_a_loading_reads_as_its_outcome_what_happens_and_what_the_end_is_like():
+    text = str(found("ball"))
+    assert text.splitlines()[0] == found("ball").why
+    same("show/test_loading: a ball that stays", without_numbers(text))
+    lines = str(found("lost")).splitlines()
+    assert lines[0] == found("lost").why
+    assert lines[1:-1] == [f"  {line}" for line in events_in_short(found("lost").events, ball())]
+    assert lines[-1].startswith("  before that: ")
