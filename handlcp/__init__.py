@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         Loading,
         PrescribedForce,
         Pyramid,
+        Reason,
         Required,
         Residuals,
         SoftFinger,
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
         TorqueSaturation,
         TotalForceBound,
         Uniqueness,
+        Verdict,
         solve_many,
         wrench_from_fingertip_forces,
     )
@@ -88,10 +90,10 @@ __all__ = [
     "FingerForceBound", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspStream",
     "GraspUpdate", "Hand", "HandGrasp", "HandGraspSolution", "HandLCPError", "HandState", "InputError", "KnownForce",
     "LCPSolution", "Lemke", "Loading", "Mesh", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid",
-    "Required", "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere",
-    "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
-    "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "accuracy_cost", "audit_urdf",
-    "example_hand", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "Reason", "Required", "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions",
+    "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
+    "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict", "accuracy_cost",
+    "audit_urdf", "example_hand", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
