@@ -115,7 +115,8 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
             step = size / 2
             continue
         share += size
-        run.add(found, stage, share, stepper.watch.events(state, found, goal.name, stage, share))
+        events = stepper.watch.events(state, found, goal.name, stage, share) if happens else []
+        run.add(found, stage, share, events)
         if state.loaded and not found.loaded:
             return run.lost(Failure("loose"), stage, share)
         before, state = (None if happens else (state, size)), found

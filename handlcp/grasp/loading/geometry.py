@@ -8,8 +8,7 @@ small motions. A hand that knows its object answers from kinematics and contact 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,8 +22,7 @@ from handlcp.grasp.model.vectors import cross_rows, shifted
 __all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between"]
 
 
-@dataclass(frozen=True, slots=True)
-class Where:
+class Where(NamedTuple):
     """A configuration. q (nv,) joint positions [rad, m]. give (n, 3) : how far each finger's pad, or the environment,
     is pushed away at its contact, world axes [m]. turn (n,) : how far soft pads are twisted about their normals [rad].
     pose : of the object, as its geometry has it.
@@ -36,8 +34,7 @@ class Where:
     pose: Any
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(NamedTuple):
     """The contacts in one configuration, world axes.
 
     positions (n, 3) [m]. frames (n, 3, 3) : contact axes in columns. gap (n,) : distance between object and deformed

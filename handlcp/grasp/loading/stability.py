@@ -19,7 +19,7 @@ __all__ = ["STABLE", "growth", "last_stable"]
 
 STABLE = 1.01  # growth up to which an object stays: one that may roll freely stays where it is pushed, which is 1
 _PUSH = 1e-5  # of the contacts' radii, and in radians
-_LOOKS, _FEW = 24, 3  # at most, and as many as are enough where a push comes to little
+_LOOKS, _FEW = 24, 2  # at most, and as many as are enough where a push comes to little
 _LITTLE, _SETTLED = 0.3, 0.02
 _ELSEWHERE = 50.0  # times as far as pushed: that is another equilibrium
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ OPEN = "separated"
 STILL = read_only(np.zeros(6))
 
 
-@dataclass(frozen=True, slots=True)
-class State:
+class State(NamedTuple):
     """where : the configuration at the end of the step. look : the contacts as the step was solved with them.
     loads : of the step. carry (n, 3) : slip between that look and the end, as `Geometry.slipped` has it.
     read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far
@@ -49,8 +48,7 @@ class State:
         return Guess(self.where, self.start, STILL)
 
 
-@dataclass(frozen=True, slots=True)
-class Guess:
+class Guess(NamedTuple):
     """What is expected of a step's end. where : a configuration near it. start : forces, as `State.start` has them.
     motion (6,) : of the object from there to the end, about its reference.
     """
@@ -60,8 +58,7 @@ class Guess:
     motion: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
+class Failure(NamedTuple):
     """Why a step has no end. kind : "no balance" (nothing within friction balances the load), "no answer" (these
     fingers do not create such forces), "runs away" (the end moves on however often it is looked at), "unstable" (a
     small push does not return), "loose" (nothing holds the object any more).

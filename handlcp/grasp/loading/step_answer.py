@@ -6,7 +6,7 @@ effects that have rows or a flexibility of their own is a specification that tak
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,7 @@ __all__ = ["Answer", "StepSolver"]
 _NOTHING = 1e-4  # of the forces that come next
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(NamedTuple):
     """read : forces, motions and torques. twist (6,) : of the object about centre (3,). kinds (n,) : of the contacts.
     yielded (nv,) : how far joints at their limit are driven back. start : where the next solve may begin.
     """

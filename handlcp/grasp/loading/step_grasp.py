@@ -59,6 +59,7 @@ class StepGrasp:
         self._effects = tuple([e for e in spec.effects if not isinstance(e, told)])
         self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
+        self._levered = bool(first.weight_arm.any())
         self._overlap = np.maximum(-first.gap, 0.0)
         self._given = spec.offset - geometry.apart
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
@@ -75,8 +76,10 @@ class StepGrasp:
         force, moment = controls.load[:3], controls.load[3:]
         if controls.weight:
             weight = controls.weight * self.weight
-            force, moment = force + weight, moment + cross_rows(look.weight_arm, weight)
-        if force.any():
+            force = force + weight
+            if self._levered:
+                moment = moment + cross_rows(look.weight_arm, weight)
+        if controls.weight or force.any():
             moment = moment + cross_rows(look.reference, force)
         told = self.posture + controls.command - look.at.q
         return Loads(base, slipped[:, 2] + look.at.turn, look.at.give, told, force, moment)

@@ -8,7 +8,6 @@ is a point of the box, and what is round rolls.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,7 +60,7 @@ class FollowedHand(Geometry):
         self.apart = np.zeros((self.n, 3))
         self.apart[:k, :2] = mechanism.stand_off[:, :2]
         self.apart[:, 2] = there.gap
-        self.start = replace(self.start, q=self._open(there))
+        self.start = self.start._replace(q=self._open(there))
 
     def _open(self, there: Look) -> Array:
         """(nv,) the posture, opened where fingertips overlap the object until they touch it, joint by joint as in
