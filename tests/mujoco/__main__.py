@@ -50,9 +50,8 @@ def main(words):
             limits.append(abs(limit_error(found)))
         print(row(case, found) + (f"  MISS: {'; '.join(wrong)}" if wrong else ""), flush=True)
     if forces:
-        print(
-            f"forces where contacts stick: {100 * median(forces):.3f} % in the median, {100 * max(forces):.3f} % at most"
-        )
+        most = f"{100 * max(forces):.3f} % at most"
+        print(f"forces where contacts stick: {100 * median(forces):.3f} % in the median, {most}")
     if limits:
         print(f"load limits: {100 * max(limits):.2g} % at most")
     if ratios:
