@@ -18,14 +18,16 @@ BALL = hl.Sphere(0.035, (0.0, 0.0, 0.07), mass=0.3)
 CUBE = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.2)
 
 
-def lever(write: Write, pull: float, torque_limit: float = 5.0, mu: float = MU, **more: object) -> hl.HandGrasp:
+def lever(
+    write: Write, pull: float, torque_limit: float = 5.0, mu: float = MU, effects: tuple = (), **more: object
+) -> hl.HandGrasp:
     """Two lever fingers that squeeze with 5 N, under a pull along their tips; friction holds up to 2 μ 5 N."""
     hand = lever_hand(write, torque_limits=torque_limit, **more)
     contacts = [
         hl.Contact((side * 0.01, 0, L), (-side, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for side in (-1.0, 1.0)
     ]
     load = (0, 0, -pull, 0, 0, 0)
-    return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE)
+    return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE, effects=effects)
 
 
 def five(stiffness: float, wrench: object = None) -> hl.HandGrasp:
@@ -102,6 +104,15 @@ def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
     past = set(names[~inside].tolist())
     assert past
     assert {r.values["joint"] for r in grasp.check().about("joint_range")} == past
+
+
+def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
+    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same."""
+    grasp = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
+    v = grasp.check()
+    assert v.word == "HELD"
+    (yields,) = (r for r in v.about("torque") if "yielding" in r.values)
+    assert set(yields.values["yielding"]) == {"left_joint", "right_joint"}
 
 
 # ---------------------------------------------------------------- advice
