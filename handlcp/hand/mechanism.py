@@ -138,7 +138,8 @@ class HandMechanism(Mechanism):
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """Of torques and posture at the end of a loading."""
-        yield from torque_reasons(self._check(torque, yielded))
+        at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
+        yield from torque_reasons(self._check(at_limit, yielded))
         hand = self.posture.hand
         yield from limit_reasons(hand.kinematics.facts, hand.torques.given)
         yield from self.place_reasons(*place)

@@ -6,8 +6,10 @@ from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from handlcp import Contact, Coulomb
 from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import Audit, Hand, audit_urdf, example_hand
 from tests.support.hand import SHIPPED, allegro, psyonic, urdf
@@ -177,3 +179,24 @@ def test_files_that_are_no_urdf_are_refused(write: Callable[[str], Path], tmp_pa
         audit_urdf(tmp_path / "none.urdf")
     with pytest.raises(URDFError, match="line 1"):
         audit_urdf(write("<robot"))
+
+
+@pytest.mark.parametrize(("efforts", "doubtful"), [((1000, 1000), 2), ((1000, 0.7), 1), ((15, 15), 2), ((0.7, 0.5), 0)])
+def test_a_verdict_warns_of_limits_that_no_motor_of_a_finger_has(
+    write: Callable[[str], Path], efforts: tuple[float, float], doubtful: int
+) -> None:
+    """HELD at 0.0 % of 1000 N·m is worth nothing: the joints with such limits are named."""
+    text = urdf("two_finger").read_text()
+    for finger, effort in zip(("finger_1", "finger_2"), efforts, strict=True):
+        for part in ("proximal", "distal"):
+            head, tail = text.split(f'<joint name="{finger}_{part}"', 1)
+            limit, rest = tail.split("effort=", 1)
+            text = f'{head}<joint name="{finger}_{part}"{limit}effort="{effort}"{rest.split(chr(34), 2)[2]}'
+    hand = Hand.from_urdf(write(text), joint_stiffness=6.0, pad_flexibility=1e-4, tip_radius=0.008)
+    contacts = [Contact(p, (-np.sign(p[0]), 0, 0), Coulomb(0.8)) for p in hand.at(hand.neutral).tip_positions]
+    v = hand.at(hand.neutral).grasp(contacts, preload=1e-3).solve().verdict
+    named = {name for r in v.about("limit_doubtful") for name in r.values["joints"]}
+    assert len(named) == 2 * doubtful
+    assert all(r.severity == "warning" for r in v.about("limit_doubtful"))
+    if doubtful:
+        same(f"hand/test_audit: a limit of {max(efforts):g}, {doubtful}", v.about("limit_doubtful")[0].sentence)

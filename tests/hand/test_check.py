@@ -18,14 +18,16 @@ BALL = hl.Sphere(0.035, (0.0, 0.0, 0.07), mass=0.3)
 CUBE = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.2)
 
 
-def lever(write: Write, pull: float, torque_limit: float = 5.0, mu: float = MU, **more: object) -> hl.HandGrasp:
+def lever(
+    write: Write, pull: float, torque_limit: float = 5.0, mu: float = MU, effects: tuple = (), **more: object
+) -> hl.HandGrasp:
     """Two lever fingers that squeeze with 5 N, under a pull along their tips; friction holds up to 2 μ 5 N."""
     hand = lever_hand(write, torque_limits=torque_limit, **more)
     contacts = [
         hl.Contact((side * 0.01, 0, L), (-side, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for side in (-1.0, 1.0)
     ]
     load = (0, 0, -pull, 0, 0, 0)
-    return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE)
+    return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE, effects=effects)
 
 
 def five(stiffness: float, wrench: object = None) -> hl.HandGrasp:
@@ -104,6 +106,15 @@ def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
     assert {r.values["joint"] for r in grasp.check().about("joint_range")} == past
 
 
+def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
+    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same."""
+    grasp = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
+    v = grasp.check()
+    assert v.word == "HELD"
+    (yields,) = (r for r in v.about("torque") if "yielding" in r.values)
+    assert set(yields.values["yielding"]) == {"left_joint", "right_joint"}
+
+
 # ---------------------------------------------------------------- advice
 @pytest.mark.parametrize("pull", [1.1, 1.5])
 def test_what_is_advised_holds_when_it_is_done(write, pull):
@@ -140,3 +151,53 @@ def test_a_soft_hand_is_told_how_much_stiffer_it_has_to_be():
     v = five(1.0).check()
     advice = {r.values["change"]: r.values["value"] for r in v.about("advice")}
     assert five(1.0 * advice["stiffness"]).check().ok
+
+
+# ---------------------------------------------------------------- what is tried
+def test_a_mechanism_that_is_stiffer_is_the_hands_with_stiffer_springs():
+    for stiffness in (6.0, np.diag([6.0, 5.0, 4.0, 6.0, 5.0, 4.0]) + 0.5):
+        made = [hl.example_hand("three_finger", joint_stiffness=k) for k in (stiffness, 5.0 * np.array(stiffness))]
+        weak, stiff = (hand.at(hand.close_on(CUBE)).grasp(CUBE, hl.Coulomb(0.8), squeeze=3e-3) for hand in made)
+        found = weak.mechanism.stiffer(5.0)
+        J = weak.jacobian
+        np.testing.assert_allclose(found.compliance(J), stiff.mechanism.compliance(J), rtol=1e-12, atol=1e-18)
+        np.testing.assert_allclose(found.posture.flexibility, stiff.state.flexibility, rtol=1e-12, atol=1e-18)
+
+
+def test_another_grip_is_the_hands_own_on_an_object_that_stands_elsewhere():
+    hand = hl.example_hand("five_finger", joint_stiffness=6.0)
+    grasp = hand.at(hand.close_on(BALL)).grasp(BALL, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
+    shift = np.array([0.0, 0.0, 4e-3])
+    other = grasp.mechanism.elsewhere(grasp.spec, shift)
+    ball = BALL.moved_to(BALL.center_of_mass - shift)
+    own = hand.at(hand.close_on(ball, grasp.state.q)).grasp(ball, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
+    for name in ("positions", "frames", "flexibility", "offset", "wrench", "reference"):
+        # Of the first posture's gaps, which are below a nanometre, what is left stays
+        np.testing.assert_allclose(getattr(other, name), getattr(own.spec, name), atol=1e-9, err_msg=name)
+    assert grasp.mechanism.elsewhere(grasp.spec, np.array([0.5, 0.0, 0.0])) is None, "out of reach"
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"effects": (hl.TorqueSaturation(),)},
+        {"effects": (hl.GeometricStiffness(),)},
+        {"effects": (hl.TotalForceBound(40.0),)},
+        {"finger_weight": True},
+        {"friction": hl.SoftFinger(0.8, 0.005)},
+        {"environment": hl.Table((0, 0, 0.055), flexibility=1e-4)},
+        {"fingers": ["finger_1_tip", "finger_2_tip", "finger_3_tip"], "max_gap": 2e-3},
+    ],
+    ids=lambda more: next(iter(more)),
+)
+def test_every_kind_of_grasp_can_be_checked(more):
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, **({"friction": hl.Coulomb(0.8), "squeeze": 4e-3} | more))
+    v = grasp.check()
+    assert v.word == "HELD"
+    path = grasp.follow(steps=10)
+    (motion,) = v.about("motion")
+    assert motion.values["move_m"] == pytest.approx(np.linalg.norm(path.displacement[:3]), rel=1e-6)
+    (torque,) = (r for r in v.about("torque") if "torque_Nm" in r.values)
+    k = hand.joint_names.index(torque.values["joint"])
+    assert torque.values["torque_Nm"] == pytest.approx(path.steps.torques[-1, k], rel=1e-6)

@@ -170,3 +170,18 @@ def test_a_joint_past_its_range_is_named(past, word, severity):
     assert (v.word, found.severity) == (word, severity)
     assert found.values["joint"] == hand.joint_names[1] == "finger_1_distal"
     same(f"hand/test_inside: past its range, {severity}", found.sentence)
+
+
+def test_a_can_with_links_of_fingers_inside_it_is_not_called_held():
+    """A can of 40 mm between fingers whose axes stand on a circle of 45 mm and that are 7 mm thick: 2 mm too wide."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    can = hl.Cylinder(0.04, 0.1, (0.0, 0.0, 0.05), mass=0.1)
+    state = hand.at(hand.close_on(can))
+    grasp = state.grasp(can, hl.Coulomb(0.8), squeeze=3e-3)
+    one = grasp.solve("cone")
+    assert one.held
+    for v in (one.verdict, grasp.check(solution=one)):
+        assert v.word != "HELD"
+        deep = [link for r in v.about("link_inside") if r.severity == "decides" for link in r.values["links"]]
+        assert {link["link"] for link in deep} == {f"finger_{k}_proximal_link" for k in (1, 2, 3)}
+        assert all(link["depth_m"] == pytest.approx(2e-3, abs=3e-4) for link in deep), "they lean out a little"

@@ -47,6 +47,16 @@ def test_a_picture_is_written_and_shows_something(name, tmp_path):
     assert border.min() > 0.98, "nothing runs off the page"
 
 
+def test_the_caption_is_the_verdicts_word_and_first_reason():
+    grasp = load(EXAMPLES / "cube_three_fingers.toml").build()
+    s = grasp.solve()
+    checked = grasp.check(faces=8, solution=s)
+    for verdict, figure in ((s.verdict, draw(grasp, s)), (checked, draw(grasp, s, verdict=checked))):
+        said = " ".join(t.get_text() for t in figure.texts[:3])
+        assert said.startswith(f"{verdict.word}: {verdict.reasons[0].sentence}.")
+        assert verdict.reasons[1].sentence not in said
+
+
 def test_no_text_leaves_the_page_or_covers_another():
     for name in ("psyonic_grasp", "ball_five_fingers"):
         grasp = load(EXAMPLES / f"{name}.toml").build()
