@@ -63,7 +63,7 @@ def test_a_scene_that_is_lost_exits_1_and_says_where_and_why(heavy):
     assert found.lost_stage == "load"
     said = " ".join(done.stdout[done.stdout.index("LOST:") :].split())
     assert said.startswith(found.why.replace("lost", "LOST:", 1))
-    assert "before the object is lost" in done.stdout
+    assert "Contacts at the last step" in done.stdout
 
 
 def test_what_happens_on_the_way_is_a_table(tmp_path):

@@ -110,6 +110,13 @@ def test_without_limits_torques_are_drawn_in_newton_metres():
     np.testing.assert_allclose(sorted(ends), sorted(h.steps.torques[-1]))
 
 
+def test_rounding_is_not_drawn_as_forces():
+    h = three_points().replace(wrench=np.zeros(6), preload=1e-16).follow(order="load", steps=2)
+    ax = axis(loading_figure.figure(h), "Normal force")
+    assert abs(h.steps.forces).max() < 1e-9
+    assert ax.get_ylim()[1] > 0.5
+
+
 def test_panels_that_a_grasp_has_no_numbers_for_are_left_out():
     titles = [ax.get_title("left") for ax in loading_figure.figure(found("points")).axes]
     assert not [t for t in titles if "torque" in t]
@@ -311,4 +318,4 @@ def test_a_loading_reads_as_its_outcome_what_happens_and_what_the_end_is_like():
     lines = str(found("lost")).splitlines()
     assert lines[0] == found("lost").why
     assert lines[1:-1] == [f"  {line}" for line in events_in_short(found("lost").events, ball())]
-    assert lines[-1].startswith("  before that: ")
+    assert lines[-1].startswith("  at the last step: ")

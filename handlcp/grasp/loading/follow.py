@@ -94,7 +94,7 @@ class Loading:
         pressed = f"the largest normal force is {words.force(float(forces[most]))}, at {self.steps.names[most]}"
         if not forces[most] > 0.0:
             pressed = "nothing presses on it"
-        when = "at the end" if self.reached else "before that"
+        when = "at the end" if self.reached else "at the last step"
         told = [str(s) for s in summary(self.events, self.steps.grasp.spec)]
         return "\n  ".join([self.why, *told, f"{when}: {moved}; {pressed}"])
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -31,18 +30,22 @@ def draw_panel(ax: Any, axis: StageAxis, panel: Panel, last: bool) -> None:
         ax.plot(axis.at, c.values, color=c.colour, linewidth=1.6 if c.name else 0.9, zorder=3 if c.name else 2.5)
         if np.isfinite(c.values[-1]):
             ax.plot(axis.at[-1:], c.values[-1:], "o", color=c.colour, markersize=3.2, clip_on=False, zorder=5)
-    _limits(ax, panel.curves, panel.limit)
+    _limits(ax, panel)
     if panel.limit is not None:
         ax.axhline(panel.limit, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)), zorder=1.7)
     _write(ax, axis, _labels(ax, panel))
 
 
-def _limits(ax: Any, curves: Sequence[Curve], also: float | None) -> None:
+def _limits(ax: Any, panel: Panel) -> None:
     """Room above and below the curves; zero is always shown."""
-    every = np.concatenate([c.values for c in curves] + [[0.0]] + ([[also]] if also is not None else []))
+    also = [0.0] if panel.limit is None else [0.0, panel.limit]
+    every = np.concatenate([*(c.values for c in panel.curves), also])
     low, high = float(np.nanmin(every)), float(np.nanmax(every))
-    span = (high - low) or 1.0
+    if high - low < panel.least:
+        low, high = 0.0, 1.0
+    span = high - low
     ax.set_ylim(low - (0.08 * span if low < 0.0 else 0.0), high + 0.08 * span)
+    ax.ticklabel_format(axis="y", style="plain", useOffset=False)
 
 
 Label = tuple[float, str, str]  # height of the curve's end as a share of the panel's, name, colour

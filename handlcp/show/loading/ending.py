@@ -25,14 +25,14 @@ def save_picture(loading: Loading, path: Any, title: str = "", obj: Any = None) 
 
 
 def picture(loading: Loading, title: str = "", obj: Any = None) -> Figure:
-    """The grasp at the last step that holds: the hand in its posture there, the object where it is, forces, torques.
+    """The grasp at the last step: the hand in its posture there, the object where it is, forces, torques.
 
     Slips are those of the whole way. obj : the object of a grasp that does not know it, where it stands at the start;
     None: the hull of the contacts. With `geometry="fixed"` hand and contacts stay as they were.
     Raises Unsupported when matplotlib is not installed.
     """
     drawn = new_figure(figsize=(WIDTH, HEIGHT))
-    what = "the end" if loading.reached else "the last step that holds"
+    what = "the end" if loading.reached else "the last step"
     stays = "" if loading.state is not None else ", which is not drawn: the contacts stay where they were"
     top = headline(drawn, loading, title, f"Drawn is {what}. The object has {moved(loading)}{stays}.")
     shown = Content(

@@ -13,7 +13,7 @@ __all__ = ["LINE", "headline"]
 LINE, TITLE = 0.215, 0.36  # inches from a line of the sentence to the next, and from the title to it
 _HEAD, _SIZE = 14.0, 10.5  # points
 _GOOD, _BAD = "#00734D", "#B03A00"
-_ACROSS, _LETTERS = 0.964, 150
+_ACROSS, _LETTERS, _LAST = 0.964, 150, 0.35
 
 
 def headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
@@ -46,5 +46,8 @@ def _wrapped(figure: Any, text: str, style: dict[str, Any]) -> list[str]:
     # The first line has a bold word, which is wider
     while any(width(figure, line, **style) > (_ACROSS - 0.02) * figure.bbox.width for line in lines):
         letters -= 3
+        lines = textwrap.wrap(text, letters)
+    while len(lines) > 1 and len(lines[-1]) < _LAST * letters:  # not a single word on the last line
+        letters -= 2
         lines = textwrap.wrap(text, letters)
     return lines

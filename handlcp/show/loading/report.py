@@ -43,7 +43,7 @@ def end_tables(loading: Loading, faces: Any) -> list[Table]:
     solution = solution_at_end(loading)
     if not solution.held:
         return []
-    when = "at the end" if loading.reached else "before the object is lost"
+    when = "at the end" if loading.reached else "at the last step"
     contacts = tables.contact_table(grasp_at_end(loading), solution, faces)
     contacts.title = f"Contacts {when}"
     contacts.caption = "; ".join([*([str(contacts.caption)] if contacts.caption else []), "slip: on the whole way"])

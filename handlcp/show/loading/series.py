@@ -35,13 +35,14 @@ class Curve:
 @dataclass(frozen=True, slots=True)
 class Panel:
     """title : with its unit. every : what to call all curves when they lie on each other, such as "all 5 fingers".
-    limit : a line across, None without.
+    limit : a line across, None without. least : curves that span less, in the panel's unit, show no more than rounding.
     """
 
     title: str
     curves: tuple[Curve, ...]
     every: str
     limit: float | None = None
+    least: float = 1e-6
 
 
 def panels(loading: Loading) -> list[Panel]:
