@@ -20,7 +20,7 @@ from handlcp.grasp.loading.step import Stepper
 __all__ = ["Run", "drive"]
 
 _LOCATED = 2.0**-5  # of a step: events are located to this share
-_SMALLEST = 2.0**-7  # of a step: what does not settle then is lost
+_SMALLEST = 2.0**-5  # of a step: what does not settle then is lost
 _BRIEF = 0.01  # of a stage
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 

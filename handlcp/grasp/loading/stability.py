@@ -20,6 +20,7 @@ __all__ = ["STABLE", "growth", "last_stable"]
 STABLE = 1.01  # growth up to which an object stays: one that may roll freely stays where it is pushed, which is 1
 _PUSH = 1e-5  # of the contacts' radii, and in radians
 _LOOKS, _FEW = 24, 2  # at most, and as many as are enough where a push comes to little
+_REST = 6  # looks in which a state has to come to rest
 _LITTLE, _SETTLED = 0.3, 0.02
 _ELSEWHERE = 50.0  # times as far as pushed: that is another equilibrium
 
@@ -83,7 +84,7 @@ def growth(stepper: Stepper, state: State) -> tuple[float, Array]:
 def _settled(stepper: Stepper, state: State, size: float) -> Where | None:
     """Where the state ends if it is looked at again and again, to a hundredth of a push of this size [m]."""
     at = state.where
-    for _ in range(_LOOKS):
+    for _ in range(_REST):
         if (end := stepper.settled(state, at)) is None:
             return None
         moved = _between(stepper, at, end)

@@ -35,7 +35,7 @@ _MOST = 10  # looks at one step, before it counts as one that does not settle
 _LEAST = 0.2  # of the way from a look to its end
 _CONTRACTS = 0.7  # each look has to come nearer by this factor, or the step is shortened
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
-_CATCH, _CAUGHT = 60, 0.5  # looks and motion within which an object that snaps may come to rest again
+_CATCH, _CAUGHT = 30, 0.5  # looks and motion within which an object that snaps may come to rest again
 
 
 class _Found(NamedTuple):

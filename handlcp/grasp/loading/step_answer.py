@@ -80,11 +80,11 @@ class StepSolver:
                 return found
             pressed = self._solved(look, loads, self._pressed(look, loads), patient)
             return found if isinstance(pressed, Failure) else pressed
-        if isinstance(found, Answer) and found.kinds == kinds:
+        if isinstance(found, Failure) or found.kinds == kinds:  # where it fails, contacts that stick were tried, too
             return found
         other = self._solved(look, loads, NOWHERE, patient)
-        if isinstance(found, Failure) or isinstance(other, Failure):
-            return other if isinstance(found, Failure) else found
+        if isinstance(other, Failure):
+            return found
         if other.kinds == kinds:
             return other
         expected, sizes = start[:-9], [float(abs(a.start[:-9]).max()) for a in (found, other)]
@@ -128,7 +128,8 @@ class StepSolver:
         """Of a grasp with effects of its own, or with the stages of the solver that search."""
         spec = self.grasp.made(look, loads)
         scene = build(spec)
-        s = solve_built(spec, scene, self.section, Auto(seed=self.seed), start, patient)
+        chain = Auto(seed=self.seed, search_seconds=0.0)  # a "no" is not worth a proof
+        s = solve_built(spec, scene, self.section, chain, start, patient)
         if not s.held:
             return Failure("no answer" if s.certificate is None else "no balance")
         torsion = np.zeros(scene.n) if s.torsion is None else s.torsion

@@ -21,7 +21,7 @@ from handlcp.lcp import Status
 
 __all__ = ["check"]
 
-STEPS = 10  # of a stage; where something happens there are more
+STEPS = 8  # of a stage; where something happens there are more
 
 
 def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:

@@ -28,13 +28,13 @@ from handlcp.tolerances import SEMIDEFINITE
 
 __all__ = ["advice"]
 
-_STEPS = 8  # of a stage
+_STEPS = 5  # of a stage
 _FRICTION = (0.3, 0.5, 0.8, 1.0, 1.2)  # coefficients; hardly anything grips better
 _STIFFER = (2.0, 5.0, 10.0)  # times as stiff
 _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried
 _SHIFTS = (0.1, 0.2)  # of the size, of the place where the object is gripped
 _LESS = (0.75, 0.5, 0.25)  # of the squeeze
-_FOLLOWED = 4  # loadings followed for one kind of change, at most
+_FOLLOWED = 3  # loadings followed for one kind of change, at most
 
 
 class _Trial(NamedTuple):
