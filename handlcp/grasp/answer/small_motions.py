@@ -1,11 +1,12 @@
 """How far an answer goes beyond the equations of small motions, and by how much its forces may be off.
 
-    share = max(turn, move / R, slip / R, squeeze / 4R, yield / 2)
+    share = max(turn, move / R, slip / R, squeeze / 10R, yield / 2)
 
 A contact that shifts by δ over a surface of radius R turns its normal by δ / R, and an object that turns by ω turns all
 its contacts by ω. Forces turn with them, by that share of their size. R is the distance of the contacts from their
-centre, which is the radius of a ball, and about that of other objects. A squeeze bends the fingers, which are several
-times as long. A joint that yields at its torque limit changes levers by half its angle or less.
+centre, which is the radius of a ball, and about that of other objects. The fingers give way to a squeeze, and the tips
+stay: it bends fingers that are several times as long as R. A joint that yields at its torque limit changes levers by
+half its angle or less.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Motions:
     def share(self) -> float:
         """By how much forces may be off, of their size."""
         return max(
-            self.turn, self.move / self.size, self.slip / self.size, 0.25 * self.squeeze / self.size, 0.5 * self.yielded
+            self.turn, self.move / self.size, self.slip / self.size, 0.1 * self.squeeze / self.size, 0.5 * self.yielded
         )
 
     @property
@@ -56,7 +57,7 @@ class Motions:
             parts.append(f"the object moves {words.length(self.move)} and turns {words.angle(self.turn)}")
         if self.slip > NOTICED * self.size:
             parts.append(f"a contact slips {words.length(self.slip)}")
-        if 0.25 * self.squeeze > NOTICED * self.size:
+        if 0.1 * self.squeeze > NOTICED * self.size:
             parts.append(f"the fingers squeeze by {words.length(self.squeeze)}")
         if 0.5 * self.yielded > NOTICED:
             parts.append(f"a joint yields by {words.angle(self.yielded)}")

@@ -1,4 +1,4 @@
-"""Other equilibria of a grasp with few fingers, as far as a handful of solves finds them.
+"""Other equilibria of a grasp with few contacts, as far as a handful of solves finds them.
 
 Newton's method goes to the equilibrium near where it starts. It starts from the end of the loading, and from answers of
 the same grasp under other loads and squeezes, where one equilibrium may be the only one.
@@ -23,7 +23,7 @@ from handlcp.lcp import Auto
 
 __all__ = ["other_equilibria"]
 
-_FINGERS = 4  # with more, equilibria are too many to look for
+_CONTACTS = 4  # with more, equilibria are too many to look for
 _LOADS, _SQUEEZES = (0.0, 0.5, 2.0), (0.5, 2.0)  # shares of the grasp's own
 _APART = 0.01  # of the largest force
 
@@ -34,7 +34,7 @@ def other_equilibria(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, end: GraspSolution
 ) -> Iterator[Reason]:
     """A note where another one than `solution` is found. end : of the loading."""
-    if spec.of_fingers > _FINGERS or not scene.frictional or (solution.uniqueness and solution.uniqueness.others):
+    if spec.n > _CONTACTS or not scene.frictional or (solution.uniqueness and solution.uniqueness.others):
         return
     size = float(np.linalg.norm(solution.forces, axis=1).max(initial=0.0))
     starts = [end] if end.held else []
