@@ -19,8 +19,7 @@ from handlcp.grasp.loading.step import Stepper
 
 __all__ = ["Run", "drive"]
 
-_LOCATED = 2.0**-5  # of a step: events are located to this share
-_SMALLEST = 2.0**-5  # of a step: what does not settle then is lost
+FINEST = 2.0**-5  # of a step: events are located to this share, and what does not settle then is lost
 _BRIEF = 0.01  # of a stage
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 
@@ -61,8 +60,8 @@ class Run:
         return False
 
 
-def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> Run:
-    """Every stage in about so many steps, until the end or until the object is lost."""
+def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int, finest: float) -> Run:
+    """Every stage in about so many steps, until the end or until the object is lost. finest : as `FINEST`."""
     state = stepper.beginning(first)
     run = Run([state], [0], [0.0])
     settled = stepper.step(state, first, state.same)  # gaps may open where fingers sag under their own weight
@@ -72,7 +71,7 @@ def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int) -> R
     run.states[0] = settled
     for k, goal in enumerate(goals):
         begun = len(run.states) - 1
-        through = _through(stepper, run, k, goal, steps)
+        through = _through(stepper, run, k, goal, 1.0 / steps, finest / steps)
         _cut(stepper, run, begun)
         if not through or run.failure is not None:
             break
@@ -90,10 +89,10 @@ def _cut(stepper: Stepper, run: Run, begun: int) -> None:
     run.cut(at)
 
 
-def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> bool:
+def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, base: float, least: float) -> bool:
     """One stage; whether its end is reached."""
     state, share, before = run.states[-1], 0.0, None
-    begin, base = state.controls, 1.0 / steps
+    begin = state.controls
     step, failure = base, None
     while share < 1.0 - 1e-12:
         size = min(step, 1.0 - share)
@@ -101,17 +100,17 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, steps: int) -> 
         found = _stepped(stepper, state, before, controls, size)
         if isinstance(found, Failure):
             failure, step = found, size / 2
-            if step < _SMALLEST * base:
+            if step < least:
                 last = _last_try(stepper, state, controls)
                 if isinstance(last, Failure):
                     return run.lost(failure, stage, share)
                 if failure.kind == "runs away":
                     run.events.append(Event("snaps", "the object", goal.name, share + size, stage))
-                found, step = last, base * _LOCATED
+                found, step = last, least
             else:
                 continue
         happens = stepper.watch.changed(state, found)
-        if happens and size > 1.5 * _LOCATED * base:
+        if happens and size > 1.5 * least:
             step = size / 2
             continue
         share += size

@@ -13,7 +13,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.drive import Run, drive
+from handlcp.grasp.loading.drive import FINEST, Run, drive
 from handlcp.grasp.loading.events import Event, summary
 from handlcp.grasp.loading.geometry import FixedGeometry, Geometry
 from handlcp.grasp.loading.stage import Goal, read_stages
@@ -100,9 +100,10 @@ class Loading:
 
 
 def follow(
-    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any, seed: int = 0
-) -> Loading:
-    """See `Grasp.follow`."""
+    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any, seed: int = 0,
+    finest: float = FINEST,
+) -> Loading:  # fmt: skip
+    """See `Grasp.follow`; finest : as in `drive`, larger where a rough answer will do."""
     body = _geometry(spec, geometry)
     count = integer("steps", steps, 1)
     limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
@@ -121,7 +122,7 @@ def follow(
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     first, goals = read_stages(order, load, read_only(beside), before, command, squeezes)
-    run = drive(stepper, first, goals, count)
+    run = drive(stepper, first, goals, count, finest)
     return _loading(run, goals, stepper, section)
 
 

@@ -28,7 +28,7 @@ from handlcp.tolerances import SEMIDEFINITE
 
 __all__ = ["advice"]
 
-_STEPS = 5  # of a stage
+_STEPS, _FINEST = 5, 0.25  # of a stage; of a step: a path that is lost is tried no further
 _FRICTION = (0.3, 0.5, 0.8, 1.0, 1.2)  # coefficients; hardly anything grips better
 _STIFFER = (2.0, 5.0, 10.0)  # times as stiff
 _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried
@@ -99,7 +99,7 @@ def _bears(spec: GraspSpec, section: Section) -> bool:
 def _holds(spec: GraspSpec, section: Section, order: Any) -> bool:
     """Whether the end of the loading is reached within the torque limits."""
     try:
-        path = follow(spec, section, None, order, None, _STEPS, None)
+        path = follow(spec, section, None, order, None, _STEPS, None, finest=_FINEST)
     except Unsupported:
         return False
     if not path.reached or spec.mechanism is None:
