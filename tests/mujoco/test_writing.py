@@ -107,7 +107,7 @@ def test_a_load_acts_at_the_reference_point_of_the_object():
         (lambda: hl.example_hand("three_finger").at(np.zeros(6)).grasp([hl.Contact([0, 0, 0], [0, 0, 1])] * 3),
          "contacts given one by one"),
     ],
-    ids=str,
+    ids=lambda value: value if isinstance(value, str) else "",
 )  # fmt: skip
 def test_what_mujoco_cannot_have_is_refused_by_name(make, what):
     with pytest.raises(Unsupported, match=what):
