@@ -7,7 +7,6 @@ it is rigid has none.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
 from typing import Any
 
 import coal
@@ -20,25 +19,16 @@ from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.words import add, placed
 
-__all__ = ["Pad", "add_pad", "add_tip", "convex_points", "round_shape", "shape_words"]
+__all__ = ["add_pad", "add_tip", "convex_points", "round_shape", "shape_words"]
 
 _MASS, _INERTIA = 1e-4, 1e-8  # [kg, kg·m²] of a pad's body, without weight
 _NONE = 1e-12  # of the largest flexibility of a pad: a direction with less is rigid
 
 
-@dataclass(frozen=True, eq=False)
-class Pad:
-    """The slides of one pad: names (m,), axes (m, 3) in the frame of its body, flexibility (m,) [m/N]."""
-
-    names: tuple[str, ...]
-    axes: Array
-    flexibility: Array
-
-
 def add_tip(
     root: ET.Element, body: ET.Element, hand: HandModel, tip: int, settings: SimulatorSettings
-) -> tuple[str, Pad, TipShape]:
-    """The fingertip numbered `tip` below the body of its link: the name of its shape, its pad, and the shape.
+) -> tuple[str, TipShape]:
+    """The fingertip numbered `tip` below the body of its link: the name of its shape, and the shape.
 
     Raises Unsupported for a fingertip of several shapes.
     """
@@ -48,7 +38,7 @@ def add_tip(
         raise Unsupported(f"fingertip {name!r} has {len(shapes)} shapes: give it one, such as a tip_radius")
     at = frame.placement
     below = add(body, "body", name=f"{name} pad", gravcomp=1.0, **placed(at.rotation, at.translation))
-    pad = add_pad(below, f"{name} pad", hand.pads.blocks[tip], settings)
+    add_pad(below, f"{name} pad", hand.pads.blocks[tip], settings)
     shape = shapes[0]
     words = shape_words(root, name, shape.geometry)
     add(
@@ -61,10 +51,10 @@ def add_tip(
         **placed(shape.rotation, shape.translation),
         **words,
     )
-    return name, pad, shape
+    return name, shape
 
 
-def add_pad(body: ET.Element, name: str, flexibility: Array, settings: SimulatorSettings, mass: float = _MASS) -> Pad:
+def add_pad(body: ET.Element, name: str, flexibility: Array, settings: SimulatorSettings, mass: float = _MASS) -> None:
     """Slides of a body, with springs that make a flexibility (3, 3) [m/N] in its axes. mass : [kg] of the body, without
     weight.
     """
@@ -72,19 +62,17 @@ def add_pad(body: ET.Element, name: str, flexibility: Array, settings: Simulator
     if not (abs(flexibility - flexibility[0, 0] * np.eye(3)) > _NONE * abs(flexibility).max()).any():
         vectors = np.eye(3)
     soft = np.flatnonzero(values > _NONE * abs(values).max())
-    names = tuple([f"{name} {i + 1}" for i in range(len(soft))])
-    for each, i in zip(names, soft, strict=True):
+    for count, i in enumerate(soft, 1):
         add(
             body,
             "joint",
-            name=each,
+            name=f"{name} {count}",
             type="slide",
             axis=vectors[:, i],
             stiffness=1 / values[i],
             **settings.damped(1 / values[i]),
         )
     add(body, "inertial", pos=np.zeros(3), mass=mass, diaginertia=np.full(3, _INERTIA))
-    return Pad(names, vectors[:, soft].T, values[soft])
 
 
 def shape_words(root: ET.Element, name: str, geometry: Any) -> dict[str, Any]:

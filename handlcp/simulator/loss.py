@@ -76,7 +76,7 @@ def lost_at(record: Record, reach: float, mass: float, load: float) -> tuple[str
 
     reach : [m] of the contacts. mass : [kg] that is accelerated. load : [N] the size of all of the load.
     """
-    change = np.gradient(record.speed, record.period, axis=0)
+    change = np.diff(record.speed, axis=0, prepend=record.speed[:1]) / record.period
     unbalanced = mass * np.array([_swiftness(a, 0.4 * reach) for a in change])  # 0.4: a ball's inertia
     carried = np.linalg.norm(record.forces, axis=2).sum(axis=1)
     loading = np.array([0.0 if s == "squeeze" else x for s, x in zip(record.stages, record.shares, strict=True)])
@@ -84,7 +84,8 @@ def lost_at(record: Record, reach: float, mass: float, load: float) -> tuple[str
     fast = np.array([_swiftness(v, reach) for v in record.speed]) > _FAST
     still = np.flatnonzero(~fast & (unbalanced <= allowed))
     k = int(still[-1]) if len(still) else 0
-    return record.stages[k], float(record.shares[k])
+    stage = record.stages[min(k + 1, len(record.stages) - 1)]  # at rest at the end of a stage: lost in the next one
+    return stage, float(record.shares[k]) if record.stages[k] == stage else 0.0
 
 
 def _swiftness(vector: Any, reach: float) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.simulator.need import need_mujoco
 from handlcp.simulator.object_body import LOADED, OBJECT
@@ -63,7 +64,7 @@ class Probe:
             sign = 1.0 if int(contact.geom2) in self._objects else -1.0  # the force acts on the second of the two
             force, normal = sign * (axes.T @ wrench[:3]), axes[0]
             forces[i] += force
-            v = speed[:3] + np.cross(speed[3:], contact.pos - at) - self._point_speed(self._ours[i], contact.pos)
+            v = speed[:3] + cross_rows(speed[3:], contact.pos - at) - self._point_speed(self._ours[i], contact.pos)
             slipping[i] = v - normal * (normal @ v)
         R = data.xmat[self._loaded].reshape(3, 3) @ self.axes.T
         return Reading(forces, slipping, np.append(at - self.start, pin.log3(R)), speed)
@@ -90,8 +91,8 @@ class Probe:
         """(6,) of a body: of its frame's origin [m/s], and angular [rad/s], world axes."""
         speed = np.zeros(6)
         self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, body, speed, 0)
-        return np.roll(speed, 3)
+        return speed[[3, 4, 5, 0, 1, 2]]  # MuJoCo has the angular part first
 
     def _point_speed(self, body: int, point: Array) -> Array:
         speed = self._speed(body)
-        return np.asarray(speed[:3] + np.cross(speed[3:], point - self.data.xpos[body]))
+        return np.asarray(speed[:3] + cross_rows(speed[3:], point - self.data.xpos[body]))

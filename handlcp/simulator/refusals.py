@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from handlcp.check import Array
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp import Coulomb, Frictionless, Grasp, SoftFinger, TorqueSaturation
 from handlcp.grasp.effects.finger_weight import FingerWeight
@@ -15,7 +12,7 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.hand import HandGrasp
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 
-__all__ = ["check_writable", "friction_words"]
+__all__ = ["check_writable", "friction_words", "of_a_hand"]
 
 # MuJoCo writes balance in the deformed posture: geometric stiffness is always in it
 _KNOWN = (JointOffset, FingerWeight, GeometricStiffness, TorqueSaturation)
@@ -23,24 +20,19 @@ _SAME = 1e-9  # of the largest entry: flexibilities that differ by less are one
 _TOUCHING = 1e-9  # [m] offsets that differ by less from the gaps are those
 
 
-def check_writable(grasp: Grasp, gaps: Array) -> HandGrasp:
-    """The grasp of a hand around an object, of whose parts each can be written.
-
-    gaps : (k,) [m] between fingertips and object, as detected. Raises InputError, Unsupported.
-    """
-    hand_grasp = of_a_hand(grasp)
-    spec = hand_grasp.spec
+def check_writable(grasp: HandGrasp) -> None:
+    """Whether each part of a grasp of `of_a_hand` can be written. Raises Unsupported."""
+    spec = grasp.spec
     for effect in spec.effects:
         if not isinstance(effect, _KNOWN):
             raise Unsupported(f"MuJoCo has no exact counterpart of {effect.title}")
     for name, contact in zip(spec.names, spec.contacts, strict=True):
         friction_words(name, contact.friction)
     k = spec.of_fingers
-    given = spec.offset[:k]
-    detected = np.outer(gaps, (0.0, 0.0, 1.0))
-    if abs(given - detected).max(initial=0.0) > _TOUCHING:
+    if abs(spec.offset[:k] - grasp.mechanism.stand_off).max(initial=0.0) > _TOUCHING:
         raise Unsupported(
-            "a preload or an offset of the tips, which no joint makes, cannot be written: squeeze with joint_offset"
+            "a preload or an offset of the tips, which no joint makes, cannot be written: command the joints (squeeze, "
+            "grip_force, joint_offset)"
         )
     alone = spec.fingers_alone().mechanism
     assert isinstance(alone, HandMechanism)
@@ -49,7 +41,6 @@ def check_writable(grasp: Grasp, gaps: Array) -> HandGrasp:
         raise Unsupported("a flexibility other than that of the hand's joints and pads cannot be written")
     if spec.offset[k:, :2].any():
         raise Unsupported("an offset of the environment along its tangents cannot be written")
-    return hand_grasp
 
 
 def of_a_hand(grasp: Any) -> HandGrasp:

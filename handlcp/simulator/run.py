@@ -23,7 +23,7 @@ from handlcp.simulator.write import to_mujoco
 
 __all__ = ["SAG", "Simulation", "simulate"]
 
-_READ = 5  # time steps between two readings, and between two changes of what drives the simulation
+_READ = 10  # time steps between two readings, and between two changes of what drives the simulation
 SAG = "own weight"  # the stage before all others where the hand's links bend its joints
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
 _PATIENCE = 8.0  # times `settle` that an object may take to come to rest
@@ -38,7 +38,8 @@ class Simulation:
     forces_world (n, 3) [N] on the object. torques (nv,) [N·m] of the joints' springs.
     displacement (6,) [m, rad] of the object since the start: translation of the reference point, rotation vector.
     q (nv,) [rad, m] where the joints are. slip (n, 3) [m] of the object along each contact, summed over time.
-    names : of the contacts. record : the same over time. simulated : [s]. seconds : [s] that it took to compute.
+    names : of the contacts. record : the same over time. simulated : [s]. seconds : [s] of MuJoCo's steps,
+    without reading them.
     """
 
     held: bool
@@ -79,21 +80,20 @@ def simulate(
     wrench = state.wrench if load is None else array("load", load, (6,))
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
-    began = perf_counter()
     state.put(model, data, 0.0, 0.0)
     state.drive(model, data, 0.0, 0.0, sag=0.0)
     the_grasp = of_a_hand(grasp)
     run = _Run(mujoco, model, data, state, Probe(the_grasp, model, data), wrench)
     stages = (SAG, *stages) if state.weighing else stages
     held = all(run.stage(name, seconds, settle) for name in stages)
-    took, record = perf_counter() - began, run.track.record()
+    record = run.track.record()
     q, torques = run.probe.joints()
     stage, share = (None, None) if held else run.lost(the_grasp.spec.wrench - state.wrench + wrench)
     forces, motion = read_only(record.forces[-1]), read_only(record.motion[-1])
     return Simulation(
         held=held, lost_stage=stage, lost_at=share, forces_world=forces, torques=read_only(torques),
         displacement=motion, q=read_only(q), slip=read_only(run.slip), names=run.probe.names, record=record,
-        simulated=float(data.time), seconds=took,
+        simulated=float(data.time), seconds=run.seconds,
     )  # fmt: skip
 
 
@@ -117,7 +117,7 @@ class _Run:
         self.mujoco, self.model, self.data = mujoco, model, data
         self.state, self.probe, self.wrench = state, probe, wrench
         self.slip = np.zeros((len(probe.names), 3))
-        self.squeeze = self.load = 0.0
+        self.squeeze = self.load = self.seconds = 0.0
         self.period = _READ * float(model.opt.timestep)
         self.track = Track(self.period)
 
@@ -148,7 +148,9 @@ class _Run:
             self.load = share
         sag = share if name == SAG else 1.0
         self.state.drive(self.model, self.data, self.squeeze, self.load, self.load * self.wrench, sag)
+        began = perf_counter()
         self.mujoco.mj_step(self.model, self.data, _READ)
+        self.seconds += perf_counter() - began
         reading = self.probe.read()
         self.slip += self.period * reading.slipping
         self.track.add(name, share, reading)

@@ -20,7 +20,6 @@ class SimulatorState:
     """What the MJCF of `to_mujoco` leaves open. Immutable.
 
     positions : of all movable joints of the hand where the grasp begins, by name [rad, m].
-    retreat : of pads that overlap the object, by the name of their slides: how far they start pushed back [m].
     before, after : commands of the actuators at the start and with all of the squeeze, by name [rad, m].
     weighing : bodies of the hand whose weight bends its joints, by name; none where the grasp leaves it out.
     wrench : (6,) force [N] and torque [N·m] on the object besides its weight, world axes. The force acts at the
@@ -28,7 +27,6 @@ class SimulatorState:
     """
 
     positions: Mapping[str, float]
-    retreat: Mapping[str, float]
     before: Mapping[str, float]
     after: Mapping[str, float]
     weighing: tuple[str, ...]
@@ -41,7 +39,7 @@ class SimulatorState:
         """
         mujoco = need_mujoco()
         mujoco.mj_resetData(model, data)
-        for name, value in {**self.positions, **self.retreat}.items():
+        for name, value in self.positions.items():
             data.qpos[model.jnt_qposadr[model.joint(name).id]] = value
         self.drive(model, data, squeeze, load)
         mujoco.mj_forward(model, data)
@@ -55,8 +53,6 @@ class SimulatorState:
         """
         for name, start in self.before.items():
             data.ctrl[model.actuator(name).id] = start + squeeze * (self.after[name] - start)
-        for name, back in self.retreat.items():
-            model.qpos_spring[model.jnt_qposadr[model.joint(name).id]] = (1.0 - squeeze) * back
         for name in self.weighing:
             model.body_gravcomp[model.body(name).id] = 1.0 - sag
         model.body_gravcomp[model.body(OBJECT).id] = 1.0 - load

@@ -1,5 +1,8 @@
 """Run every case, or those whose names hold a word: `python -m tests.mujoco [word ...]`. Minutes; exit 1 for a miss.
 
+`python -m tests.mujoco --truth [word ...]` asks whether MuJoCo says the same twice as slowly, and with half the time
+step: how far its forces, and the load at which it loses the object, change.
+
 HANDLCP_KERNELS=compiled is set, as in the tests: the times are those of compiled kernels.
 """
 
@@ -7,10 +10,14 @@ from __future__ import annotations
 
 import os
 import sys
+from dataclasses import replace
 from statistics import median
+
+import numpy as np
 
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
+from handlcp.simulator import SimulatorSettings, simulate
 from tests.mujoco.case import limit_error, misses
 from tests.mujoco.cases import CASES
 
@@ -33,13 +40,42 @@ def row(case, found):
     return f"{case.name:44s} {case.hand:13s} {both:6s}{errors}{moves}{limit}{times}"
 
 
+def truth(words):
+    """Print by how much MuJoCo's answers change when it takes twice the time, and half the time step."""
+    print(f"{'case':44s} {'twice as slow':>16s} {'half the step':>16s}", flush=True)
+    for case in chosen(words):
+        own = case.settings or SimulatorSettings()
+        finer = replace(own, timestep=own.timestep / 2)
+        first = run(case, own, case.seconds)
+        changes = [change(first, run(case, own, 2 * case.seconds)), change(first, run(case, finer, case.seconds))]
+        print(f"{case.name:44s} {changes[0]:>16s} {changes[1]:>16s}", flush=True)
+
+
+def run(case, settings, seconds):
+    """MuJoCo alone."""
+    return simulate(case.make(), case.load, case.order, seconds=seconds, settings=settings)
+
+
+def change(one, other):
+    """Of the forces where both hold, else of the share of the load where both lose; in words where they differ."""
+    if one.held != other.held:
+        return "held or lost"
+    if one.held:
+        largest = np.linalg.norm(one.forces_world, axis=1).max()
+        return f"{100 * abs(other.forces_world - one.forces_world).max() / largest:.3f} %"
+    return f"{one.lost_at:.1%} → {other.lost_at:.1%}"
+
+
+def chosen(words):
+    """Cases whose names hold one of the words; all without words."""
+    return [case for case in CASES if not words or any(word in case.name for word in words)]
+
+
 def main(words):
     """Print the table and what it comes to; how many cases miss."""
     missed, forces, ratios, limits = 0, [], [], []
     print(HEAD, flush=True)
-    for case in CASES:
-        if words and not any(word in case.name for word in words):
-            continue
+    for case in chosen(words):
         found = case.run()
         wrong = misses(case, found)
         missed += bool(wrong)
@@ -61,4 +97,6 @@ def main(words):
 
 
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["--truth"]:
+        sys.exit(truth(sys.argv[2:]))
     sys.exit(1 if main(sys.argv[1:]) else 0)

@@ -115,6 +115,8 @@ SLIDING = (
     slow("can in the psyonic hand, 1 mm", "psyonic", "slides", lambda: scene("psyonic_grasp", 0.001)),
     slow("five fingers, pulled with 13 N", "five_finger", "slides",
          lambda: five(6.0, 0.003, wrench=[0, 0, 13.0, 0, 0, 0])),
+    slow("box pushed along a table", "two_finger", "slides", lambda: two(FOOTED, 0.03, table=(0.125, 1e-4)),
+         [20.0, 0, 0, 0, 0, 0]),
     slow("cube twisted, not lost", "three_finger", "slides", three, [0, 0, 0, 0, 0, 0.12]),
 )  # fmt: skip
 
@@ -126,12 +128,13 @@ LOST = (
 
 LIMITS = (
     slow("cube pulled down", "three_finger", "limit", three, [0, 0, -4.0, 0, 0, 0]),
-    slow("cube twisted", "three_finger", "limit", three, [0, 0, 0, 0, 0, 0.25]),
+    slow("cube twisted", "three_finger", "limit", three, [0, 0, 0, 0, 0, 1.0]),
     slow("ball pulled out of five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, 20.0, 0, 0, 0]),
     slow("ball pushed into five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, -8.0, 0, 0, 0]),
     slow("pinch turned", "two_finger", "limit", pinch, [0, 0, 0, 0.06, 0, 0]),
-    slow("box pushed along a table", "two_finger", "limit", lambda: two(FOOTED, 0.03, table=(0.125, 1e-4)),
-         [20.0, 0, 0, 0, 0, 0]),
+    slow("cube pushed sideways", "three_finger", "limit", three, [0, 4.0, 0, 0, 0, 0]),
+    slow("can pulled out of the psyonic hand", "psyonic", "limit", lambda: scene("psyonic_grasp", 0.003),
+         [-12.0, 0, 0, 0, 0, 0]),
     slow("Allegro pinch pulled", "allegro", "limit", lambda: scene("allegro_pinch", 0.003), [6.0, 0, 0, 0, 0, 0]),
     slow("disc pulled out of the ring", "planar_ring", "limit", lambda: scene("planar_ring", 0.001),
          [0.3, -40.0, 0, 0, 0, 0], settings=QUICK),  # to the side, too: upright it stays where no push finds it

@@ -1,0 +1,149 @@
+"""What `to_mujoco` writes: the same kinematics, weights, springs and loads, and by name what it cannot write."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.errors import InputError, Unsupported
+from handlcp.simulator import SimulatorSettings, simulate
+from tests.mujoco.cases import scene, three, two
+
+mujoco = pytest.importorskip("mujoco")
+
+BOX = hl.Box(0.05, [0, 0, 0.08], mass=0.05)
+
+
+def started(grasp, squeeze=1.0, load=1.0):
+    """MuJoCo's model and data of a grasp, at its start."""
+    xml, state = hl.to_mujoco(grasp)
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    state.put(model, data, squeeze, load)
+    return model, data, state
+
+
+@pytest.mark.parametrize(
+    "make", [three, lambda: scene("allegro_pinch", 0.001), lambda: scene("psyonic_grasp", 0.001)],
+    ids=["three_finger", "allegro", "psyonic"],
+)  # fmt: skip
+def test_fingertips_are_where_the_hand_has_them(make):
+    grasp = make()
+    model, data, _ = started(grasp)
+    named = dict(zip(grasp.state.hand.fingertips, grasp.state.tip_positions, strict=True))
+    for tip in grasp.fingertips:
+        assert abs(data.xpos[model.body(f"{tip} pad").id] - named[tip]).max() < 1e-12
+
+
+def test_links_weigh_what_the_urdf_says_and_only_where_that_was_asked_for():
+    heavy, light = three(finger_weight=True), three()
+    for grasp, expected in ((heavy, heavy.gravity_torque), (light, np.zeros(6))):
+        model, data, _ = started(grasp)
+        held = data.qfrc_bias - data.qfrc_gravcomp  # gravity compensation counts as a passive force
+        dofs = [model.joint(name).dofadr[0] for name in grasp.state.hand.joint_names]
+        assert held[dofs] == pytest.approx(expected, abs=1e-9)
+
+
+def test_springs_make_the_stiffness_of_tendons():
+    R = {"pull": {"finger_1_proximal": 0.01, "finger_1_distal": 0.008}}
+    hand = {"torque_limits": np.inf}
+    grasp = three(K=hl.Tendons(R, 2e4, 4.0), hand=hand)
+    model, data, _ = started(grasp, squeeze=0.0)
+    dofs = [model.joint(name).dofadr[0] for name in grasp.state.hand.joint_names]
+    at = [model.joint(name).qposadr[0] for name in grasp.state.hand.joint_names]
+    K = np.zeros((6, 6))
+    for j, place in enumerate(at):
+        data.qpos[place] += 1e-3
+        mujoco.mj_forward(model, data)
+        K[:, j] = -data.qfrc_actuator[dofs] / 1e-3
+        data.qpos[place] -= 1e-3
+    assert pytest.approx(grasp.state.hand.joint_stiffness, abs=1e-9) == K
+
+
+def test_a_mimic_joint_follows():
+    grasp = scene("psyonic_grasp", 0.001)
+    end = simulate(grasp, order=("squeeze",), seconds=0.3)
+    assert end.held
+    model, data, state = started(grasp)
+    mujoco.mj_step(model, data, 500)
+    for name, start in state.positions.items():
+        if name.endswith("index_q2"):
+            followed = data.joint("Left_index_q1").qpos[0] - state.positions["Left_index_q1"]
+            assert data.joint(name).qpos[0] - start == pytest.approx(1.05851325 * followed, abs=1e-4)
+
+
+def test_nothing_but_the_object_and_the_hand_s_own_weight_is_pulled_down():
+    """Without squeeze and load nothing moves, whatever masses make it quasi-static."""
+    model, data, _ = started(three(), squeeze=0.0, load=0.0)
+    mujoco.mj_step(model, data, 2000)
+    assert abs(data.qvel).max() < 1e-6
+
+
+def test_a_load_acts_at_the_reference_point_of_the_object():
+    """Balance: the contacts' forces are the load's opposite, and so are their moments about the reference."""
+    grasp = three(wrench=[0.1, 0.2, -0.1, 0.002, 0.001, -0.002])
+    end = simulate(grasp, seconds=0.6)
+    assert -end.forces_world.sum(axis=0) == pytest.approx([0.1, 0.2, -0.1 - 0.05 * 9.81], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("make", "what"),
+    [
+        (lambda: three().replace(preload=0.001), "a preload or an offset"),
+        (lambda: three().replace(flexibility=1e-4), "a flexibility other"),
+        (lambda: three(law=hl.AnisotropicCoulomb(0.5, 0.8)), "friction AnisotropicCoulomb"),
+        (lambda: three(law=hl.SoftFinger(0.5, 0.004, 1.0)), "torsional flexibility"),
+        (lambda: three(effects=[hl.TotalForceBound(50.0)]), "total"),
+        (lambda: three(effects=[hl.ContactCompliance(1e-5)]), "contact compliance"),
+        (lambda: three(effects=[hl.SoftWrist([1e-4] * 6)]), "wrist"),
+        (lambda: three(effects=[hl.TorqueSaturation()], K=np.diag([6.0] * 6) + np.eye(6, k=1) + np.eye(6, k=-1)),
+         "torque limits of joints that share springs"),
+        (lambda: three(K={"finger_1_distal": np.inf} | {f"finger_{i}_{j}": 6.0 for i in (1, 2, 3)
+                          for j in ("proximal", "distal") if (i, j) != (1, "distal")}), "is rigid"),
+        (lambda: hl.Grasp([hl.Contact([0, 0, 0], [0, 0, 1])], flexibility=1e-4), "contacts without a hand"),
+        (lambda: hl.example_hand("three_finger").at(np.zeros(6)).grasp([hl.Contact([0, 0, 0], [0, 0, 1])] * 3),
+         "contacts given one by one"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)  # fmt: skip
+def test_what_mujoco_cannot_have_is_refused_by_name(make, what):
+    with pytest.raises(Unsupported, match=what):
+        hl.to_mujoco(make())
+
+
+def test_tips_inside_the_object_start_where_they_touch_it():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    grasp = hand.at(hand.close_on(BOX, squeeze=3e-3)).grasp(BOX, hl.Coulomb(0.8))
+    _, state = hl.to_mujoco(grasp)
+    assert abs(hand.at(dict(state.positions)).grasp(BOX).offset).max() < 1e-8
+    assert list(state.after.values()) == pytest.approx(grasp.state.q)
+
+
+def test_bad_input_is_named():
+    with pytest.raises(InputError, match="grasp"):
+        hl.to_mujoco("a grasp")
+    with pytest.raises(InputError, match="contact_time"):
+        SimulatorSettings(timestep=1e-3)
+    with pytest.raises(InputError, match="impedance"):
+        SimulatorSettings(impedance=1.0)
+    with pytest.raises(InputError, match="order"):
+        simulate(three(), order=("load", "squeeze"))
+
+
+def test_without_mujoco_the_grasp_is_written_and_a_run_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    xml, _ = hl.to_mujoco(two(BOX))
+    assert xml.startswith("<mujoco")
+    with pytest.raises(Unsupported, match=r"pip install handlcp\[mujoco\]"):
+        simulate(two(BOX))
+
+
+def test_an_object_that_nothing_holds_is_lost_at_once():
+    grasp = three(offset=0.0)
+    end = simulate(grasp, order=("squeeze", "load"), seconds=0.5)
+    assert not end.held
+    assert end.lost_stage == "load"
+    assert end.lost_at < 0.1
