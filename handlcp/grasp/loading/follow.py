@@ -150,7 +150,8 @@ def _loading(run: Run, goals: list[Goal], stepper: Stepper, section: Section) ->
         events.append(Event("lost", why, str(stage), run.lost_at, run.lost_stage))
         sentence = f"lost in stage {stage!r} at {words.percent(run.lost_at)}: {why}"
     else:
-        sentence = f"reached the end of {' and '.join(repr(g.name) for g in goals)}"
+        few = " and ".join(repr(g.name) for g in goals)
+        sentence = f"reached the end of {few if len(goals) < 3 else f'all {len(goals)} stages'}"
     names = tuple([g.name for g in goals])
     return Loading(
         not lost, run.lost_at, stage if lost else None, sentence, tuple(events), steps, names, section

@@ -22,9 +22,9 @@ def why_lost(run: Run, spec: GraspSpec) -> str:
     )
     how = []
     if sliding:
-        how.append(f"{words.listed(sliding)} {'slide' if len(sliding) > 1 else 'slides'}")
+        how.append(f"{_who(sliding, spec)} {'slide' if len(sliding) > 1 else 'slides'}")
     if open_:
-        how.append(f"{words.listed(open_)} {'have' if len(open_) > 1 else 'has'} let go")
+        how.append(f"{_who(open_, spec)} {'have' if len(open_) > 1 else 'has'} let go")
     state = " and ".join(how)
     if run.failure.kind == "runs away":
         moves = _moves(run.failure.motion)
@@ -40,8 +40,14 @@ def why_lost(run: Run, spec: GraspSpec) -> str:
     return f"{text} ({state})" if state else text
 
 
+def _who(names: list[str], spec: GraspSpec) -> str:
+    """The names, or that it is all of them."""
+    every = "contacts" if spec.n > spec.of_fingers else "fingers"
+    return f"all {len(names)} {every}" if len(names) == spec.n > 2 else words.listed(names)
+
+
 def _moves(twist: Array | None) -> str:
-    """Such as " downwards along -z"."""
+    """Such as " along -z"."""
     if twist is None or not np.isfinite(twist).all() or not abs(twist[:3]).max() > 0.0:
         return ""
     axis = int(abs(twist[:3]).argmax())
