@@ -117,7 +117,8 @@ SLIDING = (
          lambda: five(6.0, 0.003, wrench=[0, 0, 13.0, 0, 0, 0])),
     slow("box pushed along a table", "two_finger", "slides", lambda: two(FOOTED, 0.03, table=(0.125, 1e-4)),
          [20.0, 0, 0, 0, 0, 0]),
-    slow("cube twisted, not lost", "three_finger", "slides", three, [0, 0, 0, 0, 0, 0.12]),
+    slow("cube pushed sideways", "three_finger", "slides", three, [0, 4.0, 0, 0, 0, 0]),
+    slow("cube twisted", "three_finger", "slides", three, [0, 0, 0, 0, 0, 0.12]),
 )  # fmt: skip
 
 LOST = (
@@ -128,11 +129,14 @@ LOST = (
 
 LIMITS = (
     slow("cube pulled down", "three_finger", "limit", three, [0, 0, -4.0, 0, 0, 0]),
-    slow("cube twisted", "three_finger", "limit", three, [0, 0, 0, 0, 0, 1.0]),
     slow("ball pulled out of five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, 20.0, 0, 0, 0]),
     slow("ball pushed into five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, -8.0, 0, 0, 0]),
     slow("pinch turned", "two_finger", "limit", pinch, [0, 0, 0, 0.06, 0, 0]),
-    slow("cube pushed sideways", "three_finger", "limit", three, [0, 4.0, 0, 0, 0, 0]),
+    slow("ball pulled out of three fingers", "three_finger", "limit",
+         lambda: three(hl.Sphere(0.03, [0, 0, 0.08], mass=0.05)), [0, 0, -6.0, 0, 0, 0]),
+    slow("can pulled out of three fingers", "three_finger", "limit", lambda: three(CAN, K=20.0), [0, 0, 20.0, 0, 0, 0]),
+    slow("ball pulled out of a soft hand", "five_finger", "limit", lambda: five(2.0, 0.003), [0, 0, 8.0, 0, 0, 0]),
+    slow("Allegro pinch lifted", "allegro", "limit", lambda: scene("allegro_pinch", 0.004), [0, 0, 6.0, 0, 0, 0]),
     slow("can pulled out of the psyonic hand", "psyonic", "limit", lambda: scene("psyonic_grasp", 0.003),
          [-12.0, 0, 0, 0, 0, 0]),
     slow("Allegro pinch pulled", "allegro", "limit", lambda: scene("allegro_pinch", 0.003), [6.0, 0, 0, 0, 0, 0]),
