@@ -11,8 +11,8 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand import HandGrasp
+from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
 from handlcp.simulator.need import need_mujoco
-from handlcp.simulator.object_body import LOADED, OBJECT
 
 __all__ = ["Probe", "Reading"]
 

@@ -13,11 +13,11 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.simulator.loss import Record, Track, escaped, lost_at
+from handlcp.simulator.mjcf.object_body import OBJECT
+from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.need import need_mujoco
-from handlcp.simulator.object_body import OBJECT
 from handlcp.simulator.probe import Probe
 from handlcp.simulator.refusals import of_a_hand
-from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.state import SimulatorState
 from handlcp.simulator.write import to_mujoco
 

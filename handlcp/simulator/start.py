@@ -11,8 +11,8 @@ from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.reach import joint_by_joint
 from handlcp.hand.robot.posture import Posture
-from handlcp.simulator.hand_tree import full_names
-from handlcp.simulator.springs import Springs
+from handlcp.simulator.mjcf.hand_tree import full_names
+from handlcp.simulator.mjcf.springs import Springs
 from handlcp.simulator.state import SimulatorState
 
 __all__ = ["starting_state"]

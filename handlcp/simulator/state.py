@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
 from handlcp.simulator.need import need_mujoco
-from handlcp.simulator.object_body import LOADED, OBJECT
 
 __all__ = ["SimulatorState"]
 

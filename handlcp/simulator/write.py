@@ -7,16 +7,16 @@ import xml.etree.ElementTree as ET
 from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp, TorqueSaturation
-from handlcp.simulator.fingertips import add_tip, round_shape
-from handlcp.simulator.hand_tree import add_hand
-from handlcp.simulator.object_body import OBJECT, add_object
+from handlcp.simulator.mjcf.fingertips import add_tip, round_shape
+from handlcp.simulator.mjcf.hand_tree import add_hand
+from handlcp.simulator.mjcf.object_body import OBJECT, add_object
+from handlcp.simulator.mjcf.settings import SimulatorSettings
+from handlcp.simulator.mjcf.springs import add_springs
+from handlcp.simulator.mjcf.supports import add_supports
+from handlcp.simulator.mjcf.words import add
 from handlcp.simulator.refusals import check_writable, friction_words, of_a_hand
-from handlcp.simulator.settings import SimulatorSettings
-from handlcp.simulator.springs import add_springs
 from handlcp.simulator.start import starting_state
 from handlcp.simulator.state import SimulatorState
-from handlcp.simulator.supports import add_supports
-from handlcp.simulator.words import add
 
 __all__ = ["to_mujoco"]
 

@@ -79,6 +79,7 @@ STICKS = (
     Case("cube, stiff, squeezed hard", "three_finger", "sticks", lambda: three(K=20.0, offset=0.05)),
     Case("ball", "three_finger", "sticks", lambda: three(hl.Sphere(0.03, [0, 0, 0.08], mass=0.05)), short=True),
     Case("ellipsoid", "three_finger", "sticks", lambda: three(hl.Ellipsoid([0.03, 0.03, 0.04], [0, 0, 0.08], 0.05))),
+    Case("cube of the README", "three_finger", "sticks", lambda: scene("cube_three_fingers", 0.005)),
     Case("can", "three_finger", "sticks", lambda: three(CAN)),
     Case("pads that differ by axis", "three_finger", "sticks",
          lambda: three(hand={"pad_flexibility": [1e-4, 2e-4, 5e-5]}), short=True),
@@ -128,7 +129,8 @@ LOST = (
 )  # fmt: skip
 
 LIMITS = (
-    slow("cube pulled down", "three_finger", "limit", three, [0, 0, -4.0, 0, 0, 0]),
+    # It jumps. Whether it is caught again, to be lost at 80 %, hangs on inertia and damping: with ramps of 2 s it is not
+    Case("cube pulled down", "three_finger", "limit", three, [0, 0, -4.0, 0, 0, 0], settings=SLIDES),
     slow("ball pulled out of five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, 20.0, 0, 0, 0]),
     slow("ball pushed into five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, -8.0, 0, 0, 0]),
     slow("pinch turned", "two_finger", "limit", pinch, [0, 0, 0, 0.06, 0, 0]),

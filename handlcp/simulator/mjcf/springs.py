@@ -16,9 +16,9 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.model import HandModel
-from handlcp.simulator.hand_tree import full_names
-from handlcp.simulator.settings import SimulatorSettings
-from handlcp.simulator.words import add, text
+from handlcp.simulator.mjcf.hand_tree import full_names
+from handlcp.simulator.mjcf.settings import SimulatorSettings
+from handlcp.simulator.mjcf.words import add, text
 
 __all__ = ["Springs", "add_springs"]
 

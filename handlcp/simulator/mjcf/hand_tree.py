@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.hand.robot.model import HandModel
-from handlcp.simulator.words import add, placed
+from handlcp.simulator.mjcf.words import add, placed
 
 __all__ = ["add_hand", "axis_of", "full_names"]
 

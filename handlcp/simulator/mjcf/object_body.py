@@ -9,9 +9,9 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
-from handlcp.simulator.fingertips import shape_words
-from handlcp.simulator.settings import SimulatorSettings
-from handlcp.simulator.words import add, placed
+from handlcp.simulator.mjcf.fingertips import shape_words
+from handlcp.simulator.mjcf.settings import SimulatorSettings
+from handlcp.simulator.mjcf.words import add, placed
 
 __all__ = ["LOADED", "OBJECT", "add_object"]
 

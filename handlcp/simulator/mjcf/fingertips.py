@@ -16,8 +16,8 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.tip_geometry import TipShape
-from handlcp.simulator.settings import SimulatorSettings
-from handlcp.simulator.words import add, placed
+from handlcp.simulator.mjcf.settings import SimulatorSettings
+from handlcp.simulator.mjcf.words import add, placed
 
 __all__ = ["add_pad", "add_tip", "convex_points", "round_shape", "shape_words"]
 

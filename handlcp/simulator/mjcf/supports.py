@@ -18,9 +18,9 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
-from handlcp.simulator.fingertips import add_pad, round_shape
-from handlcp.simulator.settings import SimulatorSettings
-from handlcp.simulator.words import add, placed
+from handlcp.simulator.mjcf.fingertips import add_pad, round_shape
+from handlcp.simulator.mjcf.settings import SimulatorSettings
+from handlcp.simulator.mjcf.words import add, placed
 
 __all__ = ["Support", "add_supports"]
 
