@@ -86,7 +86,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--no-mujoco", action="store_true")
     asked = parser.parse_args()
-    console = opened(120)
+    console = opened(150)
     console.print(conditions(), highlight=False)
     table = plain_table(
         "loading in steps", "grasp", "follow ms", "grasp and solve µs", f"× a stage (≤ {MOST:g})", "10 steps ms",
