@@ -129,7 +129,7 @@ LOST = (
 )  # fmt: skip
 
 LIMITS = (
-    # It jumps. Whether it is caught again, to be lost at 80 %, hangs on inertia and damping: with ramps of 2 s it is not
+    # It jumps. Whether it is caught, to be lost at 80 %, hangs on inertia and damping: after ramps of 2 s it is not
     Case("cube pulled down", "three_finger", "limit", three, [0, 0, -4.0, 0, 0, 0], settings=SLIDES),
     slow("ball pulled out of five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, 20.0, 0, 0, 0]),
     slow("ball pushed into five fingers", "five_finger", "limit", lambda: five(6.0, 0.003), [0, 0, -8.0, 0, 0, 0]),
