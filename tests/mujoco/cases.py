@@ -5,6 +5,7 @@ from __future__ import annotations
 import pathlib
 
 import numpy as np
+import pinocchio as pin
 
 import handlcp as hl
 import handlcp.scene
@@ -68,6 +69,9 @@ def coupled():
 TENDONS = hl.Tendons(
     {"pull": {"finger_1_proximal": 0.01, "finger_1_distal": 0.008}, "pair": {"finger_2_distal": 0.01,
      "finger_3_distal": 0.01}}, 2e4, 4.0)  # fmt: skip
+TURNED = hl.Ellipsoid(
+    [0.03, 0.025, 0.035], pin.SE3(pin.rpy.rpyToMatrix(0.3, 0.2, 0.1), np.array([0, 0, 0.08])), mass=0.05
+)
 CAN = hl.Cylinder(0.03, 0.06, [0, 0, 0.08], mass=0.05)
 FOOTED = hl.Box([0.05, 0.05, 0.07], [0, 0, 0.09], mass=0.5)
 CUP = hl.Cylinder(0.025, 0.07, [0, 0, 0.09], mass=0.5)
@@ -79,6 +83,8 @@ STICKS = (
     Case("cube, stiff, squeezed hard", "three_finger", "sticks", lambda: three(K=20.0, offset=0.05)),
     Case("ball", "three_finger", "sticks", lambda: three(hl.Sphere(0.03, [0, 0, 0.08], mass=0.05)), short=True),
     Case("ellipsoid", "three_finger", "sticks", lambda: three(hl.Ellipsoid([0.03, 0.03, 0.04], [0, 0, 0.08], 0.05))),
+    Case("turned ellipsoid, load about another point", "three_finger", "sticks",
+         lambda: three(TURNED, reference=[0.01, 0, 0.07], wrench=[0, 0, -0.1, 0.001, 0, 0])),
     Case("cube of the README", "three_finger", "sticks", lambda: scene("cube_three_fingers", 0.005)),
     Case("can", "three_finger", "sticks", lambda: three(CAN)),
     Case("pads that differ by axis", "three_finger", "sticks",
