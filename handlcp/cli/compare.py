@@ -20,13 +20,13 @@ __all__ = ["compare"]
 
 @app.command()
 def compare(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML) with a [hand].")],
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML) with a hand.")],
     json: Json = False,
     together: Annotated[bool, typer.Option("--together", help="Squeeze, weight and load in proportion.")] = False,
     seconds: Annotated[float, typer.Option(help="Of each stage in MuJoCo; 8 where contacts slide far.")] = 2.0,
     steps: Annotated[int, typer.Option(help="Of each stage in handlcp.")] = 40,
 ) -> None:
-    """Load a scene in steps, and in MuJoCo: squeeze, then weight and load. Needs `pip install handlcp[mujoco]`.
+    """Load a scene in steps, and in MuJoCo: squeeze, then weight and load. Needs MuJoCo: `pip install mujoco`.
 
     Exit status 0 where both hold the object, 1 where one of them does not, 2 bad input or nothing that MuJoCo can have.
     """

@@ -19,6 +19,7 @@ from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.effects import Effect
+from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -145,13 +146,16 @@ class HandMechanism(Mechanism):
         yield from self.place_reasons(*place)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
-        """The hand closes anew on its object, which is moved the other way; it is squeezed as far as before."""
-        if self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
+        """The hand closes anew on its object, moved by shift (3,) [m]. None for a grasp that is squeezed by a command of
+        the joints, which would be another one there.
+        """
+        told = any(isinstance(e, JointOffset) for e in spec.effects)
+        if told or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
             return None
         place, hand = self.target.placement, self.posture.hand
-        obj = self.target.moved_to(pin.SE3(place.rotation, place.translation - shift))
+        obj = self.target.moved_to(pin.SE3(place.rotation, place.translation + shift))
         try:
-            posture = type(self.posture)(hand, close_on(hand, obj, self.posture.q, fingers=self.fingertips))
+            posture = type(self.posture)(hand, close_on(hand, obj, fingers=self.fingertips))
             contacts, gaps = touching(posture, self.tips, obj, [c.friction for c in spec.contacts], 1e-3)
         except InputError:
             return None
@@ -161,7 +165,7 @@ class HandMechanism(Mechanism):
         )
         return spec.replace(
             contacts=contacts, positions=made.positions, frames=made.frames, mechanism=made,
-            flexibility=finger_flexibility(made), reference=read_only(spec.reference - shift),
+            flexibility=finger_flexibility(made), reference=read_only(spec.reference + shift),
             offset=read_only(spec.offset + np.outer(gaps, (0.0, 0.0, 1.0))),
         )  # fmt: skip
 

@@ -234,7 +234,7 @@ class LoadTable(Table):
 class SolveTable(Table):
     """How to solve."""
 
-    faces: k.Faces = 8
-    """of the inscribed friction pyramids; planar scenes are exact without"""
+    faces: k.Faces = "cone"
+    """of the inscribed friction pyramids, or "cone": the exact friction cone; planar scenes are exact without"""
     seed: k.Seed = 0
     """of the solver's random numbers; the same seed gives the same answer, bit by bit"""

@@ -119,8 +119,8 @@ class Mechanism:
         return ()
 
     def elsewhere(self, spec: Any, shift: Array) -> Any:
-        """The same grasp of the object by a mechanism that stands farther on by shift (3,) [m], closed anew; None where
-        that is not known, or does not reach the object.
+        """The same grasp of the object moved by shift (3,) [m], closed anew; None where that is not known, or does not
+        reach the object.
         """
         return None
 

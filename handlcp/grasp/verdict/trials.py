@@ -62,7 +62,8 @@ def advice(spec: GraspSpec, section: Section, order: Any, over: bool, holdable: 
     changes: tuple[_Change, ...] = (_SQUEEZE, _ROUGHEN, _STIFFEN, _REGRIP) if holdable else (_ROUGHEN, _REGRIP)
     if over:
         changes = (_EASE, _ROUGHEN, _REGRIP)
-    within, found, tried = " within the torque limits" if over else "", False, list[str]()
+    limited = spec.mechanism is not None and bool(np.isfinite(spec.mechanism.limits).any())
+    within, found, tried = " within the torque limits" if limited else "", False, list[str]()
     for change in changes:
         trials = list(change.trials(spec))
         if trials:
@@ -157,7 +158,7 @@ def _moved(spec: GraspSpec) -> Iterator[_Trial]:
             far = _round(share * build(spec).units.length)
             other = mechanism.elsewhere(spec, way * far * load / strength)
             if other is not None:
-                yield _Trial(way * far, f"a grip {words.length(far)} farther {name} the load", other)
+                yield _Trial(way * far, f"the object {words.length(far)} farther {name} the load in the hand", other)
 
 
 def _round(x: float) -> float:
