@@ -16,11 +16,11 @@ from statistics import median
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
+os.environ["HANDLCP_KERNELS"] = "compiled"
 
 import time
 
 import handlcp as hl
-from handlcp.lcp.compiler.when import at_once
 from tests.benchmarks.report import conditions, opened, plain_table
 
 __all__ = ["main"]
@@ -79,7 +79,6 @@ def few(grasp: hl.HandGrasp, rounds: int) -> tuple[float, float]:
     return 1e3 * took, float(abs(here - there).max() / abs(there).max())
 
 
-@at_once()
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

@@ -179,8 +179,8 @@ def test_json_of_a_scene_without_equilibrium_says_which_squeeze_would_hold(tmp_p
     assert found["proven_within"]["force_N"] > 100
     assert 0.003 < found["required_preload_m"] < 0.004
     said = run("solve", file).stdout
-    same("cli/test_cli: which squeeze would hold", verdict_of(said, "NOT HELD"), "2.2 mm")
-    assert said.count("2.2 mm") == 1
+    same("cli/test_cli: which squeeze would hold", verdict_of(said, "NOT HELD"), "1.5 mm")
+    assert said.count("1.5 mm") == 1
 
 
 def test_faces_and_seed_override_the_file():

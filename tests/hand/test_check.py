@@ -185,8 +185,8 @@ def test_another_grip_is_the_hands_own_on_an_object_that_stands_elsewhere():
     grasp = hand.at(hand.close_on(BALL)).grasp(BALL, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
     shift = np.array([0.0, 0.0, 4e-3])
     other = grasp.mechanism.elsewhere(grasp.spec, shift)
-    ball = BALL.moved_to(BALL.center_of_mass - shift)
-    own = hand.at(hand.close_on(ball, grasp.state.q)).grasp(ball, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
+    ball = BALL.moved_to(BALL.center_of_mass + shift)
+    own = hand.at(hand.close_on(ball)).grasp(ball, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
     for name in ("positions", "frames", "flexibility", "offset", "wrench", "reference"):
         # Of the first posture's gaps, which are below a nanometre, what is left stays
         np.testing.assert_allclose(getattr(other, name), getattr(own.spec, name), atol=1e-9, err_msg=name)
