@@ -83,17 +83,17 @@ def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
     ours, theirs = found.loading, found.simulation
     forces = tables.empty("Forces", "N, on the object, world axes")
     forces.add_column("contact", no_wrap=True)
-    tables.numbers(forces, "handlcp", "MuJoCo", "difference")
+    tables.numbers(forces, "handlcp", "MuJoCo", "apart")
     for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True):
         forces.add_row(name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
     torques = tables.empty("Torques", "N·m (N of prismatic joints)")
     torques.add_column("joint", overflow="fold")
-    tables.numbers(torques, "handlcp", "MuJoCo", "difference")
+    tables.numbers(torques, "handlcp", "MuJoCo", "apart")
     for name, x, y in zip(grasp.state.hand.joint_names, ours.solution.torques, theirs.torques, strict=True):
         torques.add_row(name, f"{x:.4f}", f"{y:.4f}", f"{abs(x - y):.5f}")
     motion = tables.empty("Motion of the object", "since the start, world axes")
     motion.add_column("")
-    tables.numbers(motion, "handlcp", "MuJoCo", "difference")
+    tables.numbers(motion, "handlcp", "MuJoCo", "apart")
     for what, part, unit in (("mm", slice(0, 3), 1e3), ("mrad", slice(3, 6), 1e3)):
         a, b = unit * ours.displacement[part], unit * theirs.displacement[part]
         motion.add_row(what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
@@ -101,7 +101,7 @@ def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
 
 
 def _vector(values: Any) -> str:
-    return " ".join(f"{x:7.3f}" for x in values)
+    return " ".join(f"{x:6.3f}" if abs(x) < 99.0 else f"{x:6.1f}" for x in values)
 
 
 def _differences(found: Any) -> str:

@@ -146,8 +146,8 @@ class HandMechanism(Mechanism):
         yield from self.place_reasons(*place)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
-        """The hand closes anew on its object, moved by shift (3,) [m]. None where a command of the joints squeezes, which
-        would be another one there.
+        """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
+        be another one there.
         """
         told = any(isinstance(e, JointOffset) for e in spec.effects)
         if told or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:

@@ -75,7 +75,7 @@ def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
 
 def _about(r: Reason) -> tuple[object, ...]:
     """What a reason of a posture is about."""
-    links = tuple(str(link["link"]) for link in r.values.get("links", ()))
+    links = tuple(sorted(str(link["link"]) for link in r.values.get("links", ())))
     return r.code, r.severity, r.values.get("joint"), links
 
 
