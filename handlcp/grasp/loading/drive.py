@@ -64,11 +64,12 @@ def drive(stepper: Stepper, first: Controls, goals: list[Goal], steps: int, fine
     """Every stage in about so many steps, until the end or until the object is lost. finest : as `FINEST`."""
     state = stepper.beginning(first)
     run = Run([state], [0], [0.0])
-    settled = stepper.step(state, first, state.same)  # gaps may open where fingers sag under their own weight
-    if isinstance(settled, Failure):
-        run.lost(settled, 0, 0.0)
-        return run
-    run.states[0] = settled
+    if stepper.grasp.sags:  # gaps open where fingers give way to their own weight
+        settled = stepper.step(state, first, state.same)
+        if isinstance(settled, Failure):
+            run.lost(settled, 0, 0.0)
+            return run
+        run.states[0] = settled
     for k, goal in enumerate(goals):
         begun = len(run.states) - 1
         through = _through(stepper, run, k, goal, 1.0 / steps, finest / steps)
@@ -122,7 +123,7 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, base: float, le
         step = min(2 * size, base) if not happens else base
     if not state.loaded and (first := _pushed_out(stepper, run, stage)) is not None:
         run.cut(first)
-        return run.lost(Failure("loose"), stage, run.shares[-1])
+        return run.lost(Failure("pushed out"), stage, run.shares[-1])
     return True
 
 

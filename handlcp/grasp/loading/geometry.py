@@ -19,7 +19,9 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows, shifted
 
-__all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between"]
+__all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between", "supports"]
+
+_RIGID = 1e-6
 
 
 class Where(NamedTuple):
@@ -105,6 +107,18 @@ def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
     return Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), pose)
 
 
+def supports(spec: GraspSpec) -> Array:
+    """(3(n - k), 3(n - k)) flexibility of what supports the object beside k fingers. What is rigid gives way by a
+    millionth of what the fingers do: forces at several corners of something rigid are not determined, and would jump.
+    """
+    m = 3 * spec.of_fingers
+    around = spec.flexibility[m:, m:].copy()
+    least = _RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
+    rows = np.arange(len(around))
+    around[rows, rows] = np.maximum(around[rows, rows], least)
+    return around
+
+
 class FixedGeometry(Geometry):
     """Contacts, normals and levers stay as the grasp has them; gaps and slips change in proportion to the motions.
 
@@ -122,7 +136,9 @@ class FixedGeometry(Geometry):
         root = np.zeros((0, 0)) if mechanism is None else mechanism.root
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         weight = None if mechanism is None or not self.weighs else mechanism.weight()
-        self._elastic = Elastic(spec.flexibility, J, turning, root, np.zeros(nv) if weight is None else weight)
+        E = spec.flexibility.copy()
+        E[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
+        self._elastic = Elastic(read_only(E), J, turning, root, np.zeros(nv) if weight is None else weight)
         self.apart = np.zeros((n, 3))
         self.apart[:, 2] = np.maximum(spec.offset[:, 2], 0.0)
         self._radius = read_only(np.full(n, np.inf))

@@ -61,7 +61,8 @@ class Guess(NamedTuple):
 class Failure(NamedTuple):
     """Why a step has no end. kind : "no balance" (nothing within friction balances the load), "no answer" (these
     fingers do not create such forces), "runs away" (the end moves on however often it is looked at), "unstable" (a
-    small push does not return), "loose" (nothing holds the object any more).
+    small push does not return), "loose" (nothing holds the object any more),
+    "pushed out" (fingers that close push it away and never hold it).
     motion (6,) : of the object about its reference, when it runs away; None: not known.
     """
 

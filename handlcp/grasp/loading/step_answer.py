@@ -26,6 +26,7 @@ from handlcp.lcp import Auto
 __all__ = ["Answer", "StepSolver"]
 
 _NOTHING = 1e-4  # of the forces that come next
+_FRICTION = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times what it is
 
 
 class Answer(NamedTuple):
@@ -75,23 +76,21 @@ class StepSolver:
         loaded = any(kind != OPEN for kind in kinds)
         start = self._restarted(start, look, motion) if loaded else NOWHERE
         found = self._solved(look, loads, start, patient)
-        if not len(start):
-            if isinstance(found, Answer) and any(kind != OPEN for kind in found.kinds):
-                return found
-            pressed = self._solved(look, loads, self._pressed(look, loads), patient)
-            return found if isinstance(pressed, Failure) else pressed
+        opened = isinstance(found, Answer) and all(kind == OPEN for kind in found.kinds)
+        if opened or not len(start):
+            pressed = self._pressed(look, loads)
+            other = self._pressed_answer(look, loads, pressed, patient) if opened else None
+            if not len(start) or abs(start[:-9]).max() <= _NOTHING * abs(pressed[:-9]).max():  # touching by rounding
+                return found if other is None else other
+            if other is not None and other.kinds == kinds:
+                return other
         if isinstance(found, Failure) or found.kinds == kinds:  # where it fails, contacts that stick were tried, too
             return found
-        other = self._solved(look, loads, NOWHERE, patient)
-        if isinstance(other, Failure):
-            return found
-        if other.kinds == kinds:
-            return other
-        expected, sizes = start[:-9], [float(abs(a.start[:-9]).max()) for a in (found, other)]
-        if float(abs(expected).max()) <= _NOTHING * max(sizes):  # what touched by rounding alone was not loaded
-            return found if sizes[0] >= sizes[1] else other
-        off = [float(abs(a.start[:-9] - expected).max()) for a in (found, other)]
-        return found if off[0] <= off[1] else other
+        again = self._solved(look, loads, NOWHERE, patient)
+        if isinstance(again, Failure) or again.kinds == kinds:
+            return found if isinstance(again, Failure) else again
+        off = [float(abs(a.start[:-9] - start[:-9]).max()) for a in (found, again)]
+        return found if off[0] <= off[1] else again
 
     def _restarted(self, start: Array, look: Look, motion: Array) -> Array:
         """Where a solve begins: the last forces, and the motion."""
@@ -101,6 +100,18 @@ class StepSolver:
         out[-9:-3] = motion
         out[-3:] = look.reference
         return read_only(out)
+
+    def _pressed_answer(self, look: Look, loads: Loads, start: Array, patient: bool) -> Answer | None:
+        """The loaded answer nearest to contacts that all stick: friction starts high and comes down to what it is, each
+        solve from the last. None where an answer opens all contacts on the way.
+        """
+        found = None
+        for times in _FRICTION:
+            answer = self._solved(look, loads, start, patient, times * self.laws.limits)
+            if isinstance(answer, Failure) or all(kind == OPEN for kind in answer.kinds):
+                return None
+            found, start = answer, answer.start
+        return found
 
     def _pressed(self, look: Look, loads: Loads) -> Array:
         """A start with the normal forces with which each finger alone would press on an object that is held still."""
@@ -112,10 +123,14 @@ class StepSolver:
         start[-3:] = look.positions.mean(axis=0)
         return read_only(start)
 
-    def _solved(self, look: Look, loads: Loads, start: Array, patient: bool) -> Answer | Failure:
+    def _solved(
+        self, look: Look, loads: Loads, start: Array, patient: bool, limits: Array | None = None
+    ) -> Answer | Failure:
+        """One solve. limits (n,) : of friction, others than the grasp's own, where no effect has rows of its own."""
         if patient or self.grasp.general:
             return self._in_stages(look, loads, start, patient)
-        write_row(self._scene[0], look.positions, look.frames, look.elastic, loads, self.laws)
+        laws = self.laws if limits is None else self.laws._replace(limits=limits)
+        write_row(self._scene[0], look.positions, look.frames, look.elastic, loads, laws)
         rows = np.empty((1, self._kind.answer_width))
         solve_scenes(read_only(self._scene.view()), self._kind.pattern, start, self.seed, rows)
         found = CompiledAnswer(self._kind, rows[0])

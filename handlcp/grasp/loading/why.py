@@ -31,8 +31,10 @@ def why_lost(run: Run, spec: GraspSpec) -> str:
         text = f"the object runs away{moves}: the fingers give way faster than their forces grow"
     elif run.failure.kind == "unstable":
         text = "the object is in balance, but a small push drives it away: the fingers are too soft for their forces"
-    elif run.failure.kind == "loose":
+    elif run.failure.kind == "pushed out":
         text = "the squeeze pushes the object out from between the fingers"
+    elif run.failure.kind == "loose":
+        text = "no finger holds the object any more"
     elif run.failure.kind == "no balance":
         text = "no forces within friction balance the load in this position"
     else:

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.loading.geometry import Geometry, Look, Where
+from handlcp.grasp.loading.geometry import Geometry, Look, Where, supports
 from handlcp.grasp.loading.numbers import Elastic
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
@@ -44,7 +44,7 @@ class FollowedHand(Geometry):
         self._support = np.ascontiguousarray(hand.tips.support[tips, 0])
         self._coupling = np.empty((0, 0)) if hand.kinematics.coupling is None else np.array(hand.kinematics.coupling)
         self._pads = np.ascontiguousarray(hand.pads.blocks[tips])
-        self._around = np.ascontiguousarray(spec.flexibility[3 * k :, 3 * k :])
+        self._around = supports(spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         self._reference = spec.reference
         self._centre = spec.positions[:k].mean(axis=0) if self.object is None else self.object.center_of_mass
