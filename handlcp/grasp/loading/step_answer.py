@@ -25,7 +25,6 @@ from handlcp.lcp import Auto
 
 __all__ = ["Answer", "StepSolver"]
 
-_NOTHING = 1e-4  # of the forces that come next
 _FRICTION = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times what it is
 
 
@@ -65,25 +64,24 @@ class StepSolver:
         """The answer that continues what is expected.
 
         Where a contact changes its state, the answer that a solve finds from contacts that all stick is asked for, too.
-        Of both, the one that changes no state is taken, else the one whose forces are nearer to those expected. Where
-        nothing was loaded before, an answer without forces is no more than one of several: the squeezed object may stay
-        between the fingers, or slip out. Then the one near fingers that press on a held object is taken.
+        Of both, the one that changes no state is taken, else the one whose forces are nearer to those expected. An
+        answer without forces may be one of several: a squeezed object stays between the fingers, or slips out. Then the
+        one near fingers that press on a held object is taken, where there is one.
 
         start : as in `compiled_answer.start_from`; motion (6,) : of the object from the look to where it is expected,
-        about the look's reference. kinds (n,) : the contacts' states before. patient : whether to
-        search for an answer where the first stage finds none.
+        about the look's reference. kinds (n,) : the contacts' states before. patient : whether to search for an answer
+        where the first stage finds none.
         """
         loaded = any(kind != OPEN for kind in kinds)
         start = self._restarted(start, look, motion) if loaded else NOWHERE
         found = self._solved(look, loads, start, patient)
-        opened = isinstance(found, Answer) and all(kind == OPEN for kind in found.kinds)
-        if opened or not len(start):
-            pressed = self._pressed(look, loads)
-            other = self._pressed_answer(look, loads, pressed, patient) if opened else None
-            if not len(start) or abs(start[:-9]).max() <= _NOTHING * abs(pressed[:-9]).max():  # touching by rounding
-                return found if other is None else other
-            if other is not None and other.kinds == kinds:
+        opened = isinstance(found, Failure) or all(kind == OPEN for kind in found.kinds)
+        if opened and (not len(start) or isinstance(found, Answer)):
+            other = self._pressed_answer(look, loads, self._pressed(look, loads), patient)
+            if other is not None:
                 return other
+        if not len(start):
+            return found
         if isinstance(found, Failure) or found.kinds == kinds:  # where it fails, contacts that stick were tried, too
             return found
         again = self._solved(look, loads, NOWHERE, patient)

@@ -31,6 +31,7 @@ from handlcp.grasp.model.vectors import cross_rows
 
 __all__ = ["StepGrasp"]
 
+_TOUCHES = 3e-5  # of the same: fingertips no farther from the object than this, or no deeper in it, just touch
 _NONE = 1e-7  # of the contacts' distances from their centre: less is no preload
 
 
@@ -60,15 +61,18 @@ class StepGrasp:
         self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         self._levered = bool(first.weight_arm.any())
-        self._overlap = np.maximum(-first.gap, 0.0)
-        self._given = spec.offset - geometry.apart
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
+        # What closing leaves of touching: else one finger touches first, and pushes the free object away
+        fingers = np.arange(spec.n) < spec.of_fingers
+        self._touching = np.where(fingers & (abs(first.gap) <= _TOUCHES * size), first.gap, 0.0)
+        self._overlap = np.maximum(self._touching - first.gap, 0.0)
+        self._given = spec.offset - geometry.apart
         self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
 
     def loads(self, look: Look, slipped: Array, controls: Controls, before: Controls) -> Loads:
         """Of a step from controls `before`. slipped (n, 3) : since it began, as `Geometry.slipped` has it."""
         base = slipped.copy()
-        base[:, 2] = look.gap
+        base[:, 2] = look.gap - self._touching
         if self.squeezes:
             wedge = self.wedge(controls)
             base[:, :2] += (wedge - self.wedge(before))[:, :2]

@@ -49,7 +49,7 @@ class Watch:
 
     def _between(self, a: State, b: State) -> Iterator[tuple[str, str]]:
         """(kind, who)."""
-        gaps = a.read.motion[:, 2] if len(a.start) else a.look.gap
+        gaps = a.read.motion[:, 2] if len(a.start) else a.loads.base[:, 2]
         for name, before, now, gap in zip(self.names, a.kinds, b.kinds, gaps.tolist(), strict=True):
             if before == now:
                 continue
