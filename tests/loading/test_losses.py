@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.loading.hands import ball, cube, ends
+from tests.loading.hands import G, ball, cube, ends
 
 
 def test_a_soft_hand_drops_a_ball_that_one_solve_calls_held():
@@ -134,3 +134,34 @@ def test_a_ball_that_friction_does_not_hold_between_the_fingers_is_squeezed_out(
     assert not h.reached
     assert h.lost_stage == "squeeze"
     assert np.degrees(np.arctan(0.3)) < 27.0
+
+
+@pytest.mark.parametrize("faces", ["cone", 16])
+def test_a_ball_off_the_middle_stays_between_the_fingers_whatever_the_steps(faces):
+    """Squeezed, it may slip out or stay: its contacts lie 28 degrees above its middle, friction holds up to 38."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    sphere = hl.Sphere(0.034, (0.004, 0, 0.07), mass=0.02)
+    g = hand.at(hand.close_on(sphere)).grasp(sphere, hl.Coulomb(0.8), squeeze=0.002)
+    ends_ = [g.follow(faces=faces, steps=steps) for steps in (8, 20, 80)]
+    assert all(h.reached for h in ends_)
+    for h in ends_:
+        np.testing.assert_allclose(h.steps.forces_world[-1], g.solve("cone").forces_world, rtol=0.02, atol=0.01)
+
+
+def test_a_box_that_stands_on_something_rigid_is_held():
+    hand = hl.example_hand("two_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
+    box = hl.Box((0.05, 0.05, 0.07), (0, 0, 0.09), mass=0.5)
+    table = hl.Table((0, 0, 0.125), (0, 0, -1), hl.Coulomb(0.4), flexibility=0)
+    g = hand.at(hand.close_on(box)).grasp(
+        box, hl.Coulomb(0.8), gravity=(0, 0, G), squeeze=0.002, environment=table
+    )  # fmt: skip
+    h = g.follow(steps=10)
+    assert h.reached
+    np.testing.assert_allclose(h.steps.forces_world[-1].sum(axis=0), (0, 0, -0.5 * G), atol=1e-6)
+    assert h.steps.forces[-1, 2:, 2].min() > 0.5  # it stands on its four corners
+
+
+def test_a_hand_that_opens_lets_go():
+    h = cube().follow(order=["squeeze", hl.Stage("open", squeeze=0.0)], steps=8)
+    assert h.lost_stage == "open"
+    assert "pushes" not in h.why

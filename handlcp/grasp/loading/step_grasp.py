@@ -62,18 +62,19 @@ class StepGrasp:
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         self._levered = bool(first.weight_arm.any())
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
-        # What closing leaves of touching: else one finger touches first, and pushes the free object away
+        # What closing leaves of touching comes with the squeeze: else one finger is first, and pushes the object away
         fingers = np.arange(spec.n) < spec.of_fingers
         self._touching = np.where(fingers & (abs(first.gap) <= _TOUCHES * size), first.gap, 0.0)
         self._overlap = np.maximum(self._touching - first.gap, 0.0)
         self._given = spec.offset - geometry.apart
         self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
+        self._wedges = self.squeezes or bool(self._touching.any())
 
     def loads(self, look: Look, slipped: Array, controls: Controls, before: Controls) -> Loads:
         """Of a step from controls `before`. slipped (n, 3) : since it began, as `Geometry.slipped` has it."""
         base = slipped.copy()
-        base[:, 2] = look.gap - self._touching
-        if self.squeezes:
+        base[:, 2] = look.gap
+        if self._wedges:
             wedge = self.wedge(controls)
             base[:, :2] += (wedge - self.wedge(before))[:, :2]
             base[:, 2] += wedge[:, 2]
@@ -112,5 +113,5 @@ class StepGrasp:
     def wedge(self, controls: Controls) -> Array:
         """(n, 3) what preloads and offsets put between object and fingertips."""
         given = controls.wedge * self._given
-        given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * self._overlap
+        given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * (self._overlap - self._touching)
         return np.asarray(given)

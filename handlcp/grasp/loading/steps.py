@@ -130,7 +130,8 @@ class Steps:
     @lazy
     def work(self) -> Array:
         """(m,) energy that load, weights and commands, and the preload as it comes, have put in [J]. It is what is
-        stored and what friction took, but for the steps' error: forces are taken as their means over each step.
+        stored and what friction took, but for the steps' error: forces are taken as their means over each step. What
+        joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere.
         """
         states = self.states
         force = _rows([s.loads.force for s in states])
