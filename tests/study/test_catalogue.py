@@ -26,6 +26,8 @@ hand = { name = "five_finger", joint_stiffness_Nm_per_rad = 6.0 }
 object = { shape = "sphere", radius_m = 0.035, position_m = [0.0, 0.0, 0.07] }
 grasp = { friction = 0.6, preload_m = 0.003, gravity_m_per_s2 = [0.0, 0.0, 9.81] }
 load = { force_N = [0.0, 0.0, 3.0] }
+[solve]
+faces = 8
 """
 
 
