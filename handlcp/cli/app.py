@@ -15,11 +15,11 @@ from rich.console import Console
 from rich.text import Text
 from typer.core import TyperGroup
 
-from handlcp.errors import HandLCPError
+from handlcp.errors import HandLCPError, InputError
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["Json", "app", "print_json", "progress_bar", "say", "titled"]
+__all__ = ["Json", "app", "print_json", "progress_bar", "say", "sides_of", "titled"]
 
 
 class _Commands(TyperGroup):
@@ -86,6 +86,15 @@ def titled(title: str) -> Console:
     if title:
         out.print(Text(title, style="bold"), end="\n\n")
     return out
+
+
+def sides_of(own: Any, faces: str | None) -> Any:
+    """Faces of the friction pyramids, or "cone", from --faces over the scene file's own. Raises InputError."""
+    if faces is None or faces == "cone":
+        return own if faces is None else faces
+    if not faces.isdecimal() or int(faces) < 3:
+        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
+    return int(faces)
 
 
 def say(out: Console, word: str, style: str, sentence: str) -> None:

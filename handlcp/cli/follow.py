@@ -8,8 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, say, titled
-from handlcp.errors import InputError
+from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
 from handlcp.grasp import Loading
 from handlcp.show.file import checked
 
@@ -45,7 +44,7 @@ def follow(
         if file is not None:
             checked(file)
     read = scenes.load(scene)
-    sides = _sides(read, faces)
+    sides = sides_of(read.solve_with.faces, faces)
     stages = tuple([name.strip() for name in order.split(",")])
     found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
     drawn = _draw(found, read, plot, picture)
@@ -56,17 +55,6 @@ def follow(
     else:
         _print(found, read.title, sides, drawn)
     raise typer.Exit(0 if found.reached else 1)
-
-
-def _sides(read: Any, faces: str | None) -> Any:
-    """Faces of the friction pyramids, or "cone", which is what counts where nothing else is asked for."""
-    if faces is None:
-        return read.solve_with.faces if "faces" in read.solve_with.model_fields_set else "cone"
-    if faces == "cone":
-        return faces
-    if not faces.isdecimal() or int(faces) < 3:
-        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
-    return int(faces)
 
 
 def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) -> list[Path]:

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, say, titled
+from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.lcp import Auto
@@ -82,13 +82,7 @@ def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
     """Faces of the friction pyramids, or "cone". own : the scene file's. Raises InputError."""
     if accuracy is not None and faces is not None:
         raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
-    if accuracy is not None or faces == "cone":
-        return "cone"
-    if faces is None:
-        return own
-    if not faces.isdecimal() or int(faces) < 3:
-        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
-    return int(faces)
+    return "cone" if accuracy is not None else sides_of(own, faces)
 
 
 def _print_numbers(out: Console, grasp: Grasp, solution: GraspSolution, sides: Any) -> None:

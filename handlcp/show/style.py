@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["BLUE", "GREEN", "GREY", "INK", "PURPLE", "RED", "spread", "width"]
+__all__ = ["BLUE", "GREEN", "GREY", "INK", "PURPLE", "RED", "spread", "width", "wrapped"]
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart
 BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#A0307A"
@@ -18,6 +19,18 @@ def width(figure: Any, line: str, **style: Any) -> float:
     extent = drawn.get_window_extent()
     drawn.remove()
     return float(extent.width)
+
+
+def wrapped(figure: Any, text: str, letters: int, across: float, **style: Any) -> list[str]:
+    """Lines of at most so many letters, none wider than this share of the figure; no single word on the last one."""
+    lines = textwrap.wrap(text, letters)
+    while any(width(figure, line, **style) > across * figure.bbox.width for line in lines):
+        letters -= 3
+        lines = textwrap.wrap(text, letters)
+    while len(lines) > 1 and len(lines[-1]) < 0.35 * letters:
+        letters -= 2
+        lines = textwrap.wrap(text, letters)
+    return lines
 
 
 def spread(wanted: Sequence[float], sizes: Sequence[float], low: float, high: float) -> list[float]:

@@ -100,7 +100,7 @@ class Loading:
 
 
 def follow(
-    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any, seed: int = 0,
+    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
     finest: float = FINEST,
 ) -> Loading:  # fmt: skip
     """See `Grasp.follow`; finest : as in `drive`, larger where a rough answer will do."""
@@ -111,7 +111,7 @@ def follow(
         names = ", ".join(type(e).__name__ for e in held)
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
     weight = np.zeros(3) if spec.mechanism is None else spec.mechanism.weight_of_object()
-    stepper = Stepper(spec, body, section, weight, limit, seed)
+    stepper = Stepper(spec, body, section, weight, limit)
     command = np.zeros(len(body.posture))
     for e in spec.effects:
         if isinstance(e, JointOffset):

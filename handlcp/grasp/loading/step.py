@@ -75,13 +75,11 @@ class Stepper:
     share of the contacts' radii. weight (3,) : of the object [N].
     """
 
-    def __init__(
-        self, spec: GraspSpec, geometry: Geometry, section: Section, weight: Array, tolerance: float, seed: int
-    ) -> None:
+    def __init__(self, spec: GraspSpec, geometry: Geometry, section: Section, weight: Array, tolerance: float) -> None:
         self.geometry, self.tolerance = geometry, tolerance
         self.first = geometry.look(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
-        self.solver = StepSolver(self.grasp, self.first, section, seed)
+        self.solver = StepSolver(self.grasp, self.first, section)
         self.watch = watch_of(spec, geometry)
 
     def beginning(self, controls: Controls) -> State:

@@ -25,6 +25,7 @@ from handlcp.lcp import Auto
 
 __all__ = ["Answer", "StepSolver"]
 
+_CHAIN = Auto(search_seconds=0.0)  # a "no" is not worth a proof
 _FRICTION = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times what it is
 
 
@@ -42,10 +43,10 @@ class Answer(NamedTuple):
 
 
 class StepSolver:
-    """Solves the steps of one grasp. section : of its friction cones; seed : of the solver."""
+    """Solves the steps of one grasp. section : of its friction cones."""
 
-    def __init__(self, grasp: StepGrasp, first: Look, section: Section, seed: int) -> None:
-        self.grasp, self.section, self.seed = grasp, section, seed
+    def __init__(self, grasp: StepGrasp, first: Look, section: Section) -> None:
+        self.grasp, self.section = grasp, section
         scene = build(grasp.spec)
         self._kind = compiled_kind(scene, section)
         c, soft, contacts = scene.components, scene.soft, grasp.spec.contacts
@@ -130,7 +131,7 @@ class StepSolver:
         laws = self.laws if limits is None else self.laws._replace(limits=limits)
         write_row(self._scene[0], look.positions, look.frames, look.elastic, loads, laws)
         rows = np.empty((1, self._kind.answer_width))
-        solve_scenes(read_only(self._scene.view()), self._kind.pattern, start, self.seed, rows)
+        solve_scenes(read_only(self._scene.view()), self._kind.pattern, start, _CHAIN.seed, rows)
         found = CompiledAnswer(self._kind, rows[0])
         if not found.passes:
             return Failure("no answer" if found.escape is None else "no balance")
@@ -141,8 +142,7 @@ class StepSolver:
         """Of a grasp with effects of its own, or with the stages of the solver that search."""
         spec = self.grasp.made(look, loads)
         scene = build(spec)
-        chain = Auto(seed=self.seed, search_seconds=0.0)  # a "no" is not worth a proof
-        s = solve_built(spec, scene, self.section, chain, start, patient)
+        s = solve_built(spec, scene, self.section, _CHAIN, start, patient)
         if not s.held:
             return Failure("no answer" if s.certificate is None else "no balance")
         torsion = np.zeros(scene.n) if s.torsion is None else s.torsion

@@ -31,8 +31,9 @@ from handlcp.grasp.model.vectors import cross_rows
 
 __all__ = ["StepGrasp"]
 
-_TOUCHES = 3e-5  # of the same: fingertips no farther from the object than this, or no deeper in it, just touch
-_NONE = 1e-7  # of the contacts' distances from their centre: less is no preload
+# Of the contacts' distances from their centre: less is no preload; and fingertips no farther from the object than this,
+# or no deeper in it, just touch
+_NONE, _TOUCHES = 1e-7, 3e-5
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 from handlcp.grasp.loading.follow import Loading
-from handlcp.show.style import INK, width
+from handlcp.show.style import INK, width, wrapped
 
 __all__ = ["LINE", "headline"]
 
 LINE, TITLE = 0.215, 0.36  # inches from a line of the sentence to the next, and from the title to it
 _HEAD, _SIZE = 14.0, 10.5  # points
 _GOOD, _BAD = "#00734D", "#B03A00"
-_ACROSS, _LETTERS, _LAST = 0.964, 150, 0.35
+_ACROSS, _LETTERS = 0.944, 150
 
 
 def headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
@@ -24,7 +23,8 @@ def headline(figure: Any, loading: Loading, title: str, below: str = "") -> floa
         y += TITLE
     word, colour = ("REACHED:", _GOOD) if loading.reached else ("LOST:", _BAD)
     style: dict[str, Any] = {"fontsize": _SIZE, "va": "top"}
-    lines = _wrapped(figure, f"{word} {_said(loading)}", style)
+    # The first line has a bold word, which is wider
+    lines = wrapped(figure, f"{word} {_said(loading)}", _LETTERS, _ACROSS, **style)
     figure.text(left, 1.0 - y / inches, word, weight="bold", color=colour, **style)
     indent = width(figure, f"{word} ", weight="bold", **style) / figure.bbox.width
     lines[0] = lines[0].removeprefix(f"{word} ")
@@ -37,17 +37,3 @@ def headline(figure: Any, loading: Loading, title: str, below: str = "") -> floa
 def _said(loading: Loading) -> str:
     """The outcome without the word that stands before it."""
     return f"{loading.why.removeprefix('reached ').removeprefix('lost ')}."
-
-
-def _wrapped(figure: Any, text: str, style: dict[str, Any]) -> list[str]:
-    """Lines that fit the page."""
-    letters = _LETTERS
-    lines = textwrap.wrap(text, letters)
-    # The first line has a bold word, which is wider
-    while any(width(figure, line, **style) > (_ACROSS - 0.02) * figure.bbox.width for line in lines):
-        letters -= 3
-        lines = textwrap.wrap(text, letters)
-    while len(lines) > 1 and len(lines[-1]) < _LAST * letters:  # not a single word on the last line
-        letters -= 2
-        lines = textwrap.wrap(text, letters)
-    return lines

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
 from handlcp.grasp import Verdict
-from handlcp.show.style import BLUE, INK, RED, width
+from handlcp.show.style import BLUE, INK, RED, width, wrapped
 
 __all__ = ["Entry", "headline", "legend", "torque_bars"]
 
@@ -29,14 +28,8 @@ def headline(figure: Any, v: Verdict, title: str) -> float:
         figure.text(0.018, y, title, fontsize=14, weight="bold", color=INK, va="top")
         y -= 0.052
     style = {"fontsize": 10.5, "va": "top"}
-    said, letters = f"{v.word}: {v.reasons[0].sentence}." if v.reasons else f"{v.word}:", 140
-    lines = textwrap.wrap(said, letters)
-    while any(width(figure, line, **style) > 0.94 * figure.bbox.width for line in lines):
-        letters -= 3
-        lines = textwrap.wrap(said, letters)
-    while len(lines) > 1 and len(lines[-1]) < 0.35 * letters:  # not a single word on the last line
-        letters -= 2
-        lines = textwrap.wrap(said, letters)
+    said = f"{v.word}: {v.reasons[0].sentence}." if v.reasons else f"{v.word}:"
+    lines = wrapped(figure, said, 140, 0.94, **style)
     if len(lines) > 4:
         lines = [*lines[:3], f"{lines[3]} …"]
     figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
