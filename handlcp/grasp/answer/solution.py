@@ -14,6 +14,7 @@ from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.deferred import Deferred
 from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
 from handlcp.grasp.answer.reasons import reasons_of
+from handlcp.grasp.answer.shown import Shown
 from handlcp.grasp.answer.small_motions import Motions, motions
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.answer.verdict import Verdict, verdict_of
@@ -27,7 +28,7 @@ __all__ = ["GraspSolution"]
 
 
 @dataclass(frozen=True)
-class GraspSolution(Deferred):
+class GraspSolution(Shown, Deferred):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
 
     status : the certifier's verdict.

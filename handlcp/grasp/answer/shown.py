@@ -1,0 +1,33 @@
+"""What an answer looks like: a picture, plain data. Made by `handlcp.show`, which stands above this room."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from handlcp.views import view
+
+__all__ = ["Shown"]
+
+
+class Shown:
+    """Base of answers that can be looked at."""
+
+    def plot(self, path: Any = None, *, obj: Any = None, title: str = "", verdict: Any = None) -> Any:
+        """The picture of the grasp: a matplotlib figure, or the file that it was written to.
+
+        path : of a png, svg or pdf file; None: the figure itself, which a notebook shows. obj : what to draw as the
+        object where the grasp knows none. verdict : of `grasp.check()`; None: what this solution alone says.
+        Raises InputError for an unknown format or a missing folder, Unsupported without matplotlib.
+        """
+        return view("plot")(self, path, obj, title, verdict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
+        found: dict[str, Any] = view("to_dict")(self)
+        return found
+
+    def to_json(self, path: Any = None) -> str | Path:
+        """The same as JSON: the text, or the file that it was written to."""
+        written: str | Path = view("to_json")(self, path)
+        return written

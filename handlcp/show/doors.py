@@ -1,0 +1,54 @@
+"""What answers offer of pictures and data, by name; `handlcp.views` finds these functions."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from handlcp.errors import InputError
+from handlcp.grasp import Grasp, GraspSolution, Verdict
+from handlcp.hand import HandGrasp
+from handlcp.show.record import record
+from handlcp.study.plain import plain
+
+__all__ = ["plot", "to_dict", "to_json"]
+
+
+def plot(
+    solution: GraspSolution, path: Any = None, obj: Any = None, title: str = "", verdict: Verdict | None = None
+) -> Any:
+    """See `GraspSolution.plot`."""
+    from handlcp.show.picture import draw, save  # pictures alone need matplotlib
+
+    grasp = grasp_of(solution)
+    if path is None:
+        return draw(grasp, solution, obj, title, verdict)
+    return save(grasp, solution, path, obj, title, verdict)
+
+
+def to_dict(solution: GraspSolution) -> dict[str, Any]:
+    """See `GraspSolution.to_dict`."""
+    grasp = grasp_of(solution)
+    return record(grasp, solution, grasp.explain())
+
+
+def to_json(solution: GraspSolution, path: Any = None) -> str | Path:
+    """See `GraspSolution.to_json`. Raises InputError for a file that cannot be written."""
+    text = json.dumps(plain(to_dict(solution)), indent=2, ensure_ascii=False, allow_nan=False)
+    if path is None:
+        return text
+    file = Path(path)
+    try:
+        file.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError("path", "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
+    return file
+
+
+def grasp_of(solution: GraspSolution) -> Grasp:
+    """The grasp that a solution answers. Raises InputError for one that does not know what was solved."""
+    spec = solution.spec
+    if spec is None:
+        raise InputError("solution", "one made by grasp.solve()", "one that does not know its grasp")
+    return Grasp(spec) if spec.mechanism is None else HandGrasp(spec)

@@ -1,0 +1,30 @@
+"""What answers offer of pictures and data."""
+
+import json
+
+import pytest
+
+import handlcp as hl
+
+
+@pytest.fixture(scope="module")
+def solution():
+    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.SoftFinger(0.5, 0.01)) for x in (-1.0, 1.0)]
+    return hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve()
+
+
+def test_an_answer_draws_itself(solution, tmp_path):
+    assert solution.plot(title="two fingers").axes
+    assert solution.plot(tmp_path / "grasp.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_answer_is_plain_data_that_json_brings_back(solution, tmp_path):
+    found = solution.to_dict()
+    assert found["contacts"][0]["force_N"] == pytest.approx(list(solution.forces[0]))
+    assert json.loads(solution.to_json()) == found
+    assert json.loads(solution.to_json(tmp_path / "grasp.json").read_text(encoding="utf-8")) == found
+
+
+def test_a_file_that_cannot_be_written_is_named(solution, tmp_path):
+    with pytest.raises(hl.InputError, match="a file that can be written"):
+        solution.to_json(tmp_path / "missing" / "grasp.json")
