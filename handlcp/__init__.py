@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         GraspStream,
         GraspUpdate,
         Hand,
+        HandDescription,
         HandGrasp,
         HandGraspSolution,
         HandState,
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
         Tendons,
         TorqueCheck,
         audit_urdf,
+        describe_urdf,
         example_hand,
     )
     from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
@@ -88,12 +90,13 @@ __all__ = [
     "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "Box", "Contact",
     "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria", "Explanation",
     "FingerForceBound", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspStream",
-    "GraspUpdate", "Hand", "HandGrasp", "HandGraspSolution", "HandLCPError", "HandState", "InputError", "KnownForce",
-    "LCPSolution", "Lemke", "Loading", "Mesh", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid",
-    "Reason", "Required", "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions",
-    "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
-    "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict", "accuracy_cost",
-    "audit_urdf", "example_hand", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandLCPError", "HandState",
+    "InputError", "KnownForce", "LCPSolution", "Lemke", "Loading", "Mesh", "NoSolutionFound", "NotReached",
+    "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "SceneFileError", "SemismoothNewton",
+    "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table",
+    "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName",
+    "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "solve_lcp",
+    "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -104,9 +107,9 @@ _ROOMS = {
     },
     "lcp": {"LCP", "LCPSolution", "Lemke", "NSNGRK", "Auto", "SemismoothNewton", "Status", "solve_lcp"},
     "hand": {
-        "Audit", "Box", "Cylinder", "Doubt", "Ellipsoid", "GraspStream", "GraspUpdate", "Hand", "HandGrasp",
-        "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
-        "audit_urdf", "example_hand",
+        "Audit", "Box", "Cylinder", "Doubt", "Ellipsoid", "GraspStream", "GraspUpdate", "Hand", "HandDescription",
+        "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
+        "audit_urdf", "describe_urdf", "example_hand",
     },
     "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},
