@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any, Self
 
 import coal
 import numpy as np
@@ -83,10 +83,16 @@ class Object:
         """(3,) [m], world axes."""
         return read_only(np.asarray(self._placement.act(self._centre)))
 
-    def moved_to(self, placement: Any) -> Object:
-        """The same object at another placement (pin.SE3 or position)."""
-        make: Any = type(self)
-        return cast(Object, make(*self._args, placement, self.mass))
+    def moved_to(self, placement: Any) -> Self:
+        """The same object at another placement (pin.SE3 or position). Nothing is read or computed anew."""
+        placed = _read_placement(placement)
+        frame = read_only(placed.rotation.copy()), read_only(placed.translation.copy())
+        moved = {"_placement": placed, "frame": frame, "transform": coal.Transform3s(*frame)}
+        made = object.__new__(type(self))
+        for kind in type(self).__mro__:
+            for name in getattr(kind, "__slots__", ()):
+                object.__setattr__(made, name, moved.get(name, getattr(self, name)))
+        return made
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
         """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: unknown."""
