@@ -41,6 +41,16 @@ class Candidate:
         return min(self.friction_reserve, self.torque_reserve)
 
     @property
+    def pressing(self) -> int:
+        """How many of the fingers press on the object; the others only touch it, or let go under the load."""
+        return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_fingers])
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """What grasps are sorted by: those in which more fingers press come first, then those with a larger margin."""
+        return -self.pressing, -self.margin
+
+    @property
     def state(self) -> Posture:
         """The hand in the posture that touches."""
         return self.grasp.state

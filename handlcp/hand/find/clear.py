@@ -10,6 +10,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import URDFError
+from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand.find.place import Place
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
@@ -17,7 +18,7 @@ from handlcp.hand.robot.model import HandModel
 
 __all__ = ["Links"]
 
-_POINTS = 300  # of a link, at most, that are looked at
+_POINTS = 150  # of a link, at most, that are looked at
 _DEPTH, _DEPTH_AT_TIP = 2e-4, 2e-3  # [m] how deep a link may be in the object, and one that carries a fingertip
 _BESIDE = 2e-4  # [m] how much less deep a link is pushed that is too deep
 
@@ -39,12 +40,13 @@ class Links:
         carry = {model.frames[hand.tips.frames[i]].parentJoint for i in tips}
         nets = [link.net for link in self._links]
         steps = [max(1, -(-len(points) // _POINTS)) for points, _ in nets]
-        self._points = [points[::step] for (points, _), step in zip(nets, steps, strict=True)]
+        points = [points[::step] for (points, _), step in zip(nets, steps, strict=True)]
+        self._points = np.concatenate([*points, np.zeros((0, 3))])
+        self._of = np.repeat(np.arange(len(points)), [len(p) for p in points])
+        self._starts = np.cumsum([0, *map(len, points)])[:-1]
         allowed = [_DEPTH_AT_TIP if link.joint in carry else _DEPTH for link in self._links]
         slack = [r[::step] - a for (_, r), step, a in zip(nets, steps, allowed, strict=True)]
         self._slack = np.concatenate([*slack, np.zeros(0)])
-        ends = np.cumsum([0, *map(len, slack)])
-        self._pieces = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
         self._moved_by = np.zeros((len(self._links), model.nv))
         for row, link in zip(self._moved_by, self._links, strict=True):
             for joint in model.supports[link.joint]:
@@ -57,7 +59,7 @@ class Links:
     @property
     def middles(self) -> tuple[list[int], Array]:
         """Frames of the links, and the middle of each in its frame (m, 3) [m]."""
-        return self._frames, np.array([points.mean(axis=0) for points in self._points]).reshape(-1, 3)
+        return self._frames, np.array([self._points[self._of == k].mean(axis=0) for k in range(len(self._links))]).reshape(-1, 3)
 
     def out_of(self, home: Object, place: Place) -> bool:
         """Whether no link is inside the object, whose frame is at the origin in `home`."""
@@ -67,25 +69,19 @@ class Links:
         """Of the links inside the object: gap (m,) of each link's deepest point [m], below 0; that point (m, 3); the
         normal (m, 3) from it into the object; and n · J (m, nv) of the point. World axes.
         """
-        gaps, points, normals, levers = [], [], [], []
-        if self._links:
-            beyond, local, columns = self._beyond(home, place)
-            for joints, piece in zip(self._moved_by, self._pieces, strict=True):
-                k = int(np.argmin(beyond[piece]))
-                gap = float(beyond[piece][k])
-                known = home.closest(local[piece][k]) if gap < 0.0 else None
-                if known is None:
-                    continue
-                x, n = place.rotation @ local[piece][k] + place.position, -(place.rotation @ known[2])
-                gaps.append(gap - _BESIDE)
-                points.append(x)
-                normals.append(n)
-                row = (n @ columns[:3] + np.cross(x, n) @ columns[3:]) * joints
-                coupling = self._hand.kinematics.coupling
-                levers.append(row if coupling is None else row @ coupling)
-        shape = (len(gaps), 3)
-        found = (np.reshape(a, shape) for a in (points, normals))
-        return np.array(gaps), *found, np.reshape(levers, (len(gaps), self._hand.nv))
+        none = np.zeros((0, 3))
+        if not self._links:
+            return np.zeros(0), none, none, np.zeros((0, self._hand.nv))
+        beyond, local, columns = self._beyond(home, place)
+        deep = np.flatnonzero(np.minimum.reduceat(beyond, self._starts) < 0.0)
+        ends = np.append(self._starts, len(beyond))
+        worst = np.array([ends[i] + int(np.argmin(beyond[ends[i] : ends[i + 1]])) for i in deep], dtype=int)
+        known = [home.closest(local[k]) for k in worst]
+        out = np.array([[0.0, 0.0, 0.0] if one is None else one[2] for one in known]).reshape(-1, 3)
+        points, normals = local[worst] @ place.rotation.T + place.position, -out @ place.rotation.T
+        levers = (normals @ columns[:3] + cross_rows(points, normals) @ columns[3:]) * self._moved_by[deep]
+        coupling = self._hand.kinematics.coupling
+        return beyond[worst] - _BESIDE, points, normals, levers if coupling is None else levers @ coupling
 
     def _beyond(self, home: Object, place: Place) -> tuple[Array, Array, Array]:
         """How far each point is beyond what is allowed [m], the points in the object's frame, and the joints' columns
@@ -93,8 +89,8 @@ class Links:
         """
         at, columns = self._hand.kinematics.frames_at(place.q, self._frames)
         R, o = place.rotation, place.position
-        points = [p @ (R.T @ T[:3, :3]).T + (T[:3, 3] - o) @ R for p, T in zip(self._points, at, strict=True)]
-        local = np.concatenate(points)
+        turns, shifts = R.T @ at[:, :3, :3], (at[:, :3, 3] - o) @ R
+        local = np.einsum("kxy,ky->kx", turns[self._of], self._points) + shifts[self._of]
         return distances(local, home) - self._slack, local, columns
 
     def out_of_each_other(self, q: Array) -> bool:

@@ -27,7 +27,7 @@ def find_grasp(
     squeeze: Any = None,
     grip_force: Any = None,
     fingers: Sequence[str] | None = None,
-    tries: int = 96,
+    tries: int = 256,
     seed: int = 0,
     throw: bool = True,
 ) -> Found:

@@ -24,6 +24,7 @@ from handlcp.hand.state import HandState
 
 __all__ = ["Search"]
 
+_AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held
 _SOLVED = 16  # grasps of each round that are solved
 _ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
 _JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
@@ -53,13 +54,16 @@ class Search:
         of the best is.
         """
         places = guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
-        found = self._checked(self._settled(places), _CHECKED)
+        found: list[Candidate] = []
+        while places and not found:
+            found = self._checked(self._settled(places[:_AT_ONCE]), _CHECKED)
+            places = places[_AT_ONCE:]
         rng = np.random.default_rng(self._seed)
         for k in range(_ROUNDS if found else 0):
             best = [self._place(candidate) for candidate in found[:_BEST]]
             near = self._settled(self._nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
-            better = [one for one in near if one.margin > found[0].margin]
-            found = sorted([*self._checked(better, _RECHECKED), *found], key=lambda one: -one.margin)
+            better = [one for one in near if one.rank < found[0].rank]
+            found = sorted([*self._checked(better, _RECHECKED), *found], key=lambda one: one.rank)
         return found
 
     def _checked(self, found: list[Candidate], most: int) -> list[Candidate]:
@@ -96,7 +100,7 @@ class Search:
             if solution.held:
                 found.append(Candidate(grasp, solution, *reserves(grasp, solution)))
         self.tried["held"] += len(found)
-        return sorted(found, key=lambda one: -one.margin)
+        return sorted(found, key=lambda one: one.rank)
 
     def _grasp(self, touch: Touch, forces: Array) -> list[HandGrasp]:
         """The grasp of a place, or none where no distance is confirmed there."""

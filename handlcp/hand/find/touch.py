@@ -18,6 +18,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
+from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand.find.clear import Links
 from handlcp.hand.find.place import Place, free_ranges, size_of_object
 from handlcp.hand.objects.detect import Proximity, nearest
@@ -30,6 +31,7 @@ __all__ = ["Touch", "brought_together"]
 
 CLOSE = 5e-7  # [m] gaps that count as closed; distances between some shapes are no better
 _STEPS, _LONGEST = 30, 0.3  # at most; of a step [rad], and as a share of the object's size
+_IDLE = 5  # steps without progress after which it is given up
 _NEAR = 1e-4  # [m] below this, distances are confirmed ones
 _REQUEST = coal.DistanceRequest()
 _REQUEST.enable_signed_distance = True
@@ -57,7 +59,7 @@ def brought_together(
     lower, upper = free_ranges(hand)
     size = size_of_object(home)
     scale = np.append(np.minimum(1.0, upper - lower), [size, size, size, 1.0, 1.0, 1.0])
-    exact = False
+    exact, least, idle = False, np.inf, 0
     for _ in range(_STEPS):
         posture = Posture(hand, place.q.copy())
         try:
@@ -73,10 +75,13 @@ def brought_together(
         levers = np.einsum("ix,ixj->ij", normals, J)
         if exact and abs(gaps).max() <= CLOSE and not len(inside):
             return Touch(place, np.array([p.position for p in near]), normals, levers)
+        worst = float(abs(wanted := -np.append(gaps, inside)).max())
+        least, idle = (worst, 0) if worst < 0.9 * least else (least, idle + 1)
+        if idle > _IDLE:
+            return None
         arms = np.array([p.position for p in near]) - place.position
-        rows = np.hstack([-levers, normals, np.cross(arms, normals)])
-        more = np.hstack([-pushed, into, np.cross(deep - place.position, into)])
-        wanted = -np.append(gaps, inside)
+        rows = np.hstack([-levers, normals, cross_rows(arms, normals)])
+        more = np.hstack([-pushed, into, cross_rows(deep - place.position, into)])
         step = _smallest(np.vstack([rows, more]), wanted, scale, lower - place.q, upper - place.q)
         largest = float(abs(step / scale).max())
         place = place.moved(*np.split(step * min(1.0, _LONGEST / max(largest, 1e-300)), [hand.nv]))
