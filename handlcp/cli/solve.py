@@ -53,7 +53,7 @@ def solve(
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
     explanation = grasp.explain(sides, measure=explain)
-    solution = grasp.solve(None if accuracy is not None else sides, solver, throw=False, accuracy=accuracy)
+    solution = grasp.solve(sides, solver, throw=False, accuracy=accuracy)
     judged = grasp.check(faces=sides, solution=solution)
     if plot is not None:
         from handlcp.show.picture import save

@@ -124,7 +124,7 @@ class Grasp:
         problem.complete()
         return problem
 
-    def explain(self, faces: int | str | Pyramid = 8, measure: bool = False) -> Explanation:
+    def explain(self, faces: int | str | Pyramid = "cone", measure: bool = False) -> Explanation:
         """Which effects are on and off, why, and what each costs in unknowns.
 
         measure : also in time: each one's share of a solve, from half a second of solves with it and without it (see
@@ -135,18 +135,18 @@ class Grasp:
         solution = self.solve(faces, Auto(search_seconds=0), throw=False) if measure else None
         return found if solution is None else measured(self.spec, section, found, solution)
 
-    def plan(self, faces: int | str | Pyramid = 8, chain: Auto | None = None) -> tuple[str, ...]:
+    def plan(self, faces: int | str | Pyramid = "cone", chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
         return (chain or Auto()).plan(GraspContactProblem(self.scene, self._section(faces), stamped(self.spec.effects)))
 
     def solve(
-        self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
+        self, faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
         throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
     ) -> GraspSolution:  # fmt: skip
         """Grasp forces, slips and object motion, certified.
 
-        faces : see `problem`; None: 8. solver : `Auto()` when None. accuracy : the error of the forces that will do,
-        as a share of the largest; the exact cone is taken, and the solution's `accuracy` says what error it estimates.
+        faces : see `problem`. solver : `Auto()` when None. accuracy : the error of the forces that will do, as a share
+        of the largest; on the exact cone alone. The solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
         proof : where none is found, whether to prove that there is none; False: stop there, in bounded time, and say
@@ -156,13 +156,13 @@ class Grasp:
         """
         where, proof = start_from(start, self.scene), yes_or_no("proof", proof)
         if accuracy is None:
-            section = self._section(8 if faces is None else faces)
+            section = self._section(faces)
             solution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
-        elif faces is None:
+        elif faces == "cone":
             asked = number("accuracy", accuracy, above=0.0)
             section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where, proof)
         else:
-            raise InputError("accuracy", "no faces beside it: it chooses them", f"faces={faces!r}")
+            raise InputError("accuracy", "no faces beside it: it is of the exact cone", f"faces={faces!r}")
         reached = solution.accuracy
         if not throw or (solution.held and (reached is None or reached.met)):
             return solution
@@ -178,7 +178,7 @@ class Grasp:
         return type(self)(replaced(self.spec, wrench, flexibility, offset, preload))
 
     def suggest(
-        self, solution: GraspSolution | None = None, faces: int | str | Pyramid = 8, least: float = 0.05
+        self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", least: float = 0.05
     ) -> Suggestions:
         """Which effects that are left out would change the answer by more than `least` of its largest force: the exact
         cone, and of a hand its torque limits, its fingers' weight and geometric stiffness, each evaluated once.
@@ -192,15 +192,15 @@ class Grasp:
             raise InputError("solution", "an answer of this grasp, or None", got)
         return suggest(self.spec, self._section(faces), solution, least)
 
-    def required_preload(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
+    def required_preload(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""
         return required_preload(self.spec, self._section(faces), tolerance)
 
-    def required_friction(self, faces: int | str | Pyramid = 8, tolerance: float = 1e-3) -> Required:
+    def required_friction(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
         return required_friction(self.spec, self._section(faces), tolerance)
 
-    def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
+    def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.
 
         faces : see `problem`. Friction can hold an object in several ways under one load; `solve` returns one of them.

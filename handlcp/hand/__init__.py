@@ -11,7 +11,8 @@ from handlcp.hand.library import HANDS, example_hand
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand.objects.table import Table
-from handlcp.hand.robot.audit import Audit, Doubt, audit_urdf
+from handlcp.hand.robot.audit import Audit, audit_urdf
+from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.state import HandState
 from handlcp.hand.stream import GraspStream

@@ -1,9 +1,9 @@
-"""The robot hand: a URDF, its fingertips, and what a URDF does not say."""
+"""The robot hand: a URDF, MJCF file or Pinocchio model, its fingertips, and what such a file does not say."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from copy import deepcopy
+from typing import Any, Self
 
 import numpy as np
 import pinocchio as pin
@@ -13,30 +13,36 @@ from handlcp.errors import InputError
 from handlcp.hand.elasticity.pads import read_pads
 from handlcp.hand.elasticity.stiffness import read_stiffness
 from handlcp.hand.objects.close import close_on as _close_on
-from handlcp.hand.robot.audit import Audit, Doubt, doubts_of
+from handlcp.hand.robot.audit import Audit, doubts_of
+from handlcp.hand.robot.doubt import Doubt
+from handlcp.hand.robot.fingertips.frames import find_tips
 from handlcp.hand.robot.joint_limits import read_torque_limits
-from handlcp.hand.robot.joints import joint_facts, model_facts
-from handlcp.hand.robot.kinematics import Kinematics, find_tips
+from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.read import describe_model, describe_xml
+from handlcp.hand.robot.source.xml import MJCF, URDF
 from handlcp.hand.robot.tip_geometry import TipGeometry, read_radii
-from handlcp.hand.robot.urdf import build_model, package_folders, read_urdf
 from handlcp.hand.state import HandState
 
 __all__ = ["Hand"]
 
 
 class Hand(HandModel):
-    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`; what it promises is said at `HandModel`.
+    """A hand with elastic joints and fingertips, made by `Hand.from_urdf`, `from_mjcf` or `from_model`; what it
+    promises is said at `HandModel`.
 
     Data: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts kinematics, tips,
     stiffness, pads, torques.
     """
 
+    _by_tip: dict[str, Any]  # what was passed fingertip by fingertip
+
     @classmethod
     def from_urdf(
         cls,
         source: Any,
-        fingertips: Sequence[str] | None = None,
+        fingertips: Any = None,
         *,
         joint_stiffness: Any,
         pad_flexibility: Any = 0.0,
@@ -44,41 +50,132 @@ class Hand(HandModel):
         base: str | None = None,
         tip_radius: Any = None,
         package_dirs: Any = None,
-    ) -> Hand:
-        """Read a hand.
+    ) -> Self:
+        """Read a hand from a URDF.
 
-        source : path of a URDF file, or a pinocchio.Model (which knows no mimic joints and no collision geometry).
-        fingertips : frame names; None: the leaf frames whose names end in "tip".
+        source : path of the file, or its text (a string that starts with "<").
+        fingertips : names of links or frames, and points on links: ["thumb_tip", ("index_3", (0, 0, 0.03))], or with
+            names of your own: {"thumb": "thumb_tip", "index": ("index_3", (0, 0, 0.03))}. Points in the link's frame
+            [m]. None: the leaf frames whose names end in "tip"; without such, the ends of the two to five chains of
+            joints, if what is the fingertip there is plain: a frame without geometry, or the far end of the last
+            link's geometry. `hand.describe()` shows what was taken, and why.
         joint_stiffness : [N·m/rad] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv); None or inf:
             rigid. Or a transmission: `Tendons`, `Synergies`.
         pad_flexibility : [m/N] a number, (3,) along the tip frame's axes, (3, 3) PSD in tip axes, (n, 3, 3), or a
             mapping by tip name.
-        torque_limits : [N·m] None: the URDF's efforts (zero, infinite or absent: unknown); a number, (nv,), or a
-            mapping by joint name over the URDF's; inf: no limit.
+        torque_limits : [N·m] None: the file's efforts (zero, infinite or absent: unknown); a number, (nv,), or a
+            mapping by joint name over the file's; inf: no limit.
         base : only the links below this one are the hand, and its frame is the world frame.
-        tip_radius : [m] a number, or a mapping by tip name: a sphere about the tip frame. None: the URDF's collision
-            geometry of the link that is the tip frame or, if it has none, of the links fixed to it. Used when
-            contacts are detected, and only then.
+        tip_radius : [m] a number, or a mapping by tip name: a sphere about the tip frame. None: the collision
+            geometry of the link that is the tip frame or, if it has none, of the links fixed to it; if nothing there
+            collides, what is drawn of them. Used when contacts are detected, and only then.
         package_dirs : folders for package:// addresses of meshes.
 
-        Raises URDFError, UnknownName (listing the valid names), InputError.
+        Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
-        root, path = None, None
         if isinstance(source, pin.Model):
             if base is not None:
                 raise InputError("base", "None for a pinocchio.Model (only a URDF file can be cut)", repr(base))
-            model, facts = pin.Model(source), model_facts(source)
+            described = describe_model("source", source)
         else:
-            root, path = read_urdf("source", source, base)
-            facts = joint_facts(root)
-            model = build_model(root, str(path))
-        kinematics = Kinematics(model, facts)
-        joints, tips = kinematics.joint_names, find_tips(model, fingertips)
-        stiffness, pads = read_stiffness(joint_stiffness, joints), read_pads(pad_flexibility, tips.names)
-        torques = read_torque_limits(torque_limits, joints, {f.name: f for f in facts})
-        radii, folders = read_radii(tip_radius, tips.names), package_folders(package_dirs, path)
-        geometry, name = TipGeometry(model, root, tips, radii, folders), path.name if path else str(model.name)
-        return cls(kinematics, tips, stiffness, pads, torques, geometry, name)
+            described = describe_xml("source", source, base, package_dirs, (URDF,))
+        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
+
+    @classmethod
+    def from_mjcf(
+        cls,
+        source: Any,
+        fingertips: Any = None,
+        *,
+        joint_stiffness: Any,
+        pad_flexibility: Any = 0.0,
+        torque_limits: Any = None,
+        base: str | None = None,
+        tip_radius: Any = None,
+        package_dirs: Any = None,
+    ) -> Self:
+        """Read a hand from an MJCF file, MuJoCo's format; arguments as of `from_urdf`.
+
+        Bodies and named sites are links. The world body is the base, and a free joint at the root is left out. Efforts
+        are those of the file's actuators; joints that an equality couples follow each other.
+
+        Raises Unsupported without MuJoCo (pip install handlcp[mujoco]), and what `from_urdf` raises.
+        """
+        described = describe_xml("source", source, base, package_dirs, (MJCF,))
+        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
+
+    @classmethod
+    def from_model(
+        cls,
+        model: Any,
+        fingertips: Any = None,
+        *,
+        joint_stiffness: Any,
+        pad_flexibility: Any = 0.0,
+        torque_limits: Any = None,
+        tip_radius: Any = None,
+    ) -> Self:
+        """A hand from a pinocchio.Model, or a pinocchio.RobotWrapper with its collision and visual geometry.
+
+        Pinocchio does not know mimic joints unless the model has them as joints of their own kind, which are refused:
+        every joint is a joint of its own here. Arguments as of `from_urdf`. Raises InputError, URDFError, UnknownName.
+        """
+        described = describe_model("model", model)
+        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
+
+    @classmethod
+    def _made(
+        cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any
+    ) -> Self:
+        model = pin.Model(described.model)
+        kinematics = Kinematics(model, described.facts)
+        tips = find_tips(model, described, fingertips)
+        joints = kinematics.joint_names
+        hand = cls(
+            kinematics, tips, read_stiffness(stiffness, joints), read_pads(pads, tips.names),
+            read_torque_limits(limits, joints, {f.name: f for f in described.facts}),
+            TipGeometry(described, tips, read_radii(radius, tips.names)),
+        )  # fmt: skip
+        hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
+        return hand
+
+    def replace(
+        self,
+        *,
+        joint_stiffness: Any = ...,
+        pad_flexibility: Any = ...,
+        torque_limits: Any = ...,
+        tip_radius: Any = ...,
+        fingertips: Any = ...,
+    ) -> Self:
+        """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
+
+        Beside new fingertips, what was passed by name of the old ones has to be passed again. Raises InputError,
+        UnknownName.
+        """
+        joints, facts = self.joint_names, self.description.facts
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__)
+        by_tip = dict(self._by_tip)
+        by_tip |= {} if pad_flexibility is ... else {"pads": deepcopy(pad_flexibility)}
+        by_tip |= {} if tip_radius is ... else {"radius": deepcopy(tip_radius)}
+        parts: dict[str, Any] = {"_by_tip": by_tip}
+        tips = self.tips
+        if fingertips is not ...:
+            model = pin.Model(self.description.model)
+            tips = find_tips(model, self.description, fingertips)
+            parts |= {"tips": tips, "fingertips": tips.names, "kinematics": Kinematics(model, facts)}
+        if fingertips is not ... or pad_flexibility is not ...:
+            parts["pads"] = read_pads(by_tip["pads"], tips.names)
+        if fingertips is not ... or tip_radius is not ...:
+            parts["_geometry"] = TipGeometry(self.description, tips, read_radii(by_tip["radius"], tips.names))
+        if joint_stiffness is not ...:
+            parts["stiffness"] = read_stiffness(joint_stiffness, joints)
+        if torque_limits is not ...:
+            torques = read_torque_limits(torque_limits, joints, {f.name: f for f in facts})
+            parts |= {"torques": torques, "torque_limits": torques.limits}
+        made.__dict__.update(parts)
+        return made
 
     @property
     def joint_stiffness(self) -> Array:

@@ -151,7 +151,7 @@ class HandGrasp(Grasp):
         return type(self)(spec)
 
     def solve(
-        self, faces: int | str | Pyramid | None = None, solver: Solver | ContactSolver | Auto | None = None,
+        self, faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
         throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
     ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
@@ -159,7 +159,7 @@ class HandGrasp(Grasp):
             raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start, proof))
 
-    def explain(self, faces: int | str | Pyramid = 8, measure: bool = False) -> Explanation:
+    def explain(self, faces: int | str | Pyramid = "cone", measure: bool = False) -> Explanation:
         """As `Grasp.explain`; what is out of the joints' reach of preloads and overlaps stands beside them."""
         found = super().explain(faces, measure)
         words = "".join([f"; {reach}" for reach in self.out_of_reach if reach.carried])
@@ -169,13 +169,13 @@ class HandGrasp(Grasp):
         ]
         return replace(found, effects=tuple(lines)) if words else found
 
-    def equilibria(self, faces: int | str | Pyramid = 8, seconds: float = 2.0) -> Equilibria:
+    def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
         if force_dependent(self.spec):
             raise Unsupported("no search covers equilibria of fingers that their own forces bend (GeometricStiffness)")
         return super().equilibria(faces, seconds)
 
-    def geometric_change(self, solution: GraspSolution, faces: int | str | Pyramid = 8) -> Array:
+    def geometric_change(self, solution: GraspSolution, faces: int | str | Pyramid = "cone") -> Array:
         """(n,) by how much `GeometricStiffness` would change each finger's force, as a share of the largest force: from
         one correction, E under the solution's own forces. Infinite where a finger buckles under them or the corrected
         grasp has no answer; 0 to rounding where the grasp has the effect already.

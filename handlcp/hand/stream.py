@@ -46,7 +46,7 @@ class GraspStream:
     """
 
     def __init__(
-        self, grasp: Grasp, faces: int | str | Pyramid = 8, seed: int = 0, start: GraspSolution | None = None
+        self, grasp: Grasp, faces: int | str | Pyramid = "cone", seed: int = 0, start: GraspSolution | None = None
     ) -> None:
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["BLUE", "GREEN", "GREY", "INK", "PURPLE", "RED", "spread", "width", "wrapped"]
+__all__ = ["BLUE", "GREEN", "GREY", "INK", "PURPLE", "RED", "shortened", "spread", "width", "wrapped"]
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart
 BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#A0307A"
+_WORD = re.compile(r"[^_\s./-]+[_\s./-]*|[_\s./-]+")  # of a name, with what parts it from the next
 INK, GREY = "#222222", "#5F5F5F"  # of text, and of text that matters less
 
 
@@ -31,6 +33,35 @@ def wrapped(figure: Any, text: str, letters: int, across: float, **style: Any) -
         letters -= 2
         lines = textwrap.wrap(text, letters)
     return lines
+
+
+def shortened(names: Sequence[str], letters: int) -> list[str]:
+    """The names, those of more letters with "…" for what is left out: the words that all names begin and end with, then
+    letters in the middle. Names that differ stay different.
+    """
+    if max(map(len, names), default=0) <= letters:
+        return list(names)
+    words = [_WORD.findall(name) for name in names]
+    begin = _alike(words)
+    end = _alike([w[begin:][::-1] for w in words])
+    kept = ["".join(w[begin : len(w) - end]).rstrip("_ ./-") for w in words]
+    out = [name if len(name) <= letters else _cut(f"{'…' * (begin > 0)}{own}{'…' * (end > 0)}", letters)
+           for name, own in zip(names, kept, strict=True)]  # fmt: skip
+    if len(set(out)) == len(set(names)):
+        return out
+    return [_cut(name, letters - 4) + f" ({k})" for k, name in enumerate(names, 1)]
+
+
+def _alike(words: Sequence[Sequence[str]]) -> int:
+    """How many words all of these begin with, of several; one word of each is left."""
+    most = min(map(len, words)) - 1 if len(words) > 1 else 0
+    return next((k for k in range(most) if len({w[k] for w in words}) > 1), most)
+
+
+def _cut(text: str, letters: int) -> str:
+    """Without letters in the middle, where there are too many."""
+    tail = (letters - 1) * 2 // 5
+    return text if len(text) <= letters else f"{text[: letters - 1 - tail]}…{text[-tail:]}"
 
 
 def spread(wanted: Sequence[float], sizes: Sequence[float], low: float, high: float) -> list[float]:

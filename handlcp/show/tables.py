@@ -47,7 +47,7 @@ def effect_table(explanation: Explanation) -> Table:
     return table
 
 
-def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = 8) -> Table:
+def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = "cone") -> Table:
     """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap."""
     slips, moments = np.hypot(*solution.slip.T), solution.torsion
     slip, gap = words.length_unit(slips.tolist()), words.length_unit(solution.gap.tolist())

@@ -23,7 +23,7 @@ def judged(g, forces, twist):
 def answer(request):
     contacts, data = ring(np.random.default_rng(request.param))
     g = hl.Grasp(contacts, **data)
-    s = g.solve()
+    s = g.solve(8)
     return g, s.forces.copy(), at_centre(g, s)
 
 
@@ -55,7 +55,7 @@ def test_a_motion_at_a_rigid_support_is_refused_as_it_changes_the_fingers_forces
     contacts = [hl.Contact(-0.03 * n, n, hl.Coulomb(0.5)) for n in z]
     E = np.diag(np.repeat([1e-4, 1e-3, 0.0], 3))
     g = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=E, preload=[1e-3, 1e-3, 0.0])
-    s = g.solve()
+    s = g.solve(8)
     f, u = s.forces.copy(), at_centre(g, s)
     assert judged(g, f, u).passes
     for i in range(3):  # rigid across and along the normal
@@ -190,13 +190,14 @@ def test_an_escape_that_does_no_work_or_is_resisted_is_no_proof():
 def test_undecided_carries_its_trace_and_claims_nothing():
     contacts, data = ring(np.random.default_rng(0))
     g = hl.Grasp(contacts, **data)
-    s = g.solve(solver=hl.NSNGRK(polish=False, max_iterations=3), throw=False)
+    lazy = hl.NSNGRK(polish=False, max_iterations=3)
+    s = g.solve(8, lazy, throw=False)
     assert s.status is hl.Status.UNDECIDED
     same("grasp/test_certificates: what undecided means", s.status.meaning)
     assert s.contact_state == ("unknown",) * 4
     assert s.iterations == 3
     with pytest.raises(hl.NoSolutionFound) as e:
-        g.solve(solver=hl.NSNGRK(polish=False, max_iterations=3))
+        g.solve(8, lazy)
     assert e.value.problem.n == 36
     assert all(line in str(e.value) for line in e.value.solution.trace)
     same("grasp/test_certificates: a trace of three steps", e.value.solution.trace[0].partition(",")[0], "NSNGRK: 3 ")

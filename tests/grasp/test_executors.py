@@ -51,9 +51,7 @@ def test_the_answers_are_those_of_one_process_whatever_the_shards(size, faces, m
 def test_solvers_without_a_first_stage_go_there_too():
     grasps = sweep(four(), 5, 0.1)
     there = Later()
-    assert_same_bits(
-        hl.solve_many(grasps, solver=hl.Lemke(), executor=there), [g.solve(solver=hl.Lemke()) for g in grasps]
-    )
+    assert_same_bits(hl.solve_many(grasps, 8, hl.Lemke(), executor=there), [g.solve(8, hl.Lemke()) for g in grasps])
     assert there.sent
 
 

@@ -95,8 +95,8 @@ def test_from_the_last_answer_a_little_further_on_it_takes_no_more_steps():
 )
 def test_a_start_changes_no_answer_whatever_the_solver(solver):
     g = GRASPS[3]
-    s = g.solve()
-    again = g.solve(solver=solver, start=s)
+    s = g.solve(8)
+    again = g.solve(8, solver, start=s)
     np.testing.assert_allclose(again.forces, s.forces, rtol=1e-7, atol=1e-8 * abs(s.forces).max())
 
 

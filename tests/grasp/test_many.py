@@ -55,8 +55,8 @@ def test_what_takes_long_goes_through_processes_and_comes_back_the_same(monkeypa
 
 def test_any_solver_will_do():
     grasps = [pinch(), cube_example()]
-    for g, s in zip(grasps, hl.solve_many(grasps, solver=hl.Lemke()), strict=True):
-        np.testing.assert_array_equal(s.forces, g.solve(solver=hl.Lemke()).forces)
+    for g, s in zip(grasps, hl.solve_many(grasps, 8, hl.Lemke()), strict=True):
+        np.testing.assert_array_equal(s.forces, g.solve(8, hl.Lemke()).forces)
 
 
 def test_solutions_are_a_sequence_made_once():

@@ -69,9 +69,9 @@ def test_mixed_and_eliminated_problems_have_the_same_answer(seed, monkeypatch):
     patches.nothing_is_eliminated(monkeypatch)
     assert not g.problem().eliminated
     for solver in (None, hl.Lemke()):
-        mixed = g.solve(solver=solver, throw=False)
+        mixed = g.solve(8, solver, throw=False)
         if mixed.held and s.uniqueness.loose_motions == 0:
-            known = [s.forces, *(e.forces for e in g.equilibria())]  # Lemke's method may find another one
+            known = [s.forces, *(e.forces for e in g.equilibria(8))]  # Lemke's method may find another one
             assert any(np.allclose(mixed.forces, f, atol=1e-6 * abs(f).max()) for f in known)
         else:
             assert solver is None  # Lemke solves whatever the chain solves here

@@ -120,8 +120,8 @@ def test_explain_measures_when_asked_and_says_so(monkeypatch):
     assert {line.share for line in e.effects if not line.on or line.title in ALWAYS} == {None}
     same("grasp/test_share: the last line", str(e).splitlines()[-1], "2000000 µs")
     same("grasp/test_share: an effect's line", next(x for x in str(e).splitlines() if "soft wrist" in x), "25 %")
-    assert g.explain("cone").rcond is None, "nothing is eliminated on the cone"
-    assert f"{g.explain().rcond:.1e}" in str(g.explain())
+    assert g.explain().rcond is None, "nothing is eliminated on the cone"
+    assert f"{g.explain(8).rcond:.1e}" in str(g.explain(8))
 
 
 def test_best_times_runs_everything_in_turns_and_leaves_the_collector_as_it_was(monkeypatch):

@@ -117,10 +117,11 @@ def test_bad_postures_are_named(five: Hand, q: Any) -> None:
     assert caught.value.argument == "q"
 
 
-def test_no_leaf_that_ends_in_tip(write: Callable[[str], Path]) -> None:
-    """Without names the frames are listed."""
-    with pytest.raises(UnknownName, match="Left_index_anchor"):
-        Hand.from_urdf(psyonic()[0], joint_stiffness=1.0, base="LeftPsyonicAbilityBaseLink")
+def test_fingertips_that_are_not_obvious_are_proposed() -> None:
+    """A robot with two hands: which of its ten fingers are meant, nobody can know."""
+    with pytest.raises(UnknownName, match="Left_index_anchor") as caught:
+        Hand.from_urdf(psyonic()[0], joint_stiffness=1.0)
+    assert "Right_thumb_anchor" in caught.value.valid
 
 
 @pytest.mark.parametrize(

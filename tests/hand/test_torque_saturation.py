@@ -246,7 +246,7 @@ def test_it_stays_when_numbers_change_and_between_processes(write: Writer, monke
     s = g.solve(start=g.solve())
     np.testing.assert_allclose(s.normal_force, [0.6 / L - 1.5, 0.6 / L], **EXACT)
     assert g.solve(accuracy=1e-9).accuracy.met  # type: ignore[union-attr]
-    every = g.equilibria()
+    every = g.equilibria(8)
     assert (len(every), every.complete) == (1, True)
 
 

@@ -18,7 +18,7 @@ from handlcp.show.accuracy_table import all_tables
 from handlcp.show.loading import end, report
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
-from handlcp.show.picture.camera import camera_for, facing
+from handlcp.show.picture.camera import Marks, camera_for, facing
 from handlcp.show.picture.overlay import nice, rim
 from handlcp.show.picture.raster import fill
 from handlcp.show.record import record
@@ -57,4 +57,5 @@ draw, save = _picture.draw, _picture.save
 
 def camera_of(grasp: hl.Grasp) -> Any:
     """From where the picture of a grasp without bodies is taken."""
-    return camera_for(grasp, [], None, np.array([c.position for c in grasp.contacts]))
+    none = np.zeros((0, 3))
+    return camera_for(grasp, [], None, Marks(np.array([c.position for c in grasp.contacts]), none, none))

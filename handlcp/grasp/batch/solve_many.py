@@ -23,8 +23,8 @@ __all__ = ["solve_many"]
 
 
 def solve_many(
-    grasps: Iterable[Grasp], faces: int | str | Pyramid = 8, solver: Solver | ContactSolver | Auto | None = None, *,
-    workers: int | None = None, executor: Executor | None = None, progress: Progress = None, proof: bool = True,
+    grasps: Iterable[Grasp], faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
+    *, workers: int | None = None, executor: Executor | None = None, progress: Progress = None, proof: bool = True,
 ) -> Solutions:  # fmt: skip
     """The solution of each grasp, as its own `solve(faces, solver, throw=False, proof=proof)` gives it: the same bits,
     whatever the workers, on machines of one kind.

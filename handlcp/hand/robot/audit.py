@@ -9,26 +9,15 @@ from typing import Any, overload
 
 from handlcp import words
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.joints import JointFacts, joint_facts
-from handlcp.hand.robot.urdf import read_urdf
+from handlcp.hand.robot.source.xml import robot_of
 
-__all__ = ["Audit", "Doubt", "audit_urdf", "doubts_of", "limit_reasons"]
+__all__ = ["Audit", "audit_urdf", "doubts_of", "limit_reasons"]
 
 # An effort that all joints of a hand share is a placeholder if it is one of these numbers [N·m].
 PLACEHOLDERS = frozenset({1.0, 5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0, 300.0, 500.0, 1000.0, 10000.0})
 LARGEST_TORQUE, LARGEST_FORCE = 20.0, 1000.0  # [N·m, N] no joint of a finger has more
-
-
-@dataclass(frozen=True, slots=True)
-class Doubt:
-    """One doubt: the joint (or joints, or "hand"), what is doubtful, and what to pass instead."""
-
-    joint: str
-    what: str
-    advice: str
-
-    def __str__(self) -> str:
-        return f"{self.joint}: {self.what} → {self.advice}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +63,12 @@ def audit_urdf(path: Any, base: str | None = None) -> Audit:
 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base.
     """
-    root, file = read_urdf("path", path, base)
+    root, file, _ = robot_of("path", path, base)
     what = "a URDF has no place for joint stiffness"
     advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
-    return Audit(file.name, (*doubts_of(joint_facts(root)), Doubt("hand", what, advice)))
+    return Audit(
+        file.name if file else str(root.get("name")), (*doubts_of(joint_facts(root)), Doubt("hand", what, advice))
+    )
 
 
 def doubts_of(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> tuple[Doubt, ...]:

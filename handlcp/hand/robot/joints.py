@@ -53,7 +53,8 @@ class Coupling:
 
 
 def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
-    """The movable joints of a <robot>, in the file's order."""
+    """The movable joints of a <robot>, in the file's order. Written for an MJCF file, its zero efforts are unknown."""
+    no_effort = math.inf if root.get("format") == "mjcf" else 0.0
     masses = {link.get("name", ""): _number(link.find("inertial/mass"), "value") for link in root.findall("link")}
     above = {link_of(j, "child"): (link_of(j, "parent"), j.get("name", "")) for j in root.findall("joint")}
     joints = [j for j in root.findall("joint") if j.get("type") not in (None, "fixed")]
@@ -66,7 +67,11 @@ def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
             written = tag.get("joint", "")
             master = _master(written, name, names, _ancestors(joint, above))
             mimic = Mimic(written, master, _number(tag, "multiplier", 1.0), _number(tag, "offset", 0.0))
-        lower, upper, effort = _number(limit, "lower", 0.0), _number(limit, "upper", 0.0), _number(limit, "effort")
+        lower, upper, effort = (
+            _number(limit, "lower", 0.0),
+            _number(limit, "upper", 0.0),
+            _number(limit, "effort") or no_effort,
+        )
         way = (1.0, 0.0, 0.0) if axis is None else _vector(axis.get("xyz", "1 0 0"))
         mass = masses.get(link_of(joint, "child"), math.nan)
         found.append(JointFacts(name, joint.get("type", ""), lower, upper, effort, way, mimic, mass))

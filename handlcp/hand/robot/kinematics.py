@@ -10,11 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, array, per_name, read_only, sealed
-from handlcp.errors import InputError, UnknownName, URDFError
+from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joint_limits import read_ranges
 from handlcp.hand.robot.joints import JointFacts, couple, movable_joints
 
-__all__ = ["Kinematics", "TipFrames", "find_tips"]
+__all__ = ["Kinematics"]
 
 
 class Kinematics:
@@ -95,47 +95,3 @@ class Kinematics:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(sealed(state))
         self._local = threading.local()
-
-
-class TipFrames:
-    """The fingertips in Pinocchio's model.
-
-    names, frames : n names and frame numbers. support : (n, 1, joints), 1 where a joint moves a tip. every : 0 to n-1.
-    """
-
-    __slots__ = ("every", "frames", "names", "support")
-
-    def __init__(self, names: tuple[str, ...], frames: tuple[int, ...], support: Array) -> None:
-        self.names, self.frames, self.support = names, frames, read_only(support)
-        self.every = tuple(range(len(names)))
-
-
-def find_tips(model: Any, fingertips: Any) -> TipFrames:
-    """The frames named; None: the leaf frames whose names end in "tip".
-
-    Raises UnknownName (before Pinocchio sees the name, which may crash on an unknown one), InputError.
-    """
-    known = [f.name for f in model.frames if f.name != "universe"]
-    if fingertips is None:
-        parents = {frame.parentFrame for frame in model.frames}
-        names = [f.name for i, f in enumerate(model.frames) if i not in parents and f.name.lower().endswith("tip")]
-        if not names:
-            raise UnknownName("fingertips", "frame names (no leaf frame ends in 'tip')", ["None"], known)
-    else:
-        if isinstance(fingertips, str) or not isinstance(fingertips, Sequence):
-            raise InputError("fingertips", "a sequence of frame names", repr(fingertips))
-        names = list(fingertips)
-        if unknown := [str(name) for name in names if not isinstance(name, str) or name not in known]:
-            raise UnknownName("fingertips", "a frame", unknown, known)
-    if len(set(names)) != len(names) or not names:
-        raise InputError("fingertips", "different frame names, at least one", repr(names))
-    last = {frame.name: i for i, frame in enumerate(model.frames)}  # the link, where a joint has the same name
-    frames = tuple(last[name] for name in names)
-    support = np.zeros((len(names), 1, model.nv))
-    for name, frame, row in zip(names, frames, support, strict=True):
-        for joint in model.supports[model.frames[frame].parentJoint]:
-            if joint and model.joints[joint].nv:
-                row[0, model.joints[joint].idx_v] = 1.0
-        if not row.any():
-            raise InputError("fingertips", "frames that a joint moves", f"{name!r}, which is fixed to the base")
-    return TipFrames(tuple(names), frames, support)

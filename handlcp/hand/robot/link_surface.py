@@ -6,29 +6,28 @@ centre with a radius, and every other shape a net of points on its surface, at m
 
 from __future__ import annotations
 
-import copy
-import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import coal
 import numpy as np
-import pinocchio as pin
 
 from handlcp.check import Array, read_only
-from handlcp.errors import URDFError
-from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
+from handlcp.hand.robot.hull import planes
+from handlcp.hand.robot.source.description import COLLISION, Description
 from handlcp.lazy import lazy
 
-__all__ = ["LinkSurface", "link_surfaces"]
+__all__ = ["LinkSurface", "link_surfaces", "surface_points"]
 
 NET = 2e-3  # [m] between points: on a ball of 25 mm a depth is then seen to 0.03 mm
 _FINEST = 60  # points along the edge of a triangle, at most
 _AROUND = 16  # points around a cylinder, at least
 
-_SHAPES = (coal.Sphere, coal.Capsule, coal.Cylinder, coal.Box, coal.BVHModelBase)  # all that URDFs have
+_SHAPES = (coal.Sphere, coal.Capsule, coal.Cylinder, coal.Box, coal.BVHModelBase, coal.ConvexBase)
+_MESHES = (coal.BVHModelBase, coal.ConvexBase)
+
+_ALL_WAYS = np.concatenate([np.eye(3), -np.eye(3), np.stack(np.meshgrid(*[(-1, 1)] * 3), -1).reshape(8, 3) / 3**0.5])
 
 Points = tuple[Array, Array]  # (m, 3) positions, (m,) radii
 
@@ -57,33 +56,13 @@ class LinkSurface:
         return self.__dict__ | {"net": self.net, "parts": ()}
 
 
-def link_surfaces(model: Any, root: ET.Element | None, folders: Sequence[Path]) -> tuple[LinkSurface, ...]:
-    """All links with collision geometry; none for a hand that is no URDF. Raises URDFError for meshes that are missing
-    or cannot be read.
-    """
-    if root is None:
-        return ()
-    solid = copy.deepcopy(root)
-    for link in solid.findall("link"):
-        for element in link.findall("visual"):  # its meshes may be missing
-            link.remove(element)
-    resolve_meshes(solid, folders)
-    with captured_stderr() as messages:
-        try:
-            found = pin.buildGeomFromUrdfString(
-                model, ET.tostring(solid, encoding="unicode"), pin.GeometryType.COLLISION
-            )
-        except (ValueError, RuntimeError) as error:
-            found, failure = None, str(error)
-    if found is None:
-        raise URDFError("source", "collision geometry that can be loaded", f"{failure} {''.join(messages)}".strip())
+def link_surfaces(description: Description) -> tuple[LinkSurface, ...]:
+    """All links with collision geometry. Raises URDFError for meshes that are missing or cannot be read."""
     links: dict[int, list[tuple[Any, Array, Array]]] = {}
-    for item in found.geometryObjects:
-        place = model.frames[item.parentFrame].placement.actInv(item.placement)
-        if isinstance(item.geometry, _SHAPES):
-            part = (item.geometry, place.rotation.copy(), place.translation.copy())
-            links.setdefault(item.parentFrame, []).append(part)
-    return tuple([_link(model, frame, parts) for frame, parts in sorted(links.items())])
+    for part in description.parts(COLLISION):
+        if isinstance(part.shape, _SHAPES):
+            links.setdefault(part.frame, []).append((part.shape, part.rotation, part.position))
+    return tuple([_link(description.model, frame, parts) for frame, parts in sorted(links.items())])
 
 
 def _link(model: Any, frame: int, parts: list[tuple[Any, Array, Array]]) -> LinkSurface:
@@ -93,7 +72,9 @@ def _link(model: Any, frame: int, parts: list[tuple[Any, Array, Array]]) -> Link
 
 
 def _surface(mesh: Any) -> Array:
-    """(m, 3, 3) corners of a coal mesh's triangles."""
+    """(m, 3, 3) corners of a coal mesh's or hull's triangles."""
+    if isinstance(mesh, coal.ConvexBase):
+        return read_only(planes(mesh)[0])
     corners = np.array(mesh.vertices(), dtype=float)
     faces = [[t[0], t[1], t[2]] for t in (mesh.tri_indices(i) for i in range(mesh.num_tris))]
     return read_only(corners[np.array(faces, dtype=int).reshape(-1, 3)])
@@ -101,8 +82,8 @@ def _surface(mesh: Any) -> Array:
 
 def _radius(shape: Any) -> float:
     """Of a ball about the shape's origin that holds it [m]."""
-    if isinstance(shape, coal.BVHModelBase):
-        return float(np.linalg.norm(np.array(shape.vertices(), dtype=float), axis=1).max())
+    if isinstance(shape, _MESHES):
+        return float(np.linalg.norm(_surface(shape), axis=2).max())
     if isinstance(shape, coal.Box):
         return float(np.linalg.norm(shape.halfSide))
     return float(shape.radius + getattr(shape, "halfLength", 0.0))
@@ -110,7 +91,7 @@ def _radius(shape: Any) -> float:
 
 def _net(shape: Any) -> Iterator[Points]:
     """Of a shape, in its own frame."""
-    if isinstance(shape, coal.BVHModelBase):
+    if isinstance(shape, _MESHES):
         yield from (_bare(points) for points in _triangles(_surface(shape)))
     elif isinstance(shape, coal.Box):
         yield _bare(_box(2 * np.array(shape.halfSide).reshape(3)))
@@ -165,3 +146,13 @@ def _triangles(triangles: Array) -> Iterator[Array]:
         inside = a + b <= n
         share = np.stack([n - a - b, a, b], axis=1)[inside] / n
         yield np.einsum("gk,mkx->mgx", share, triangles[cuts == n]).reshape(-1, 3)
+
+
+def surface_points(parts: Iterable[tuple[Any, Array, Array]]) -> Array | None:
+    """(m, 3) points on shapes, each with its rotation and position; None without any that is known."""
+    found = []
+    for shape, R, p in parts:
+        for x, radius in _net(shape) if isinstance(shape, _SHAPES) else ():
+            for way in _ALL_WAYS if radius.any() else np.zeros((1, 3)):
+                found.append((x + radius[:, None] * way) @ R.T + p)
+    return np.concatenate(found) if found else None

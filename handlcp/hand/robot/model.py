@@ -12,9 +12,11 @@ from handlcp.check import Array, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.pads import Pads
+from handlcp.hand.robot.fingertips.frames import TipFrames
 from handlcp.hand.robot.joint_limits import TorqueLimits
-from handlcp.hand.robot.kinematics import Kinematics, TipFrames
+from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.link_surface import LinkSurface, link_surfaces
+from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
 from handlcp.lazy import lazy
 
@@ -27,7 +29,7 @@ class HandModel:
     A mimic joint is not a joint of its own here: positions, Jacobians, stiffness, limits and torques are those of the
     nv independent joints, and `kinematics` moves the mimic joints with the joints that they follow.
 
-    name : the robot's name in the URDF. source : name of the URDF file, or of the pinocchio.Model.
+    name : the robot's own. source : name of the file; that of the robot for an XML string or a pinocchio.Model.
     joint_names : nv of them, in the order of every vector over joints (Pinocchio's, not the file's).
     fingertips : n names of frames.
     lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
@@ -59,13 +61,12 @@ class HandModel:
         pads: Pads,
         torques: TorqueLimits,
         geometry: TipGeometry,
-        source: str,
     ) -> None:
         self.__dict__.update(
             kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques, _geometry=geometry,
-            name=str(kinematics.model.name), source=source, joint_names=kinematics.joint_names, nv=kinematics.nv,
-            fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper, neutral=kinematics.neutral,
-            torque_limits=torques.limits,
+            name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
+            nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
+            neutral=kinematics.neutral, torque_limits=torques.limits,
         )  # fmt: skip
 
     @property
@@ -81,8 +82,15 @@ class HandModel:
 
     @property
     def urdf_tree(self) -> tuple[Any, tuple[Path, ...]]:
-        """The URDF as read, an xml.etree Element not to be changed (None for a pinocchio.Model), and mesh folders."""
-        return self._geometry.root, tuple(self._geometry.folders)
+        """The URDF as read, or written for an MJCF file, an xml.etree Element not to be changed (None for a
+        pinocchio.Model), and mesh folders.
+        """
+        return self.description.root, self.description.folders
+
+    @property
+    def description(self) -> Description:
+        """The robot as it was read."""
+        return self._geometry.description
 
     def tip_numbers(self, argument: str, fingers: Any) -> tuple[int, ...]:
         """Positions of the named fingertips in `fingertips`; None: all. Raises UnknownName, InputError."""
@@ -108,8 +116,8 @@ class HandModel:
 
     @lazy
     def link_surfaces(self) -> tuple[LinkSurface, ...]:
-        """The links' collision geometry, loaded when first asked for; none for a pinocchio.Model. Raises URDFError."""
-        return link_surfaces(self.kinematics.model, self._geometry.root, self._geometry.folders)
+        """The links' collision geometry, loaded when first asked for. Raises URDFError."""
+        return link_surfaces(self.description)
 
     def stiffer(self, factor: float) -> Self:
         """The same hand with springs that are so many times as stiff."""

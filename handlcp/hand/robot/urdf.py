@@ -1,7 +1,6 @@
-"""Reading a URDF: find the file, parse it, cut out the hand, and report what is wrong with it.
+"""A URDF: cut out the hand, check its numbers, find its meshes, and make Pinocchio's model of it.
 
-Pinocchio reports a broken URDF only on the stderr of the process. The XML is therefore read with the standard library
-first, which names the line of a syntax error, and file descriptor 2 is captured while Pinocchio parses.
+Pinocchio reports a broken URDF only on the stderr of the process, so file descriptor 2 is captured while it parses.
 """
 
 from __future__ import annotations
@@ -21,10 +20,11 @@ import pinocchio as pin
 from handlcp.errors import InputError, UnknownName, URDFError
 
 __all__ = [
-    "LARGEST_NUMBER", "build_model", "captured_stderr", "link_of", "package_folders", "read_urdf", "resolve_meshes",
+    "LARGEST_NUMBER", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders", "resolve_meshes",
 ]  # fmt: skip
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
+MOST_ELEMENTS = 4000  # links, joints, materials of a robot: libraries below read them with one call inside another
 
 # Element, attribute, how many numbers, least value. Pinocchio silently drops numbers that it cannot read.
 _NUMBERS = (
@@ -36,37 +36,23 @@ _NUMBERS = (
 _stderr = threading.Lock()
 
 
-def read_urdf(argument: str, source: Any, base: str | None = None) -> tuple[ET.Element, Path]:
-    """The <robot> element of the file `source`, cut down to the link `base` and those below it, and the file's path.
+def check_robot(argument: str, root: ET.Element, base: str | None, shown: str) -> ET.Element:
+    """A <robot> that is small enough to be a hand, cut down to the link `base` and those below it; numbers checked.
 
-    Raises URDFError for a file that is missing, unreadable, not XML, or not a <robot>; UnknownName for the base.
+    shown : what to call it in messages. Raises URDFError, UnknownName for the base, InputError.
     """
     if base is not None and not isinstance(base, str):
         raise InputError("base", "the name of a link, or None", repr(base))
-    try:
-        path = Path(source)
-    except TypeError:
-        raise InputError(argument, "the path of a URDF file or a pinocchio.Model", repr(source)) from None
-    shown = repr(str(path))
-    if not path.is_file():
-        wrong = "is no file" if path.exists() else "does not exist"
-        raise URDFError(argument, "the path of a URDF file", f"{shown}, which {wrong}")
-    try:
-        root = ET.fromstring(path.read_bytes())
-    except ET.ParseError as error:
-        raise URDFError(argument, "well-formed XML", f"{shown}: {error}") from None
-    except (OSError, ValueError, LookupError) as error:
-        raise URDFError(argument, "a readable URDF file", f"{shown}: {error}") from None
-    if root.tag != "robot":
-        hint = " (expand a xacro file to a URDF first)" if path.suffix == ".xacro" else ""
-        raise URDFError(argument, f"a <robot> element at the top{hint}", f"<{root.tag}> in {shown}")
+    if len(root) > MOST_ELEMENTS:
+        expected = f"a robot of at most {MOST_ELEMENTS} links and joints; cut the hand out of a larger one"
+        raise URDFError(argument, expected, f"{shown} with {len(root)}")
     try:
         ET.tostring(root)
     except RecursionError:
         raise URDFError(argument, "a URDF", f"{shown}, whose elements are nested thousands deep") from None
     root = root if base is None else _below(root, base)
     _check_numbers(argument, root)
-    return root, path
+    return root
 
 
 def _below(root: ET.Element, base: str) -> ET.Element:

@@ -14,12 +14,13 @@ from handlcp.hand import HandGrasp
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.raster import fill
 
-__all__ = ["Camera", "Frame", "camera_for", "facing", "frame"]
+__all__ = ["Camera", "Frame", "Marks", "camera_for", "facing", "frame"]
 
 ELEVATIONS = (16.0, 28.0, -14.0, -26.0)  # [degrees] above the horizon; from below only when that shows more
 STEP = 15.0  # of the azimuth [degrees]
 SMALL = (96, 80)  # pixels of the images that are compared
 FAR, NEAR = 3.8, 2.5  # a hand that reaches farther from the object than FAR times its radius is cut at NEAR times
+CLEAR = 0.25  # sizes of the grasp: arrows that are this far apart are not nearer to each other than they need to be
 FOOT, HEAD = 0.62, 0.12  # inches for the scales below, and of air above
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -36,15 +37,34 @@ class Camera:
 
 
 @dataclass(frozen=True, slots=True)
+class Marks:
+    """points (n, 3) that should lie apart on the screen. load (m, 3) : points along the load's arrow. forces
+    (n, k, 3) : points along the first halves of the forces' arrows, which it should not cover. Empty: there are none.
+    """
+
+    points: Array
+    load: Array
+    forces: Array
+
+    def clear(self, camera: Camera) -> float:
+        """How far apart the load and the nearest force are on the screen [m]."""
+        if not len(self.load) or not len(self.forces):
+            return 0.0
+        a, b = camera.project(self.load), camera.project(self.forces).reshape(-1, 2)
+        return float(np.linalg.norm(a[:, None] - b[None], axis=2).min())
+
+
+@dataclass(frozen=True, slots=True)
 class Frame:
     """box (x0, x1, y0, y1) : limits of the picture on the screen [m]. inner : the same of the scene without labels.
 
-    inch : metres on the screen that are one inch on paper.
+    inch : metres on the screen that are one inch on paper. cut : whether parts of the hand lie beyond `inner`.
     """
 
     box: tuple[float, float, float, float]
     inner: tuple[float, float, float, float]
     inch: float
+    cut: bool
 
 
 def facing(normal: Array, up: Array) -> Camera:
@@ -55,10 +75,10 @@ def facing(normal: Array, up: Array) -> Camera:
     return Camera(np.array([right, np.cross(towards, right), towards]))
 
 
-def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: Array) -> Camera:
+def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: Marks) -> Camera:
     """Along the normal for a planar grasp, otherwise from where most can be seen; the load points down if possible.
 
-    glass : the object. marks (n, 3) : points that should lie apart on the screen.
+    glass : the object. marks : what should lie apart on the screen.
     """
     scene = grasp.scene
     load = float(np.linalg.norm(scene.force))
@@ -88,10 +108,12 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
     inner = np.concatenate(core)
     low, high = inner.min(0), inner.max(0)
     centre, radius = (low + high) / 2, float((high - low).max()) / 2
+    cut = False
     if solids:
         rest = np.concatenate([camera.project(b.triangles).reshape(-1, 2) for b in solids])
         far = float(abs(rest - centre).max()) / radius
-        if far > FAR:
+        cut = far > FAR
+        if cut:
             rest = rest[(abs(rest - centre) <= NEAR * radius).all(1)]
         low, high = np.vstack([low, rest]).min(0), np.vstack([high, rest]).max(0)
     tall = inches[1] - FOOT - HEAD
@@ -101,11 +123,11 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
     y0 = middle[1] - tall / 2 * inch - FOOT * inch
     y1 = y0 + inches[1] * inch
     box = (float(x0), float(x1), float(y0), float(y1))
-    return Frame(box, (float(low[0]), float(high[0]), float(low[1]), float(high[1])), inch)
+    return Frame(box, (float(low[0]), float(high[0]), float(low[1]), float(high[1])), inch, cut)
 
 
-def _best(points: Array, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
-    """The side where points (n, 3) lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
+def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
+    """The side where marks lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
     first, second, _ = frame_about(up).T
     hand = np.concatenate([b.triangles for b in solids]) if solids else np.zeros((0, 3, 3))
     best, camera = -np.inf, facing(first, up)
@@ -113,13 +135,14 @@ def _best(points: Array, arrows: Array, solids: Sequence[Body], glass: Body | No
         for azimuth in np.arange(0.0, 360.0, STEP) + 5.0:
             a, e = np.radians(azimuth), np.radians(elevation)
             c = facing(np.cos(e) * (np.cos(a) * first + np.sin(a) * second) + np.sin(e) * up, up)
-            s = c.project(points)
+            s = c.project(marks.points)
             apart = np.linalg.norm(s[:, None] - s[None], axis=2)[np.triu_indices(len(s), 1)] / size
             score = float(min(apart.min(initial=1.0), 0.7)) + 0.3 * float(apart.mean()) if len(apart) else 0.0
             length = np.linalg.norm(c.project(arrows), axis=1)
             score += 0.9 * min(float(length.min(initial=1.0)), 0.8) + 0.3 * float(length.mean()) if len(arrows) else 0.0
             if glass is not None:
                 score += 0.9 * _visible(c, hand, glass.triangles)
+            score += 2.0 * min(marks.clear(c) / size, CLEAR)
             score -= 0.15 if elevation < 0 else 0.0
             if score > best + 1e-9:
                 best, camera = score, c

@@ -13,19 +13,23 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
+from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Frame, camera_for, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
-from handlcp.show.picture.overlay import Overlay, nice, rim
-from handlcp.show.picture.painter import paint
-from handlcp.show.picture.panel import headline, legend, torque_bars
+from handlcp.show.picture.entries import GHOST, contact_labels, entries, state_drawn
+from handlcp.show.picture.overlay import Overlay, nice
+from handlcp.show.picture.painter import creases, paint
+from handlcp.show.picture.panel import Entry, headline, legend, torque_bars
+from handlcp.show.style import shortened
 
 __all__ = ["DPI", "HEIGHT", "WIDTH", "compose", "draw", "save"]
 
 WIDTH, HEIGHT, DPI = 10.0, 6.6, 160  # inches, dots an inch
 SCENE = 0.70  # of the width; the rest is the panel
+ASIDE = 0.16  # inches between two arrows that would cover each other
 
 
 def save(
@@ -45,53 +49,78 @@ def draw(
     Raises Unsupported when matplotlib is not installed.
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT))
-    head = headline(figure, solution.verdict if verdict is None else verdict, title)
-    compose(figure, Content(grasp, solution, obj), head)
+    said = solution.verdict if verdict is None else verdict
+    shown = Content(grasp, solution, obj, verdict=said)
+    head = headline(figure, said, title, state_drawn(shown, verdict is not None and verdict != solution.verdict))
+    compose(figure, shown, head)
     return figure
 
 
 def compose(figure: Figure, shown: Content, head: float) -> None:
     """The picture, its legend and the joint torques, below `head`, a share of the figure's height."""
-    _scene(figure, shown, head)
-    bottom = legend(figure, 0.722, head - 0.03, shown.entries())
+    bottom = legend(figure, 0.722, head - 0.03, _scene(figure, shown, head))
     if shown.solution.held and (check := getattr(shown.solution, "torque_check", None)) is not None:
         torque_bars(figure, (0.725, 0.25), bottom - 0.055, check)
 
 
-def _scene(figure: Any, shown: Content, head: float) -> None:
-    """The picture proper, below `head` (a share of the height)."""
-    scene, names = shown.grasp.scene, shown.solution.names
-    details = [shown.detail(i) for i in range(scene.n)]
+def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
+    """The picture proper, below `head` (a share of the height); returns its legend."""
+    scene = shown.grasp.scene
+    inches = (WIDTH * SCENE, HEIGHT * (head - 0.02))
+    said = contact_labels(shown, labels.room(inches[1]))
     camera = camera_for(shown.grasp, shown.solids, shown.glass, shown.marks())
     ax = figure.add_axes((0.005, 0.01, SCENE, head - 0.02))
-    inches = (WIDTH * SCENE, HEIGHT * (head - 0.02))
-    margin = min(0.30 + labels.widest(figure, names, details), 0.35 * inches[0])
+    names = shortened([name for _, name, _ in said], labels.LETTERS)
+    margin = min(0.30 + labels.widest(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
     view = frame(camera, shown.solids, shown.glass, shown.reach(), inches, margin)
     ax.axis("off")
-    paint(ax, camera, shown.solids, shown.glass, view, DPI)
-    _arrows(Overlay(ax, camera, view.inch), shown)
-    points = zip(camera.project(scene.positions), names, details, shown.colours, strict=True)
-    labels.place(ax, [labels.Label(*each) for each in points], view)
-    _scales(Overlay(ax, camera, view.inch), shown, view)
+    hidden = shown.hidden(paint(ax, camera, shown.solids, shown.glass, view, DPI)(scene.positions))
+    over = Overlay(ax, camera, view.inch)
+    unseen = _arrows(over, shown, hidden)
+    at = camera.project(scene.positions)
+    written = [labels.Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
+    labels.place(ax, written, view)
+    _scales(over, shown, view)
     ax.set_xlim(view.box[:2])
     ax.set_ylim(view.box[2:])
+    return entries(shown, unseen, bool(hidden.any()))
 
 
-def _arrows(over: Overlay, shown: Content) -> None:
+def _arrows(over: Overlay, shown: Content, hidden: Bools) -> list[int]:
+    """Cones, arrows, arcs and contact points; returns the contacts whose slip is too small to draw."""
     scene = shown.grasp.scene
+    for triangles in shown.tips:
+        over.shape(triangles)
+    if shown.ghost is not None:
+        over.edges(creases(over.camera, shown.ghost), GHOST)
     for i, p in enumerate(scene.positions):
-        if (height := shown.cone_height(i)) > 0.0:
-            edge = rim(p, scene.frames[i], height, float(scene.mu[i]), scene.plane is not None)
-            over.cone(p, edge, shown.colours[i])
+        if shown.cone_height(i) > 0.0:
+            over.cone(p, shown.rim(i), shown.colours[i])
+    if shown.turn is not None:
+        over.turn(shown.turn, LOAD, 1.15)
     if shown.load > 0:
         over.arrow(shown.acts_at, shown.pull, LOAD, 1.15)
-    for p, force, colour in zip(scene.positions, shown.forces, shown.colours, strict=True):
-        over.arrow(p, force, colour)
-        over.dot(p, colour)
-    for i, slip in shown.slips.items():
-        over.arrow(scene.positions[i], slip, SLIP, 0.85)
+    for i, (p, force) in enumerate(zip(scene.positions, shown.forces, strict=True)):
+        if (turn := shown.turns.get(i)) is not None:
+            over.turn(turn, shown.colours[i])
+        over.arrow(p, force, shown.colours[i])
+        over.dot(p, shown.colours[i], bool(hidden[i]))
+    drawn = {i for i, slip in shown.slips.items() if over.arrow(scene.positions[i], slip, SLIP, 0.85)}
     if shown.escape.any():
-        over.arrow(shown.acts_at, shown.escape, ESCAPE, 1.5, dashed=True)
+        over.arrow(_beside(over, shown), shown.escape, ESCAPE, 1.5, dashed=True)
+    if shown.escape_turn is not None:
+        over.turn(shown.escape_turn, ESCAPE, 1.3, dashed=True)
+    return [i for i in shown.sliding if i not in drawn]
+
+
+def _beside(over: Overlay, shown: Content) -> Array:
+    """Where the arrow of the escape starts: beside the load's, where one would cover the other."""
+    a, b = over.camera.project(shown.pull), over.camera.project(shown.escape)
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    if size == 0.0 or abs(a @ b) < 0.9 * size:
+        return shown.acts_at
+    across = np.array([b[1], -b[0]]) / np.linalg.norm(b)
+    return np.asarray(shown.acts_at + ASIDE * over.inch * across @ over.camera.axes[:2])
 
 
 def _scales(over: Overlay, shown: Content, view: Frame) -> None:
@@ -100,7 +129,7 @@ def _scales(over: Overlay, shown: Content, view: Frame) -> None:
     over.triad(corner + np.array([0.56, 0.42]) * view.inch)
     bar = nice(1.1 * view.inch)
     over.scale_bar(corner + np.array([1.25, 0.22]) * view.inch, bar, words.length(bar))
-    if shown.solution.held or shown.load > 0:
+    if shown.forces.any() or shown.load > 0:
         amount = nice(0.65 * view.inch / shown.per_newton)
         start = corner + np.array([1.65 * view.inch + bar, 0.22 * view.inch])
         over.force_scale(start, amount * shown.per_newton, words.force(amount))

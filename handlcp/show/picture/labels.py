@@ -1,4 +1,4 @@
-"""Labels of contacts in a column on each side of the picture, with lines to their contacts."""
+"""Labels of contacts in a column on each side of the picture, with lines to their contacts that do not cross."""
 
 from __future__ import annotations
 
@@ -6,24 +6,41 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from handlcp.check import Array
 from handlcp.show.picture.camera import Frame
-from handlcp.show.style import INK, spread, width
+from handlcp.show.style import INK, shortened, spread, width
 
-__all__ = ["Label", "place", "widest"]
+__all__ = ["LETTERS", "Label", "place", "room", "widest"]
 
-LINE = 0.50  # inches from one label to the next
+LINE = 0.46  # inches from one label to the next
 NAME, DETAIL = 10.5, 9.5  # points
+LETTERS = 24  # of a name
+ABOVE = 0.05  # inches from the picture's upper edge to the columns
+BELOW_LEFT, BELOW_RIGHT = 1.05, 0.62  # inches from its lower edge, where axes and scales are
+ASIDE, BEND, GAP = (
+    0.10,
+    0.12,
+    0.06,
+)  # inches: from the picture to a column, the level part of a line, from it to the text
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """name in `colour`, and `detail` below it. at (2,) : screen point that the label belongs to."""
+    """name in `colour`, and `detail` below it. at (k, 2) : screen points that the label belongs to; its line leads to
+    the nearest one.
+    """
 
     at: Array
     name: str
     detail: str
     colour: str
+
+
+def room(inches: float) -> int:
+    """How many labels there is room for in a picture of this height."""
+    return sum(_rows(inches - ABOVE - below) for below in (BELOW_LEFT, BELOW_RIGHT))
 
 
 def widest(figure: Any, names: Sequence[str], details: Sequence[str]) -> float:
@@ -34,33 +51,70 @@ def widest(figure: Any, names: Sequence[str], details: Sequence[str]) -> float:
 
 
 def place(ax: Any, labels: Sequence[Label], frame: Frame) -> None:
-    """Each label in the nearer column, as close to its contact's height as its neighbours allow."""
+    """Each label in the nearer column where that has room, as close to its contact's height as its neighbours allow."""
     _, _, y0, y1 = frame.box
-    line, low, high = LINE * frame.inch, y0 + 0.75 * frame.inch, y1 - 0.05 * frame.inch
-    room = max(1, int((high - low) / line))
-    middle = sum(float(m.at[0]) for m in labels) / max(len(labels), 1)
-    ordered = sorted(labels, key=lambda m: float(m.at[0]))
-    left, right = [m for m in ordered if m.at[0] <= middle], [m for m in ordered if m.at[0] > middle]
-    while len(left) > room:
-        right.append(left.pop())
-    while len(right) > room:
-        left.append(right.pop(0))
-    for column, x, way in ((left, frame.inner[0], -1.0), (right, frame.inner[1], 1.0)):
-        column.sort(key=lambda m: -float(m.at[1]))
+    line, high = LINE * frame.inch, y1 - ABOVE * frame.inch
+    lows = [y0 + below * frame.inch for below in (BELOW_LEFT, BELOW_RIGHT)]
+    rooms = [max(1, _rows((high - low) / frame.inch)) for low in lows]
+    centres = [float(m.at[:, 0].mean()) for m in labels]
+    middle = sum(centres) / max(len(centres), 1)
+    ordered = [labels[i] for i in np.argsort(centres, kind="stable")]
+    first = sum(c <= middle for c in centres)
+    first = min(max(first, len(ordered) - rooms[1]), rooms[0])
+    sides = (ordered[:first], frame.inner[0], -1.0), (ordered[first:], frame.inner[1], 1.0)
+    short = dict(zip([m.name for m in labels], shortened([m.name for m in labels], LETTERS), strict=True))
+    for (column, x, way), low in zip(sides, lows, strict=True):
+        start = x + way * ASIDE * frame.inch
+        ends = [m.at[int(np.argmin(abs(m.at[:, 0] - start)))] for m in column]
         # The column is filled from the top, `spread` counts upwards: heights change sign
-        depths = spread([-float(m.at[1]) - line / 2 for m in column], [line] * len(column), -high, -low)
-        for label, depth in zip(column, depths, strict=True):
-            _draw(ax, label, x + way * 0.10 * frame.inch, -depth - line / 2, way, frame.inch)
+        order = np.argsort([-float(p[1]) for p in ends], kind="stable")
+        depths = spread([-float(ends[i][1]) - line / 2 for i in order], [line] * len(column), -high, -low)
+        heights = [-depth - line / 2 for depth in depths]
+        bend = start - way * BEND * frame.inch
+        for i, y in zip(_uncrossed([int(k) for k in order], heights, ends, bend), heights, strict=True):
+            _draw(ax, column[i], short[column[i].name], ends[i], (start, bend, y, way * GAP * frame.inch))
 
 
-def _draw(ax: Any, label: Label, x: float, y: float, way: float, inch: float) -> None:
-    """The label beside (x, y), and a line from there to its contact. way : -1 in the left column, 1 in the right."""
+def _rows(inches: float) -> int:
+    return int(inches / LINE)
+
+
+def _uncrossed(order: list[int], heights: Sequence[float], ends: Sequence[Array], x: float) -> list[int]:
+    """Which label stands at which height, so that no two lines from (x, height) to their ends cross.
+
+    Two labels whose lines cross change places, which shortens the lines: so it comes to an end.
+    """
+    order, changed = list(order), True
+    while changed:
+        changed = False
+        for i in range(len(order)):
+            for j in range(i + 1, len(order)):
+                lines = [(np.array([x, heights[k]]), ends[order[k]]) for k in (i, j)]
+                if _cross(*lines[0], *lines[1]):
+                    order[i], order[j], changed = order[j], order[i], True
+    return order
+
+
+def _cross(a: Array, b: Array, c: Array, d: Array) -> bool:
+    """Whether the lines from a to b and from c to d cross."""
+
+    def side(p: Array, q: Array, r: Array) -> float:
+        return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+
+
+def _draw(ax: Any, label: Label, name: str, end: Array, where: tuple[float, float, float, float]) -> None:
+    """The label, and a line from there to its contact. where : the line's start and bend, its height, and how far the
+    text is from it, negative in the left column.
+    """
     from matplotlib import patheffects
 
+    start, bend, y, aside = where
     casing = [patheffects.withStroke(linewidth=2.6, foreground="white", alpha=0.85)]
-    bend = x - way * 0.12 * inch
-    ax.plot([x, bend, label.at[0]], [y, y, label.at[1]], path_effects=casing, color=label.colour, linewidth=0.9,
+    ax.plot([start, bend, end[0]], [y, y, end[1]], path_effects=casing, color=label.colour, linewidth=0.9,
             zorder=5, solid_capstyle="round")  # fmt: skip
-    beside = {"x": x + way * 0.06 * inch, "ha": "right" if way < 0 else "left", "zorder": 9}
-    ax.text(y=y + 0.01 * inch, s=label.name, va="bottom", color=label.colour, fontsize=NAME, weight="bold", **beside)
-    ax.text(y=y - 0.02 * inch, s=label.detail, va="top", color=INK, fontsize=DETAIL, **beside)
+    beside = {"x": start + aside, "ha": "right" if aside < 0 else "left", "zorder": 9}
+    gap = abs(aside) / GAP
+    ax.text(y=y + 0.01 * gap, s=name, va="bottom", color=label.colour, fontsize=NAME, weight="bold", **beside)
+    ax.text(y=y - 0.02 * gap, s=label.detail, va="top", color=INK, fontsize=DETAIL, **beside)

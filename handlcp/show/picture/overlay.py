@@ -9,10 +9,13 @@ from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
 from handlcp.show.picture.camera import Camera
+from handlcp.show.picture.moments import Turn
+from handlcp.show.style import INK
 
 __all__ = ["Overlay", "nice", "rim"]
 
 FAINT = "#777777"
+SHORT = 0.06  # inches on paper: shorter arrows are not drawn
 
 
 class Overlay:
@@ -21,17 +24,28 @@ class Overlay:
     def __init__(self, ax: Any, camera: Camera, inch: float) -> None:
         self.ax, self.camera, self.inch = ax, camera, inch
 
-    def arrow(self, start: Array, vector: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
-        """A straight arrow in space; its width is that on paper."""
-        self.flat_arrow(self.camera.project(start), self.camera.project(start + vector), colour, width, dashed)
+    def arrow(self, start: Array, vector: Array, colour: str, width: float = 1.0, dashed: bool = False) -> bool:
+        """A straight arrow in space; its width is that on paper. One that points at the viewer or away is a ring with a
+        dot or a cross. Returns whether it is long enough to be seen.
+        """
+        a, b = self.camera.project(start), self.camera.project(start + vector)
+        if np.linalg.norm(b - a) >= SHORT * self.inch:
+            self.flat_arrow(a, b, colour, width, dashed)
+            return True
+        if np.linalg.norm(vector) < 2 * SHORT * self.inch:
+            return False
+        mark = "." if vector @ self.camera.axes[2] > 0 else "x"
+        ring = {"markersize": 9.0, "markeredgecolor": colour, "markerfacecolor": "white", "markeredgewidth": 1.4}
+        self.ax.plot(*a, "o", zorder=7.5, **ring)
+        self.ax.plot(*a, mark, color=colour, markersize=4.5, markeredgewidth=1.4, zorder=7.6)
+        return True
 
     def flat_arrow(self, a: Array, b: Array, colour: str, width: float = 1.0, dashed: bool = False) -> None:
+        """An arrow on the screen."""
         from matplotlib.patches import Polygon
 
         along = b - a
         length = float(np.linalg.norm(along))
-        if length < 0.02 * self.inch:
-            return
         x = along / length
         y = np.array([-x[1], x[0]])
         head = min(0.17 * self.inch * width, 0.6 * length)
@@ -56,9 +70,59 @@ class Overlay:
         if len(edge) > 2:
             self.ax.plot(*s.T, color=colour, alpha=0.75, linewidth=0.8, zorder=3)
 
-    def dot(self, point: Array, colour: str) -> None:
+    def turn(self, turn: Turn, colour: str, width: float = 1.0, dashed: bool = False) -> None:
+        """An arc about an axis, with its head at the end."""
+        from matplotlib import patheffects
+
+        points = turn.arc(self.camera)
+        head = min(0.15 * self.inch * width, 0.5 * turn.radius)
+        left = np.linalg.norm(points - points[-1], axis=1)
+        last = int(np.argmax(left < 0.8 * head))  # the line ends within the head
+        casing = [patheffects.withStroke(linewidth=2.2 * width + 1.6, foreground="white")]
+        dash: Any = (0, (1.6, 0.9)) if dashed else "-"
+        line = {"linewidth": 2.2 * width, "linestyle": dash, "solid_capstyle": "butt", "path_effects": casing}
+        self.ax.plot(*points[: last + 1].T, color=colour, zorder=6, **line)
+        self._head(points[last], points[-1], head, colour)
+
+    def _head(self, a: Array, b: Array, length: float, colour: str) -> None:
+        """A triangle whose tip is b, seen from a."""
+        from matplotlib.patches import Polygon
+
+        x = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
+        y = np.array([-x[1], x[0]])
+        points = np.array([b, b - length * x + 0.42 * length * y, b - length * x - 0.42 * length * y])
+        style = {"facecolor": colour, "edgecolor": "white", "linewidth": 0.7, "joinstyle": "round"}
+        self.ax.add_patch(Polygon(points, closed=True, zorder=6.1, **style))
+
+    def dot(self, point: Array, colour: str, hollow: bool = False) -> None:
+        """A contact; hollow: one that a surface hides."""
         p = self.camera.project(point)
-        self.ax.plot(*p, "o", color=colour, markersize=5.5, markeredgecolor="white", markeredgewidth=0.9, zorder=7)
+        face, edge, width = ("white", colour, 1.6) if hollow else (colour, "white", 0.9)
+        style = {"markersize": 5.5, "markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": width}
+        self.ax.plot(*p, "o", zorder=7, **style)
+
+    def shape(self, triangles: Array) -> None:
+        """A convex body as glass, with its outline."""
+        from matplotlib.patches import Polygon
+
+        body = _outline(self.camera.project(triangles).reshape(-1, 2))
+        style: dict[str, Any] = {
+            "closed": True,
+            "edgecolor": INK,
+            "linewidth": 0.9,
+            "linestyle": (0, (3, 1.5)),
+            "zorder": 2.5,
+        }
+        self.ax.add_patch(Polygon(body, facecolor=(1.0, 1.0, 1.0, 0.30), **style))
+
+    def edges(self, lines: Array, colour: str) -> None:
+        """Dashed lines (k, 2, 3) in space."""
+        from matplotlib.collections import LineCollection
+
+        ends = self.camera.project(lines)
+        self.ax.add_collection(
+            LineCollection(list(ends), colors=colour, linewidths=1.0, linestyles=[(0, (4, 2))], zorder=2.8)
+        )
 
     def triad(self, corner: Array) -> None:
         """The world's axes as the camera sees them, from a screen point."""

@@ -6,28 +6,37 @@ meet. So the solids become an image here, and matplotlib draws everything else o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from scipy import ndimage
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.camera import Camera, Frame
 from handlcp.show.picture.raster import fill
 
-__all__ = ["paint"]
+__all__ = ["creases", "paint"]
 
 LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])  # screen axes: from the upper left
 CREASE = np.cos(np.radians(28.0))  # edges of the object sharper than this are drawn
 GLASS = 0.40  # opacity of the object
 CONTOUR = 0.55  # brightness of the lines around solids
 OVER = 2  # samples per pixel and direction
+TINT, STRIPED = 0.22, 0.75  # opacity of the mark on links inside the object, and of its stripes
+MARK = np.array([0xD5, 0x5E, 0x00]) / 255  # the red of `style`
+STRIPE = 12 * OVER  # samples from one stripe of hatching to the next
 
 
-def paint(ax: Any, camera: Camera, solids: Sequence[Body], glass: Body | None, frame: Frame, dpi: float) -> None:
-    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch."""
+def paint(
+    ax: Any, camera: Camera, solids: Sequence[Body], glass: Body | None, frame: Frame, dpi: float
+) -> Callable[[Array], Array]:
+    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch.
+
+    Returns a function that tells of points (n, 3) how far before them the nearest solid is, and how far before them the
+    near side of the translucent body [m], (n, 2); -inf where there is none.
+    """
     x0, x1, y0, y1 = frame.box
     pixels = round((x1 - x0) / frame.inch * dpi), round((y1 - y0) / frame.inch * dpi)
     w, h = pixels[0] * OVER, pixels[1] * OVER
@@ -36,20 +45,45 @@ def paint(ax: Any, camera: Camera, solids: Sequence[Body], glass: Body | None, f
     def page(points: Array) -> Array:
         return np.asarray((points @ camera.axes.T - np.array([x0, y0, 0.0])) * scale)
 
-    colour, depth = np.ones((h, w, 3)), np.full((h, w), -np.inf)
+    colour, depth, near = np.ones((h, w, 3)), np.full((h, w), -np.inf), np.full((h, w), -np.inf)
     for body in solids:
         fill(colour, depth, page(body.triangles), _shaded(camera, body))
     _contours(colour, depth, 0.012 * (y1 - y0))
+    solid = depth.copy()
     if glass is not None:
-        front, near = np.ones((h, w, 3)), np.full((h, w), -np.inf)
+        front = np.ones((h, w, 3))
         fill(front, near, page(glass.triangles), _shaded(camera, glass))
         seen = near > depth
         colour[seen] = (1 - GLASS) * colour[seen] + GLASS * front[seen]
-        lines = _ribbons(page(_creases(camera, glass.triangles)), 0.004 * (y1 - y0))
+        lines = _ribbons(page(creases(camera, glass.triangles)), 0.004 * (y1 - y0))
         fill(colour, depth, lines, np.tile(0.42 * np.array(glass.colour), (len(lines), 1)))
+    if marked := [page(b.triangles) for b in solids if b.marked]:
+        back = np.full((h, w), -np.inf)
+        if glass is not None:
+            fill(np.empty_like(colour), back, page(glass.triangles) * (1, 1, -1), np.zeros((len(glass.triangles), 3)))
+        _mark(colour, solid, (solid < near) & (solid > -back), np.concatenate(marked))
     _fade(colour, frame)
     small = colour.reshape(pixels[1], OVER, pixels[0], OVER, 3).mean((1, 3))
     ax.imshow(small, extent=frame.box, origin="lower", interpolation="antialiased", zorder=1, aspect="auto")
+
+    def before(points: Array) -> Array:
+        x, y, z = page(points).T
+        i, j = np.clip(y.astype(int), 0, h - 1), np.clip(x.astype(int), 0, w - 1)
+        return np.stack([solid[i, j] - z, near[i, j] - z], axis=1)
+
+    return before
+
+
+def _mark(colour: Array, depth: Array, inside: Bools, triangles: Array) -> None:
+    """A tint on what is seen of bodies whose triangles (m, 3, 3) are given, among the solids whose depths (h, w) are
+    known; stripes where that is inside the object.
+    """
+    own = np.full(depth.shape, -np.inf)
+    fill(np.empty_like(colour), own, triangles, np.zeros((len(triangles), 3)))
+    seen = np.isfinite(own) & (own >= depth)
+    row, column = np.indices(depth.shape)
+    for where, share in ((seen, TINT), (seen & inside & ((row + column) % STRIPE < STRIPE / 3), STRIPED)):
+        colour[where] = (1 - share) * colour[where] + share * MARK
 
 
 def _shaded(camera: Camera, body: Body) -> Array:
@@ -79,9 +113,10 @@ def _fade(colour: Array, frame: Frame) -> None:
     """Fade into the page where the hand is cut."""
     h, w, _ = colour.shape
     (x0, x1, y0, y1), (a, b, c, d), soft = frame.box, frame.inner, 0.30 * frame.inch
+    edge = 0.0 if frame.cut else 1.0  # the labels begin at the edge
     x, y = np.linspace(x0, x1, w), np.linspace(y0, y1, h)
-    across = np.clip(np.minimum(x - a, b - x) / soft + 1.0, 0, 1)
-    along = np.clip(np.minimum(y - c, d - y) / soft + 1.0, 0, 1)
+    across = np.clip(np.minimum(x - a, b - x) / soft + edge, 0, 1)
+    along = np.clip(np.minimum(y - c, d - y) / soft + edge, 0, 1)
     share = (along[:, None] * across[None])[..., None]
     colour *= share
     colour += 1.0 - share
@@ -97,7 +132,7 @@ def _ribbons(lines: Array, lift: float) -> Array:
     return np.asarray(np.stack(corners, axis=1).reshape(-1, 3, 3))
 
 
-def _creases(camera: Camera, triangles: Array) -> Array:
+def creases(camera: Camera, triangles: Array) -> Array:
     """(k, 2, 3) edges to draw: sharp ones on the near side, and the outline."""
     n = _normals(triangles)
     t, n = triangles[n.any(axis=1)], n[n.any(axis=1)]

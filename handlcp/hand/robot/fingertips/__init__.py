@@ -1,0 +1,1 @@
+"""Which frames or points are fingertips: what the user names, or what a robot shows."""

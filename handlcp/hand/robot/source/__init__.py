@@ -1,0 +1,1 @@
+"""Where a hand comes from: a URDF, an MJCF file, a Pinocchio model. All become one `Description`."""

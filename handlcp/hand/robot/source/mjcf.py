@@ -1,0 +1,164 @@
+"""An MJCF file, MuJoCo's format for robots, as the URDF that says the same.
+
+MuJoCo compiles the file, so that its defaults, angles and includes mean here what they mean there; the compiled model
+is written link by link. A free joint at the root is left out: the hand stands where the file puts it.
+
+| MJCF | URDF |
+| --- | --- |
+| body, site | link; a site is fixed to its body's link |
+| hinge, slide | revolute or continuous, prismatic; several of one body in a row of links |
+| forcerange of an actuator, actuatorfrcrange of a joint | effort |
+| equality of two joints | mimic |
+| geom that collides | collision, and visual in the groups 0 to 2 |
+| geom that doesn't collide | visual |
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import Unsupported, URDFError
+from handlcp.hand.robot.doubt import Doubt
+from handlcp.hand.robot.source.mjcf_drives import couplings, efforts
+from handlcp.hand.robot.source.mjcf_shapes import add, add_shapes, placed, rotation_of
+
+__all__ = ["urdf_of_mjcf"]
+
+_UNBOUNDED = 1e3  # [m] the range of a slide without one
+
+
+def urdf_of_mjcf(source: str, path: Path | None) -> tuple[ET.Element, tuple[Doubt, ...]]:
+    """The <robot> that an MJCF text or file describes, and what of it a URDF cannot say.
+
+    path : of the file; None: `source` is the text. Raises Unsupported without MuJoCo, URDFError for a file that MuJoCo
+    refuses, or with ball joints.
+    """
+    try:
+        import mujoco
+    except ImportError:
+        raise Unsupported("no MJCF file is read without MuJoCo: pip install handlcp[mujoco]") from None
+    try:
+        read = mujoco.MjModel.from_xml_path if path is not None else mujoco.MjModel.from_xml_string
+        model = read(source if path is None else str(path))
+    except (ValueError, TypeError, RuntimeError) as error:
+        shown = "the XML string" if path is None else repr(str(path))
+        raise URDFError(
+            "source", "an MJCF file that MuJoCo compiles", f"{shown}: {' '.join(str(error).split())}"
+        ) from None
+    return _Writer(model).robot()
+
+
+class _Writer:
+    """Writes one compiled model."""
+
+    def __init__(self, model: Any) -> None:
+        self.model, self.doubts = model, list[Doubt]()
+        self.root = ET.Element("robot", name=_model_name(model), format="mjcf")
+        self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
+        owners = model.jnt_bodyid
+        self.joints = [model.joint(j).name or f"{self.bodies[owners[j]]}_joint_{j}" for j in range(model.njnt)]
+        self.effort, found = efforts(model, self.joints)
+        self.follows, more = couplings(model, self.joints)
+        self.doubts += [*found, *more]
+
+    def robot(self) -> tuple[ET.Element, tuple[Doubt, ...]]:
+        """Everything."""
+        for b in range(self.model.nbody):
+            self._body(b)
+        for s in range(self.model.nsite):
+            self._site(s)
+        return self.root, tuple(self.doubts)
+
+    def _body(self, b: int) -> None:
+        model, name = self.model, self.bodies[b]
+        moves = [j for j in range(model.njnt) if model.jnt_bodyid[j] == b and model.jnt_type[j] != 0]
+        at = model.jnt_pos[moves[-1]] if moves else np.zeros(3)  # where the link's frame is, in the body's
+        carrier = name
+        if b:
+            links = [f"{name}/{self.joints[j]}" for j in moves]
+            if not at.any():
+                links[-1:] = [name]  # the last joint moves the body itself
+            else:
+                links.append(name)
+            self._chain(b, moves, links)
+            carrier = links[len(moves) - 1] if moves else name
+        link = add(self.root, "link", name=name)
+        if model.body_mass[b] > 0:
+            owner = link if carrier == name else next(e for e in self.root.findall("link") if e.get("name") == carrier)
+            self._inertia(owner, b, at if carrier != name else np.zeros(3))
+        self.doubts += add_shapes(link, model, b)
+
+    def _chain(self, b: int, moves: list[int], links: list[str]) -> None:
+        """The joints from the parent's link to the body's, and the links between them."""
+        model = self.model
+        above, R, p = self.bodies[model.body_parentid[b]], rotation_of(model.body_quat[b]), model.body_pos[b]
+        here = np.zeros(3)
+        for j, link in zip(moves, links, strict=False):
+            at, axis, rest = model.jnt_pos[j], model.jnt_axis[j], float(model.qpos0[model.jnt_qposadr[j]])
+            p, here = p + R @ (at - here), at
+            turned = R @ _about(axis, -rest) if model.jnt_type[j] == 3 else R
+            start = p if model.jnt_type[j] == 3 else p - R @ (axis * rest)
+            self._joint(j, above, link, turned, start)
+            if link != self.bodies[b]:
+                add(self.root, "link", name=link)
+            above, R, p = link, np.eye(3), np.zeros(3)
+        if above != self.bodies[b]:
+            self._fixed(self.bodies[b], above, R, p - here)
+
+    def _joint(self, j: int, above: str, below: str, R: Array, p: Array) -> None:
+        model, name = self.model, self.joints[j]
+        if model.jnt_type[j] == 1:
+            raise URDFError("source", "joints of one degree of freedom (hinge, slide)", f"{name!r}, a ball joint")
+        bounded, slides = bool(model.jnt_limited[j]), model.jnt_type[j] == 2
+        kind = "prismatic" if slides else "revolute" if bounded else "continuous"
+        joint = add(self.root, "joint", name=name, type=kind)
+        add(joint, "parent", link=above)
+        add(joint, "child", link=below)
+        placed(joint, R, p)
+        add(joint, "axis", xyz=model.jnt_axis[j])
+        known = np.isfinite(self.effort[j])  # a URDF has no word for an effort that is not known: 0, see `joint_facts`
+        limit = {"effort": float(self.effort[j]) if known else 0.0, "velocity": 0.0}
+        if bounded or slides:
+            low, high = model.jnt_range[j] if bounded else (-_UNBOUNDED, _UNBOUNDED)
+            limit |= {"lower": float(low), "upper": float(high)}
+        add(joint, "limit", **limit)
+        if j in self.follows:
+            master, factor, offset = self.follows[j]
+            add(joint, "mimic", joint=self.joints[master], multiplier=factor, offset=offset)
+
+    def _fixed(self, name: str, above: str, R: Array, p: Array) -> None:
+        joint = add(self.root, "joint", name=f"{name}_fixed", type="fixed")
+        add(joint, "parent", link=above)
+        add(joint, "child", link=name)
+        placed(joint, R, p)
+
+    def _site(self, s: int) -> None:
+        name = self.model.site(s).name
+        if name and name not in self.bodies:
+            add(self.root, "link", name=name)
+            above = self.bodies[self.model.site_bodyid[s]]
+            self._fixed(name, above, rotation_of(self.model.site_quat[s]), self.model.site_pos[s])
+
+    def _inertia(self, link: ET.Element, b: int, shift: Array) -> None:
+        model = self.model
+        inertial = add(link, "inertial")
+        placed(inertial, rotation_of(model.body_iquat[b]), model.body_ipos[b] - shift)
+        add(inertial, "mass", value=float(model.body_mass[b]))
+        xx, yy, zz = (float(x) for x in model.body_inertia[b])
+        add(inertial, "inertia", ixx=xx, ixy=0.0, ixz=0.0, iyy=yy, iyz=0.0, izz=zz)
+
+
+def _about(axis: Array, angle: float) -> Array:
+    """Rotation by an angle [rad] about a unit axis (Rodrigues' formula)."""
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K)
+
+
+def _model_name(model: Any) -> str:
+    return bytes(model.names).split(b"\0", 1)[0].decode(errors="replace") or "hand"
