@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from handlcp.errors import (
         HandLCPError,
         InputError,
+        NoGraspFound,
         NoSolutionFound,
         NotReached,
         SceneFileError,
@@ -60,9 +61,11 @@ if TYPE_CHECKING:
     from handlcp.hand import (
         Audit,
         Box,
+        Candidate,
         Cylinder,
         Doubt,
         Ellipsoid,
+        Found,
         GraspStream,
         GraspUpdate,
         Hand,
@@ -79,6 +82,7 @@ if TYPE_CHECKING:
         audit_urdf,
         describe_urdf,
         example_hand,
+        find_grasp,
     )
     from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
     from handlcp.simulator import to_mujoco
@@ -87,29 +91,29 @@ if TYPE_CHECKING:
 __version__ = VERSION
 
 __all__ = [
-    "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "Box", "Contact",
+    "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "Box", "Candidate", "Contact",
     "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria", "Explanation",
-    "FingerForceBound", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspStream",
-    "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandLCPError", "HandState",
-    "InputError", "KnownForce", "LCPSolution", "Lemke", "Loading", "Mesh", "NoSolutionFound", "NotReached",
-    "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "SceneFileError", "SemismoothNewton",
-    "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table",
-    "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName",
-    "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "solve_lcp",
+    "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution",
+    "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandLCPError",
+    "HandState", "InputError", "KnownForce", "LCPSolution", "Lemke", "Loading", "Mesh", "NoGraspFound",
+    "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "SceneFileError",
+    "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies",
+    "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName",
+    "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "solve_lcp",
     "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
 _ROOMS = {
     "errors": {
-        "HandLCPError", "InputError", "NoSolutionFound", "NotReached", "SceneFileError", "URDFError", "UnknownName",
-        "Unsupported",
+        "HandLCPError", "InputError", "NoGraspFound", "NoSolutionFound", "NotReached", "SceneFileError", "URDFError",
+        "UnknownName", "Unsupported",
     },
     "lcp": {"LCP", "LCPSolution", "Lemke", "NSNGRK", "Auto", "SemismoothNewton", "Status", "solve_lcp"},
     "hand": {
-        "Audit", "Box", "Cylinder", "Doubt", "Ellipsoid", "GraspStream", "GraspUpdate", "Hand", "HandDescription",
-        "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
-        "audit_urdf", "describe_urdf", "example_hand",
+        "Audit", "Box", "Candidate", "Cylinder", "Doubt", "Ellipsoid", "Found", "GraspStream", "GraspUpdate", "Hand",
+        "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table",
+        "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
     },
     "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},

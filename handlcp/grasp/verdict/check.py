@@ -19,23 +19,28 @@ from handlcp.grasp.verdict.path_reasons import compared, lost_reason, place_reas
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Status
 
-__all__ = ["check"]
+__all__ = ["check", "judged"]
 
 STEPS = 8  # of a stage; where something happens there are more
 
 
 def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
     """See `Grasp.check`; solution : one solve of this grasp."""
+    verdict = judged(spec, scene, section, order, solution)
+    if verdict.word in (HELD, UNDECIDED) or verdict.about("not_followed"):
+        return verdict
+    over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
+    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable)])
+
+
+def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
+    """The same without advice, which takes many times as long where the grasp does not hold."""
     try:
         path = follow(spec, section, None, order, None, STEPS, None)
     except Unsupported as why:
         told = Reason("not_followed", "warning", f"the loading was not followed: {why}")
         return verdict_of([*solution.verdict.reasons, told])
-    verdict = verdict_of(_reasons(spec, scene, section, solution, path))
-    if verdict.word in (HELD, UNDECIDED):
-        return verdict
-    over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
-    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable)])
+    return verdict_of(_reasons(spec, scene, section, solution, path))
 
 
 def _reasons(

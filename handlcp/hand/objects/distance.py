@@ -35,6 +35,7 @@ _REQUEST.gjk_tolerance = _REQUEST.epa_tolerance = 1e-10
 _REQUEST.gjk_max_iterations = _REQUEST.epa_max_iterations = 1000
 
 _AGREES, _POINTS, _CLOSE = 1e-6, 1e-4, 1e-9  # of the smaller shape's size: distances, points; what own ones aim for
+_LEAST = 5e-7  # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
 
 
 def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[str, str]) -> Distance:
@@ -76,7 +77,7 @@ class _Pair:
     def __init__(self, first: Any, at: Frame, second: Any, there: Frame) -> None:
         self._first, self._at, self._second, self._there = first, at, second, there
         self.size = min(size_of(first), size_of(second))
-        self.allowed = _AGREES * self.size
+        self.allowed = max(_AGREES * self.size, _LEAST)
         way = there[1] - at[1]
         length = float(np.sqrt(way @ way))
         self.way = way / length if length > 0.0 else np.array([1.0, 0.0, 0.0])

@@ -11,10 +11,11 @@ from handlcp.errors import InputError
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Sphere
+from handlcp.hand.robot.hull import planes
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import sphere_tip
 
-__all__ = ["Inside", "links_inside"]
+__all__ = ["Inside", "distances", "links_inside"]
 
 _MOST = 24  # points of a link that are measured one by one, where no formula measures all at once
 _UNTURNED = np.eye(3)
@@ -84,6 +85,17 @@ def _depth(points: Array, radii: Array, obj: Object) -> float:
     few += [i for i in least[:_MOST] if rough[i] < 0.0]
     exact = (_ball_gap(points[i], float(radii[i]), obj) for i in dict.fromkeys(few))
     return max((-gap for gap in exact), default=0.0)
+
+
+def distances(x: Array, obj: Object) -> Array:
+    """(m,) signed distances of points (m, 3) in the object's frame [m]: exact for a ball, a box and a cylinder. Of an
+    ellipsoid rough; of a convex mesh, the largest distance to a face's plane: exact inside, at most too small outside.
+    """
+    known = _distances(x, obj)
+    if known is None and not isinstance(obj, Ellipsoid) and obj.triangles is None:
+        _, normals, offsets = planes(obj.geometry)
+        known = (x @ normals.T - offsets).max(axis=1)
+    return _rough(x, obj) if known is None else np.asarray(known)
 
 
 def _distances(x: Array, obj: Object) -> Array | None:

@@ -1,0 +1,1 @@
+"""Finding grasps: where an object fits between the fingertips, touched by all of them and held."""

@@ -1,0 +1,99 @@
+"""A grasp that was found: the posture, the object where it is, and how far it is from being lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import Verdict
+from handlcp.grasp.friction import as_section
+from handlcp.grasp.verdict.check import judged
+from handlcp.hand.hand_grasp import HandGrasp
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.posture import Posture
+from handlcp.lazy import lazy
+
+__all__ = ["Candidate", "reserves"]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One grasp. Immutable.
+
+    grasp : as `state.grasp` makes it. solution : its one solve.
+    friction_reserve : 1 - Σ |f_t| / Σ μ f_n over all fingers [-], what is left of all the friction there is. A finger that
+        slides has used up its own, and the others still hold.
+    torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
+    """
+
+    grasp: HandGrasp
+    solution: Any
+    friction_reserve: float
+    torque_reserve: float
+
+    @property
+    def margin(self) -> float:
+        """The smaller of the two reserves [-]: by what share friction, or the motors, could be weaker."""
+        return min(self.friction_reserve, self.torque_reserve)
+
+    @property
+    def pressing(self) -> int:
+        """How many of the fingers press on the object; the others only touch it, or let go under the load."""
+        return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_fingers])
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """What grasps are sorted by: those in which more fingers press come first, then those with a larger margin."""
+        return -self.pressing, -self.margin
+
+    @property
+    def state(self) -> Posture:
+        """The hand in the posture that touches."""
+        return self.grasp.state
+
+    @property
+    def q(self) -> Array:
+        """(nv,) that posture [rad, m]."""
+        return self.state.q
+
+    @property
+    def object(self) -> Object:
+        """The object where it was placed."""
+        target = self.grasp.target
+        assert target is not None  # the search had one
+        return target
+
+    @lazy
+    def verdict(self) -> Verdict:
+        """As `grasp.check()` says it, without advice; made when it is first asked for."""
+        section = as_section("cone", planar=False)
+        return judged(self.grasp.spec, self.grasp.scene, section, ("squeeze", "load"), self.solution)
+
+    def __str__(self) -> str:
+        return (
+            f"margin {100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
+            f"torque {100 * self.torque_reserve:.0f} %), forces {', '.join(f'{f:.2g}' for f in self.solution.normal_force)} N"
+        )
+
+    def __repr__(self) -> str:
+        return f"Candidate(margin={self.margin:.3f}, q={np.round(self.q, 4).tolist()}, object={self.object!r})"
+
+
+def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
+    """Of friction and of torque, as in `Candidate`; solution : an answer of the grasp."""
+    scene, k = grasp.scene, grasp.spec.of_fingers
+    soft = list(scene.soft)
+    moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
+    forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])
+    spin = np.zeros(scene.n)
+    spin[soft] = turning
+    x, y, z = forces.reshape(-1, 3).T
+    used = float(np.hypot(np.hypot(x, y), spin)[:k].sum())
+    there = float((scene.mu * z)[:k].sum())
+    friction = 1.0 - used / there if there > 0.0 else 1.0
+    torque = float(getattr(solution, "torque_check").utilisation.max(initial=0.0))  # noqa: B009
+    return friction, 1.0 - torque

@@ -1,0 +1,119 @@
+"""Whether the hand's links keep out of the object and out of each other."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import coal
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import URDFError
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.hand.find.place import Place
+from handlcp.hand.objects.inside import distances
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+
+__all__ = ["Links"]
+
+_POINTS = 150  # of a link, at most, that are looked at
+_DEPTH, _DEPTH_AT_TIP = 2e-4, 2e-3  # [m] how deep a link may be in the object, and one that carries a fingertip
+_BESIDE = 2e-4  # [m] how much less deep a link is pushed that is too deep
+
+
+class Links:
+    """The links of a hand, as points for the object and as coal's shapes for each other.
+
+    A link may be in another where it is so in the neutral posture, or where both are within two joints of each other.
+    """
+
+    def __init__(self, hand: HandModel, tips: tuple[int, ...]) -> None:
+        self._hand = hand
+        try:
+            self._links = hand.link_surfaces
+        except URDFError:
+            self._links = ()  # nothing is known of them
+        self._frames = [link.frame for link in self._links]
+        model = hand.kinematics.model
+        carry = {model.frames[hand.tips.frames[i]].parentJoint for i in tips}
+        nets = [link.net for link in self._links]
+        steps = [max(1, -(-len(points) // _POINTS)) for points, _ in nets]
+        points = [points[::step] for (points, _), step in zip(nets, steps, strict=True)]
+        self._points = np.concatenate([*points, np.zeros((0, 3))])
+        self._of = np.repeat(np.arange(len(points)), [len(p) for p in points])
+        self._starts = np.cumsum([0, *map(len, points)])[:-1]
+        allowed = [_DEPTH_AT_TIP if link.joint in carry else _DEPTH for link in self._links]
+        slack = [r[::step] - a for (_, r), step, a in zip(nets, steps, allowed, strict=True)]
+        self._slack = np.concatenate([*slack, np.zeros(0)])
+        self._moved_by = np.zeros((len(self._links), model.nv))
+        for row, link in zip(self._moved_by, self._links, strict=True):
+            for joint in model.supports[link.joint]:
+                if joint and model.joints[joint].nv:
+                    row[model.joints[joint].idx_v] = 1.0
+        every = [(i, j) for i, j in combinations(range(len(self._links)), 2) if self._apart(model, i, j)]
+        at = hand.kinematics.frames_at(hand.neutral, self._frames)[0]
+        self._pairs = [pair for pair in every if not self._meet(at, *pair)]
+
+    @property
+    def middles(self) -> tuple[list[int], Array]:
+        """Frames of the links, and the middle of each in its frame (m, 3) [m]."""
+        return self._frames, np.array(
+            [self._points[self._of == k].mean(axis=0) for k in range(len(self._links))]
+        ).reshape(-1, 3)
+
+    def out_of(self, home: Object, place: Place) -> bool:
+        """Whether no link is inside the object, whose frame is at the origin in `home`."""
+        return not self._links or bool((self._beyond(home, place)[0] >= 0.0).all())
+
+    def pushes(self, home: Object, place: Place) -> tuple[Array, Array, Array, Array]:
+        """Of the links inside the object: gap (m,) of each link's deepest point [m], below 0; that point (m, 3); the
+        normal (m, 3) from it into the object; and n · J (m, nv) of the point. World axes.
+        """
+        none = np.zeros((0, 3))
+        if not self._links:
+            return np.zeros(0), none, none, np.zeros((0, self._hand.nv))
+        beyond, local, columns = self._beyond(home, place)
+        deep = np.flatnonzero(np.minimum.reduceat(beyond, self._starts) < 0.0)
+        ends = np.append(self._starts, len(beyond))
+        worst = np.array([ends[i] + int(np.argmin(beyond[ends[i] : ends[i + 1]])) for i in deep], dtype=int)
+        known = [home.closest(local[k]) for k in worst]
+        out = np.array([[0.0, 0.0, 0.0] if one is None else one[2] for one in known]).reshape(-1, 3)
+        points, normals = local[worst] @ place.rotation.T + place.position, -out @ place.rotation.T
+        levers = (normals @ columns[:3] + cross_rows(points, normals) @ columns[3:]) * self._moved_by[deep]
+        coupling = self._hand.kinematics.coupling
+        return beyond[worst] - _BESIDE, points, normals, levers if coupling is None else levers @ coupling
+
+    def _beyond(self, home: Object, place: Place) -> tuple[Array, Array, Array]:
+        """How far each point is beyond what is allowed [m], the points in the object's frame, and the joints' columns
+        (6, joints) of the world's origin.
+        """
+        at, columns = self._hand.kinematics.frames_at(place.q, self._frames)
+        R, o = place.rotation, place.position
+        turns, shifts = R.T @ at[:, :3, :3], (at[:, :3, 3] - o) @ R
+        local = np.einsum("kxy,ky->kx", turns[self._of], self._points) + shifts[self._of]
+        return distances(local, home) - self._slack, local, columns
+
+    def out_of_each_other(self, q: Array) -> bool:
+        """Whether no two links of different fingers, and no finger and the palm, meet."""
+        at, _ = self._hand.kinematics.frames_at(q, self._frames)
+        return not any(self._meet(at, i, j) for i, j in self._pairs)
+
+    def _apart(self, model: Any, i: int, j: int) -> bool:
+        """Whether more than two joints lie between two links."""
+        one, two = (set(model.supports[self._links[k].joint]) for k in (i, j))
+        return len(one ^ two) > 2
+
+    def _meet(self, at: Array, i: int, j: int) -> bool:
+        one, two = self._links[i], self._links[j]
+        if float(np.linalg.norm(at[i, :3, 3] - at[j, :3, 3])) > one.reach + two.reach:
+            return False
+        request, result = coal.CollisionRequest(), coal.CollisionResult()
+        for a, R, p in one.parts:
+            for b, Q, o in two.parts:
+                first = coal.Transform3s(at[i, :3, :3] @ R, at[i, :3, :3] @ p + at[i, :3, 3])
+                second = coal.Transform3s(at[j, :3, :3] @ Q, at[j, :3, :3] @ o + at[j, :3, 3])
+                if coal.collide(a, first, b, second, request, result):
+                    return True
+        return False

@@ -1,0 +1,125 @@
+"""Fingertips brought to touch: joints and object move together, by the smallest steps that close all gaps.
+
+With the normal n from a fingertip into the object, at the point x of its surface, a step (δq, v, ω) changes the gap by
+
+    δg = n · (v + ω × (x - o)) - n · J δq
+
+o the origin of the object's frame. Newton's steps solve g + δg = 0 for all fingers, and for the deepest point of each
+link that is inside the object. Each step is the smallest in units of 1 rad and of the object's size; joints that would
+leave their range stay at its end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import coal
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import HandLCPError
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.hand.find.clear import Links
+from handlcp.hand.find.place import Place, free_ranges, size_of_object
+from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.robot.tip_geometry import TipShape
+
+__all__ = ["Touch", "brought_together"]
+
+CLOSE = 5e-7  # [m] gaps that count as closed; distances between some shapes are no better
+_STEPS, _LONGEST = 30, 0.3  # at most; of a step [rad], and as a share of the object's size
+_IDLE = 5  # steps without progress after which it is given up
+_NEAR = 1e-4  # [m] below this, distances are confirmed ones
+_REQUEST = coal.DistanceRequest()
+_REQUEST.enable_signed_distance = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touch:
+    """A place where all fingertips touch. positions, normals (k, 3): of the contacts, world axes, normals into the
+    object. levers (k, nv): n · J, by how much the joints press the fingertips along them [m/rad].
+    """
+
+    place: Place
+    positions: Array
+    normals: Array
+    levers: Array
+
+
+def brought_together(hand: HandModel, tips: tuple[int, ...], links: Links, home: Object, place: Place) -> Touch | None:
+    """The nearest place at which the fingertips numbered `tips` touch and no link is inside; None where none is reached.
+
+    home : the object with its frame at the origin.
+    """
+    lower, upper = free_ranges(hand)
+    size = size_of_object(home)
+    scale = np.append(np.minimum(1.0, upper - lower), [size, size, size, 1.0, 1.0, 1.0])
+    exact, least, idle = False, np.inf, 0
+    for _ in range(_STEPS):
+        posture = Posture(hand, place.q.copy())
+        try:
+            near = [_near(posture, tip, home, place, exact) for tip in tips]
+        except HandLCPError:
+            return None  # a distance that nobody can compute
+        gaps = np.array([p.gap for p in near])
+        if not (abs(gaps) < 10 * size).all():
+            return None
+        inside, deep, into, pushed = links.pushes(home, place)
+        normals, points = np.array([p.normal for p in near]), np.array([p.tip_point for p in near])
+        J = posture.jacobian_at(points, tips)
+        levers = np.einsum("ix,ixj->ij", normals, J)
+        if exact and abs(gaps).max() <= CLOSE and not len(inside):
+            return Touch(place, np.array([p.position for p in near]), normals, levers)
+        worst = float(abs(wanted := -np.append(gaps, inside)).max())
+        least, idle = (worst, 0) if worst < 0.9 * least else (least, idle + 1)
+        if idle > _IDLE:
+            return None
+        arms = np.array([p.position for p in near]) - place.position
+        rows = np.hstack([-levers, normals, cross_rows(arms, normals)])
+        more = np.hstack([-pushed, into, cross_rows(deep - place.position, into)])
+        step = _smallest(np.vstack([rows, more]), wanted, scale, lower - place.q, upper - place.q)
+        largest = float(abs(step / scale).max())
+        place = place.moved(*np.split(step * min(1.0, _LONGEST / max(largest, 1e-300)), [hand.nv]))
+        exact = bool(abs(gaps).max() < _NEAR)
+    return None
+
+
+def _smallest(rows: Array, wanted: Array, scale: Array, least: Array, most: Array) -> Array:
+    """The smallest step x / scale with rows x = wanted, its first entries within least and most, or nearest to that."""
+    x, free = np.zeros(len(scale)), np.ones(len(scale), dtype=bool)
+    joints = len(least)
+    x[:joints] = np.clip(0.0, least, most)  # a joint outside its range comes back
+    for _ in range(joints):
+        A = rows * np.where(free, scale, 0.0)
+        y = A.T @ np.linalg.lstsq(A @ A.T, wanted - rows[:, ~free] @ x[~free], rcond=1e-9)[0]
+        x = np.where(free, scale * y, x)
+        out = free[:joints] & ((x[:joints] < least) | (x[:joints] > most))
+        if not out.any():
+            break
+        free[:joints] &= ~out
+        x[:joints] = np.clip(x[:joints], least, most)
+    return x
+
+
+def _near(posture: Posture, tip: int, home: Object, place: Place, exact: bool) -> Proximity:
+    """Of a fingertip and the object at its place, world axes; measured with the object at home."""
+    R, o = place.rotation, place.position
+    p, Q = (posture.tip_positions[tip] - o) @ R, R.T @ posture.tip_rotations[tip]
+    shapes = posture.hand.tip_shapes(tip)
+    if exact or (len(shapes) == 1 and shapes[0].radius is not None):
+        found = nearest(shapes, p, Q, home)
+    else:
+        found = min((_by_coal(shape, p, Q, home) for shape in shapes), key=lambda one: one.gap)
+    return Proximity(found.gap, R @ found.position + o, R @ found.tip_point + o, R @ found.normal)
+
+
+def _by_coal(shape: TipShape, p: Array, Q: Array, home: Object) -> Proximity:
+    """Fast, and seldom wrong by much: the last steps are confirmed."""
+    result = coal.DistanceResult()
+    at = coal.Transform3s(Q @ shape.rotation, p + Q @ shape.translation)
+    gap = float(coal.distance(shape.geometry, at, home.geometry, home.transform, _REQUEST, result))
+    on_tip, on_object = np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2())
+    return Proximity(gap, on_object, on_tip, np.array(result.normal))
