@@ -1,4 +1,4 @@
-"""A designer's eight tasks: each takes at most fifteen lines of public interface, runs, and gives a number that holds."""
+"""A designer's eight tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
 
 from __future__ import annotations
 
