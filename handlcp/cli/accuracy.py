@@ -53,12 +53,12 @@ def accuracy(
     if plot is not None:
         work_precision.save((file.title, cost), plot)
     if json:
-        print_json({"title": file.title} | cost.as_dict())
+        print_json({"title": file.title} | cost.to_dict())
         return
     out = titled(file.title)
     for table in accuracy_table.all_tables(cost):
         out.print(table)
-    out.print(Text(f"{cost}."))
+    out.print(Text(f"{cost.summary}."))
     for note in cost.notes:
         say(out, "Note", "yellow", note)
     for path in (csv, plot):

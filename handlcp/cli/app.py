@@ -6,12 +6,13 @@ Exit status: 0 for the verdict HELD; 1 for any other; 2 bad input, with one mess
 from __future__ import annotations
 
 import json as jsonlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.table import Table
 from rich.text import Text
 from typer.core import TyperGroup
 
@@ -19,7 +20,7 @@ from handlcp.errors import HandLCPError, InputError
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["Json", "app", "print_json", "progress_bar", "say", "sides_of", "titled"]
+__all__ = ["Json", "app", "print_json", "print_tables", "progress_bar", "say", "sides_of", "titled"]
 
 
 class _Commands(TyperGroup):
@@ -86,6 +87,12 @@ def titled(title: str) -> Console:
     if title:
         out.print(Text(title, style="bold"), end="\n\n")
     return out
+
+
+def print_tables(out: Console, tables: Iterable[Table]) -> None:
+    """One below the other, with an empty line after each, which a table without a caption brings itself."""
+    for table in tables:
+        out.print(table, end="\n\n" if table.caption else "\n")
 
 
 def sides_of(own: Any, faces: str | None) -> Any:

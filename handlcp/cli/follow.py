@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
+from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
 from handlcp.grasp import Loading
 from handlcp.show.file import checked
 
@@ -53,7 +53,7 @@ def follow(
 
         print_json(record(found, read.title))
     else:
-        _print(found, read.title, sides, drawn)
+        _print(found, read.title, drawn)
     raise typer.Exit(0 if found.reached else 1)
 
 
@@ -68,17 +68,17 @@ def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) ->
     return [file for file in (plot, picture) if file is not None]
 
 
-def _print(found: Loading, title: str, sides: Any, drawn: list[Path]) -> None:
-    """What happens on the way, contacts and joints at the end, the object's motion, the outcome."""
+def _print(found: Loading, title: str, drawn: list[Path]) -> None:
+    """The outcome, the object's motion, what happens on the way, contacts and joints at the end."""
     from handlcp.show.loading import report
 
     out = titled(title)
-    if (happens := report.event_table(found)) is not None:
-        out.print(happens)
-    for table in report.end_tables(found, sides):
-        out.print(table)
     word, style = ("REACHED", "green") if found.reached else ("LOST", "red")
     say(out, word, f"bold {style}", found.why.removeprefix("reached ").removeprefix("lost "))
     say(out, "Motion", "bold", report.motion(found))
+    out.print()
+    if (happens := report.event_table(found)) is not None:
+        out.print(happens)
+    print_tables(out, report.end_tables(found))
     for file in drawn:
         out.print(Text(f"Picture: {file}", style="dim"))

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError
-from handlcp.grasp import Grasp, GraspSolution, Verdict
+from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import HandGrasp
+from handlcp.show.frame import data_frame, solution_frame
+from handlcp.show.html import html
 from handlcp.show.record import record
 from handlcp.study.plain import plain
 
-__all__ = ["plot", "to_dict", "to_json"]
+__all__ = ["data_frame", "html", "loading_dict", "plot", "solution_frame", "to_dict", "to_json"]
 
 
 def plot(
@@ -33,9 +35,16 @@ def to_dict(solution: GraspSolution) -> dict[str, Any]:
     return record(grasp, solution, grasp.explain())
 
 
-def to_json(solution: GraspSolution, path: Any = None) -> str | Path:
-    """See `GraspSolution.to_json`. Raises InputError for a file that cannot be written."""
-    text = json.dumps(plain(to_dict(solution)), indent=2, ensure_ascii=False, allow_nan=False)
+def loading_dict(loading: Loading) -> dict[str, Any]:
+    """See `Loading.to_dict`."""
+    from handlcp.show.loading.report import record as record_of_path
+
+    return record_of_path(loading)
+
+
+def to_json(value: dict[str, Any], path: Any = None) -> str | Path:
+    """Plain data as JSON: the text, or the file. Raises InputError for a file that cannot be written."""
+    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
     if path is None:
         return text
     file = Path(path)

@@ -11,12 +11,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
@@ -32,7 +34,9 @@ from handlcp.lcp import NSNGRK, Auto, Status, proposals
 from handlcp.lcp.kernels.lemke import lemke
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
+from handlcp.text_table import wrapped
 from handlcp.tolerances import ACTIVE, PIVOT
+from handlcp.views import view
 
 __all__ = ["Equilibria", "equilibria", "seeded"]
 
@@ -45,7 +49,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Equilibria:
+class Equilibria(Data):
     """The equilibria of a grasp, every one certified: `for solution in equilibria`, `len(equilibria)`.
 
     found : smallest forces first; their `uniqueness.others` says whether others exist. Members of one family of
@@ -68,23 +72,42 @@ class Equilibria:
         """Smallest forces first."""
         return iter(self.found)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: complete, why, seconds, and the solutions in `found`, each as its own `to_dict` has it."""
+        return {"complete": self.complete, "why": self.why, "seconds": self.seconds,
+                "found": [s.to_dict() for s in self.found]}  # fmt: skip
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each contact of each equilibrium: "equilibrium", from 1 on, "contact", "state",
+        normal_N, friction_N, friction_used, slip_m, gap_m. Raises Unsupported without pandas.
+        """
+        each = [(k, i, s) for k, s in enumerate(self.found, 1) for i in range(len(s.names))]
+        columns = {
+            "equilibrium": [k for k, _, _ in each], "contact": [s.names[i] for _, i, s in each],
+            "state": [s.contact_state[i] for _, i, s in each], "normal_N": [s.forces[i, 2] for _, i, s in each],
+            "friction_N": [np.hypot(*s.forces[i, :2]) for _, i, s in each],
+            "friction_used": [s.friction_used[i] for _, i, s in each],
+            "slip_m": [np.hypot(*s.slip[i]) for _, i, s in each], "gap_m": [s.gap[i] for _, i, s in each],
+        }  # fmt: skip
+        return view("data_frame")(columns)
+
     def __str__(self) -> str:
         k = len(self.found)
         if not k:
-            return f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}"
+            return wrapped(f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}", "  ")
         proof = f"{'proven' if self.complete else 'not proven'}: {self.why}"
         if k == 1:
             head = "one equilibrium and no other" if self.complete else "one equilibrium found; others may exist"
-            return f"{head} ({proof})\n  {_line(self.found[0])}"
-        lines = [f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"]
-        lines += [f"  {i}. {_line(s)}" for i, s in enumerate(self.found, 1)]
-        lines.append("  in which of them the hand ends up depends on how it gets there: friction remembers the way")
-        return "\n".join(lines)
+            return f"{wrapped(f'{head} ({proof})', '  ')}\n{wrapped(_line(self.found[0]), '    ', '  ')}"
+        head = f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"
+        lines = [wrapped(head, "  "), *(wrapped(_line(s), "     ", f"  {i}. ") for i, s in enumerate(self.found, 1))]
+        last = "in which of them the hand ends up depends on how it gets there: friction remembers the way"
+        return "\n".join([*lines, wrapped(last, "    ", "  ")])
 
 
 def _line(s: GraspSolution) -> str:
     noise = ACTIVE * s.residuals.force_scale  # below this a contact is said not to push
-    forces = ", ".join("0" if abs(f) <= noise else f"{f:.3g}" for f in s.normal_force)
+    forces = ", ".join(words.column([0.0 if abs(f) <= noise else f for f in s.normal_force.tolist()]))
     return f"normal forces ({forces}) N, {replace(s, uniqueness=None).diagnosis}"
 
 

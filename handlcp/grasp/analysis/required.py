@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
 
 from handlcp.check import number
 from handlcp.errors import InputError
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
@@ -22,6 +24,8 @@ from handlcp.grasp.solve.stages import BRIEF
 from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp import Auto
+from handlcp.text_table import wrapped
+from handlcp.views import view
 
 __all__ = ["CHAIN", "Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
 
@@ -33,7 +37,7 @@ _FRICTION = 10.0  # the largest coefficient that is tried
 
 
 @dataclass(frozen=True, slots=True)
-class Required:
+class Required(Data):
     """The smallest common value that holds.
 
     value : it holds (certified); 0 when nothing more is needed; None when nothing up to `limit` was found to hold.
@@ -55,16 +59,32 @@ class Required:
     checked: tuple[tuple[float, bool], ...] = field(repr=False)
     hint: str = ""
 
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, SI units."""
+        return asdict(self)
+
+    def to_frame(self) -> Any:
+        """A pandas table of the values tried, in their order: "value", "holds". Raises Unsupported without pandas."""
+        values, held = zip(*self.checked, strict=True) if self.checked else ((), ())
+        return view("data_frame")({"value": values, "holds": held})
+
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
         if self.value is None:
             if self.proven:
                 return "no value found that holds: no force within friction and limits balances the load"
-            return f"no value up to {self.limit:.3g}{unit} found that holds" + (f": {self.hint}" if self.hint else "")
+            none = f"no value up to {self._said(self.limit)} found that holds"
+            return wrapped(f"{none}: {self.hint}" if self.hint else none, "  ")
         if self.value == 0.0:
             return "holds with nothing added" if self.unit else "holds without friction"
-        less = "" if self.fails is None else f", {self.fails:.4g}{unit} does not"
-        return f"{self.value:.4g}{unit} holds{less}"
+        less = "" if self.fails is None else f", {self._said(self.fails)} does not"
+        return f"{self._said(self.value)} holds{less}"
+
+    def _said(self, value: float) -> str:
+        """A coefficient, or a squeeze in millimetres, with digits enough to tell what holds from what does not."""
+        if not self.unit:
+            return f"{value:.4g}"
+        size, unit = (1e6, "µm") if 0.0 < value < 1e-4 else (1e3, "mm")
+        return f"{size * value:.4g} {unit}"
 
 
 def holds(spec: GraspSpec, section: Section) -> bool:
@@ -113,7 +133,7 @@ def required_friction(
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
         return replace(found, fails=low, proven=True)
     if found.value is None and (build(spec).offset[2 : 3 * spec.n : 3][spec.free_fingers] >= 0.0).all():
-        return replace(found, hint="no finger carries preload; required_preload() says how much would do")
+        return replace(found, hint="no finger squeezes the object; required_preload() says how much would do")
     return found
 
 
