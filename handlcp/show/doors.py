@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError
-from handlcp.grasp import Grasp, GraspSolution, Verdict
+from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import HandGrasp
 from handlcp.show.record import record
 from handlcp.study.plain import plain
 
-__all__ = ["plot", "to_dict", "to_json"]
+__all__ = ["loading_page", "page", "plot", "to_dict", "to_json"]
 
 
 def plot(
@@ -25,6 +25,23 @@ def plot(
     if path is None:
         return draw(grasp, solution, obj, title, verdict)
     return save(grasp, solution, path, obj, title, verdict)
+
+
+def page(
+    solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None,
+    loading: Loading | None = None,
+) -> Path:  # fmt: skip
+    """See `GraspSolution.page`."""
+    from handlcp.show.page.document import save  # pages alone need the viewer
+
+    return save(grasp_of(solution), solution, path, obj, title, verdict, loading)
+
+
+def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:
+    """See `Loading.page`."""
+    from handlcp.show.page.document import save_loading
+
+    return save_loading(loading, path, title, obj, verdict)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

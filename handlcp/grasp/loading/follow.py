@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lazy import lazy
+from handlcp.views import view
 
 __all__ = ["Loading", "follow"]
 
@@ -83,6 +85,11 @@ class Loading:
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
         return mechanism.at_end(where.q, where.pose)
+
+    def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
+        """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
+        written: Path = view("loading_page")(self, path, obj, title, verdict)
+        return written
 
     def __str__(self) -> str:
         """The outcome, what happens on the way, and what the last step is like."""
