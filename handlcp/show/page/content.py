@@ -11,41 +11,42 @@ from scipy.spatial import ConvexHull, QhullError
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp import Grasp, GraspSolution, Loading
+from handlcp.grasp import Grasp, Loading
 from handlcp.grasp.loading.events import summary
-from handlcp.show.page.frames import NO_MOMENT, Frames, pose
+from handlcp.show.page.frames import Frames
 from handlcp.show.page.meshes import Meshes
-from handlcp.show.page.parts import FIXED, Part, Solids
+from handlcp.show.page.parts import FIXED, Part, notes_of, parts_of
 from handlcp.show.page.snapshot import Snapshot, steps_shown
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.camera import camera_for
-from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, STATE, UNKNOWN
+from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 
 __all__ = ["content", "escape_of", "path_of"]
 
 
 def content(
-    grasp: Grasp, solids: Solids, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None
+    drawn: Content, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None
 ) -> dict[str, Any]:
     """What the viewer reads; numbers are in SI units, vectors in world axes.
 
-    grasp : whose hand, contacts and scale these are. shown : one solve, then the steps. path, escape : as `path_of`
-    and `escape_of` have them.
+    drawn : what a picture of the grasp shows. shown : one solve, then the steps. path, escape : as `path_of` and
+    `escape_of` have them.
     """
+    grasp = drawn.grasp
     scene, state = grasp.scene, getattr(grasp, "state", None)
     hand = None if state is None else state.hand
     frames = Frames(shown, scene.units.length, *((None, None) if hand is None else (hand.model, hand.kinematics)))
-    meshes = Meshes()
-    parts, told = [_part(p, meshes) for p in solids.parts], frames.to_list()
+    meshes, parts, told = Meshes(), parts_of(drawn), frames.to_list()
     return {
         "size": scene.units.length, "planar": scene.plane is not None, "perNewton": frames.per_newton,
-        "slipFactor": frames.slip_factor, "view": _view(grasp, solids, shown, told[0]["joints"]),
-        "meshes": meshes.to_dict(), "parts": parts, "frames": told, "columns": frames.columns,
+        "slipFactor": frames.slip_factor, "view": _view(drawn, parts, told[0]["joints"]),
+        "parts": [_part(p, meshes) for p in parts], "packed": meshes.packed(),
+        "frames": told, "columns": frames.columns,
         "contacts": _contacts(grasp), "joints": _joints(shown, hand),
         "colours": {**STATE, "": UNKNOWN, "load": LOAD, "slip": SLIP, "escape": ESCAPE},
-        "legend": _legend(grasp, solids, shown, frames, escape is not None),
-        "path": path, "escape": escape, "first": _first(told, path, escape), "notes": solids.notes,
+        "legend": _legend(drawn, parts, shown, frames, escape is not None),
+        "path": path, "escape": escape, "first": _first(told, path, escape), "notes": notes_of(drawn, parts),
     }  # fmt: skip
 
 
@@ -72,15 +73,14 @@ def path_of(loading: Loading, first: int) -> dict[str, Any]:
     return {"first": first, "stages": stages, "events": told, "reached": loading.reached}
 
 
-def escape_of(solution: GraspSolution, grasp: Grasp, acts_at: Array) -> dict[str, Any] | None:
+def escape_of(drawn: Content) -> dict[str, Any] | None:
     """The motion in which the object escapes, scaled to be seen; None where none is known."""
-    twist = solution.certificate
+    twist, size, at = drawn.solution.certificate, drawn.size, drawn.acts_at
     if twist is None or not np.isfinite(twist).all() or not twist.any():
         return None
-    size = grasp.scene.units.length
-    move, turn = twist[:3] + np.cross(twist[3:], acts_at - grasp.reference), twist[3:]
+    move, turn = twist[:3] + np.cross(twist[3:], at - drawn.grasp.reference), twist[3:]
     far = max(float(np.linalg.norm(move)), size * float(np.linalg.norm(turn)))
-    return {"at": acts_at, "move": move * size / far, "turn": turn * size / far}
+    return {"at": at, "move": move * size / far, "turn": turn * size / far}
 
 
 def _first(frames: Sequence[Any], path: dict[str, Any] | None, escape: dict[str, Any] | None) -> int:
@@ -96,7 +96,7 @@ def _reached(stage: Any, share: Any, number: int, where: float) -> int:
 
 
 def _part(p: Part, meshes: Meshes) -> dict[str, Any]:
-    return {**meshes.add(p.triangles), "colour": p.colour, "layer": p.layer, "joint": p.joint, "at": pose(p.at)}
+    return {**meshes.add(p.triangles), "colour": p.colour, "layer": p.layer, "joint": p.joint}
 
 
 def _contacts(grasp: Grasp) -> list[dict[str, Any]]:
@@ -119,13 +119,12 @@ def _joints(shown: Sequence[Snapshot], hand: Any) -> list[dict[str, Any]]:
     return [{"name": n, "limit": x} for n, x in zip(hand.joint_names, limits.tolist(), strict=True)]
 
 
-def _view(grasp: Grasp, solids: Solids, shown: Sequence[Snapshot], joints: list[list[float]] | None) -> dict[str, Any]:
+def _view(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | None) -> dict[str, Any]:
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
-    first, moved = shown[0], [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
-    placed = [(p, p.at if p.joint == FIXED else moved[p.joint] * p.at) for p in solids.parts if p.layer != "object"]
-    bodies = [Body(shapes.placed(_hull(p.triangles), at), p.colour) for p, at in placed]  # what may hide the object
-    marks = np.vstack([first.positions, [first.acts_at]])
-    camera = camera_for(grasp, bodies, solids.glass, marks)
+    moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
+    hulls = [(_hull(p.triangles), p) for p in parts if p.layer != "object"]  # what may hide the object
+    placed = [(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p) for h, p in hulls]
+    camera = camera_for(drawn.grasp, [Body(h, p.colour) for h, p in placed], drawn.glass, drawn.marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
 
@@ -142,13 +141,20 @@ def _hull(triangles: Array) -> Array:
         return triangles
 
 
-def _legend(grasp: Grasp, solids: Solids, shown: Sequence[Snapshot], frames: Frames, escapes: bool) -> list[Any]:
+def _legend(
+    drawn: Content, parts: Sequence[Part], shown: Sequence[Snapshot], frames: Frames, escapes: bool
+) -> list[Any]:  # fmt: skip
     """Lines of (layer, kind, colour, text); each layer can be switched off."""
+    grasp = drawn.grasp
     who = "contact" if grasp.scene.environment else "finger"
     states = {state for s in shown for state in s.states}
-    layers = {p.layer: p.colour for p in solids.parts}
-    names = {"hand": "hand" if hasattr(grasp, "state") else "fingers", "environment": "environment"}
-    names["object"] = "object" if solids.glass is None else solids.glass.label
+    layers = {p.layer: p.colour for p in parts}
+    deep = words.length(max(drawn.inside.values(), default=0.0))
+    inside = f"inside the object: {words.listed(list(drawn.inside))}, up to {deep}"
+    names = {
+        "hand": "hand" if hasattr(grasp, "state") else "fingers", "environment": "environment", "inside": inside,
+        "object": "object" if drawn.glass is None else drawn.glass.label, "tips": "fingertip that finds the contact",
+    }  # fmt: skip
     out = [[layer, "patch", list(colour), names[layer]] for layer, colour in layers.items()]
     if (grasp.scene.mu > 0).any():
         sense = "friction cones, to the forces’ scale: an arrow at the rim slides"

@@ -10,17 +10,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import HandGrasp
 from handlcp.show.page import file, head
 from handlcp.show.page.content import content, escape_of, path_of
 from handlcp.show.page.library import three_js
-from handlcp.show.page.parts import Solids, solids_of
 from handlcp.show.page.snapshot import at_steps, of_solution
+from handlcp.show.picture.content import Content
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
@@ -42,16 +39,14 @@ def save(
     target = file.checked(path)
     if loading is not None and loading.steps.names != solution.names:
         raise InputError("loading", "one of the same grasp: grasp.follow()", f"contacts {loading.steps.names}")
-    solids = solids_of(grasp, obj, grasp)
-    acts_at = _acts_at(grasp, solids)
-    shown = [of_solution(grasp, solution, acts_at)]
-    steps = None
+    said = solution.verdict if verdict is None else verdict
+    drawn = Content(grasp, solution, obj, verdict=said)
+    shown, steps = [of_solution(grasp, solution, drawn.acts_at)], None
     if loading is not None:
         steps = path_of(loading, 1)
-        shown += at_steps(loading, acts_at, getattr(grasp, "state", None))
-    said = head.verdict(solution.verdict if verdict is None else verdict)
-    found = content(grasp, solids, shown, steps, escape_of(solution, grasp, acts_at))
-    return file.write(_document(title, said, found), target)
+        shown += at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
+    found = content(drawn, shown, steps, escape_of(drawn))
+    return file.write(_document(title, head.verdict(said), found), target)
 
 
 def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, verdict: Verdict | None = None) -> Path:
@@ -61,19 +56,10 @@ def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, 
     target = file.checked(path)
     spec = loading.steps.grasp.spec
     grasp = Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
-    solids = solids_of(grasp, obj, grasp)
-    shown = at_steps(loading, _acts_at(grasp, solids), getattr(grasp, "state", None))
+    drawn = Content(grasp, loading.solution, obj, verdict=verdict)
+    shown = at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
     said = head.outcome(loading) if verdict is None else head.verdict(verdict)
-    return file.write(_document(title, said, content(grasp, solids, shown, path_of(loading, 0), None)), target)
-
-
-def _acts_at(grasp: Grasp, solids: Solids) -> Array:
-    """Where arrows on the object start: at the grasp's reference where the object is known, else amid what is drawn."""
-    if getattr(grasp, "target", None) is not None:
-        return grasp.reference
-    if solids.glass is None:
-        return np.asarray(grasp.scene.positions.mean(axis=0))
-    return np.asarray(solids.glass.triangles.reshape(-1, 3).mean(axis=0))
+    return file.write(_document(title, said, content(drawn, shown, path_of(loading, 0), None)), target)
 
 
 def _document(title: str, said: str, found: Mapping[str, Any]) -> str:

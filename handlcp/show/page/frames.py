@@ -11,13 +11,12 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array
 from handlcp.show.page.snapshot import Snapshot
+from handlcp.show.picture.content import LONGEST, NO_MOMENT
 from handlcp.show.picture.overlay import nice
 
-__all__ = ["NO_MOMENT", "Frames", "pose"]
+__all__ = ["Frames"]
 
-LONGEST = 0.8  # the longest force arrow, in sizes of the grasp
-NO_MOMENT = 5e-6  # [N·m] moments below are not shown
-_STATES = {"sticking": "sticks", "sliding": "slides", "separated": "open", "": "–"}
+_STATES = {"sticking": "sticks", "sliding": "slides", "separated": "open"}
 
 
 class Frames:
@@ -56,7 +55,7 @@ class Frames:
         return {
             "label": s.label,
             "joints": None if s.q is None else self._joints(s.q),
-            "object": pose(s.object),
+            "object": _pose(s.object),
             "contacts": [self._contact(s, i) for i in range(len(s.positions))],
             "load": {
                 "at": s.acts_at, "force": s.load, "moment": s.moment if torque > NO_MOMENT else np.zeros(3),
@@ -68,7 +67,7 @@ class Frames:
     def _joints(self, q: Array) -> list[list[float]]:
         """Poses of all joints of the model, the base first."""
         pin.forwardKinematics(self._model, self._data, self._kinematics.configuration(q))
-        return [pose(m) for m in self._data.oMi]
+        return [_pose(m) for m in self._data.oMi]
 
     def _contact(self, s: Snapshot, i: int) -> dict[str, Any]:
         moment = float(s.torsion[i])
@@ -83,7 +82,7 @@ class Frames:
         """Below the contact's name in the picture."""
         state, moment = s.states[i], abs(float(s.torsion[i]))
         if state == "":
-            return ""
+            return s.friction[i]
         if state == "separated":
             gap = float(s.gap[i])
             return f"open, {words.length(gap)}" if gap > words.NOTHING else "open"
@@ -107,7 +106,7 @@ class Frames:
         return " and ".join([*parts, *([words.torque(torque)] if torque > NO_MOMENT else [])])
 
 
-def pose(m: Any) -> list[float]:
+def _pose(m: Any) -> list[float]:
     """x, y, z [m] and the quaternion x, y, z, w of a pin.SE3."""
     return [float(x) for x in pin.SE3ToXYZQUAT(m)]
 

@@ -28,6 +28,7 @@ class Snapshot:
     friction limit, NaN for none. states (n,) : "sticking", "sliding", "separated"; "" without an answer.
     load (3,) [N], moment (3,) [N·m] : on the object at the point acts_at (3,), weights included. torques (nv,) [N·m],
     q (nv,) : of the joints; None without a hand. object : a pin.SE3, the object's motion from where it was drawn.
+    friction (n,) : of the contacts, in words, where there is no answer.
     """
 
     label: str
@@ -45,6 +46,7 @@ class Snapshot:
     torques: Array | None
     q: Array | None
     object: Any
+    friction: tuple[str, ...] = ()
 
 
 def of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snapshot:
@@ -59,6 +61,7 @@ def of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snapshot:
         s.slip if held else np.zeros((n, 2)), s.gap if held else none, friction_share(grasp, forces, torsion),
         s.contact_state if held else ("",) * n, scene.force, scene.moment - np.cross(acts_at, scene.force), acts_at,
         getattr(s, "torques", None) if held else None, None if state is None else state.q, pin.SE3.Identity(),
+        tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
     )  # fmt: skip
 
 

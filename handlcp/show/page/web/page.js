@@ -27,7 +27,7 @@ async function open() {
   const asked = Number(location.hash.slice(1)), last = data.frames.length - 1;  // page.html#12 begins at frame 12
   const first = asked >= 1 && asked <= last ? Math.floor(asked) : data.first;
   player.go(first);
-  scene.solids = new Solids(data.parts, await unpacked(data.meshes));
+  scene.solids = new Solids(data.parts, await unpacked(data.packed));
   scene.labels = new Labels(document.getElementById("labels"), document.getElementById("leaders"));
   scene.view = new View(document.getElementById("canvas"), data.view);
   scene.view.scene.add(scene.solids.root, scene.marks.root);
@@ -70,8 +70,8 @@ function fit({ view, solids, marks }) {
     const box = new THREE.Box3().setFromObject(thing);
     return box.isEmpty() ? [] : cube(box);
   });
-  const { hand, object, environment } = solids.layers;
-  view.frame(corners([...object, ...marks.root.children]), corners([...hand, ...environment]));
+  const { object, ...others } = solids.layers;
+  view.frame(corners([...object, ...marks.root.children]), corners(Object.values(others).flat()));
 }
 
 function cube({ min, max }) {

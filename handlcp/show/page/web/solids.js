@@ -1,20 +1,19 @@
 /* Solids: shapes out of their packed form, shaded smoothly but for sharp edges, and moved by joints. */
 
-const GRID = 65535, CREASE = Math.cos(Math.PI * 35 / 180);
+const GRID = 65534, CREASE = Math.cos(Math.PI * 35 / 180);
 
-/** Points (uint16) and corners (uint32) of each shape. */
-async function unpacked(meshes) {
-  const bytes = Uint8Array.from(atob(meshes.packed), (c) => c.charCodeAt(0));
+/** The bytes behind base64 and gzip. */
+async function unpacked(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const buffer = await new Response(stream).arrayBuffer();
-  return meshes.table.map(({ at, points, triangles }) => ({
-    points: new Uint16Array(buffer, at, 3 * points),
-    corners: new Uint32Array(buffer, at + 4 * Math.ceil(3 * points / 2), 3 * triangles),
-  }));
+  return new Response(stream).arrayBuffer();
 }
 
 /** A shape in its box: each corner has the mean normal of the triangles around it that turn little from its own. */
-function shaped({ points, corners }, low, size) {
+function shaped(part, buffer) {
+  const { low, size } = part;
+  const points = new Uint16Array(buffer, part.points[0], 3 * part.points[1]);
+  const corners = new (part.wide ? Uint32Array : Uint16Array)(buffer, part.corners[0], 3 * part.corners[1]);
   const place = Float32Array.from(points, (p, i) => low[i % 3] + size[i % 3] * p / GRID);
   const a = new THREE.Vector3(), b = new THREE.Vector3(), c = new THREE.Vector3();
   const faces = new Float32Array(corners.length), units = new Float32Array(corners.length);
@@ -52,20 +51,19 @@ function setPose(group, pose) {
 
 /** All solids in groups: of each joint, of the object, of what stands still. */
 class Solids {
-  constructor(parts, shapes) {
+  constructor(parts, buffer) {
     this.root = new THREE.Group();
     this.object = new THREE.Group();
     this.joints = new Map();
-    this.layers = { hand: [], object: [], environment: [] };
+    this.layers = { hand: [], inside: [], tips: [], object: [], environment: [] };
     this.root.add(this.object);
-    for (const part of parts) this.add(part, shaped(shapes[part.mesh], part.low, part.size));
+    for (const part of parts) this.add(part, shaped(part, buffer));
   }
 
   add(part, geometry) {
     const colour = new THREE.Color(...part.colour);
-    const meshes = part.layer === "object" ? glass(geometry, colour) : opaque(geometry, colour);
+    const meshes = part.layer === "object" || part.layer === "tips" ? glass(geometry, colour) : opaque(geometry, colour);
     const group = new THREE.Group();
-    setPose(group, part.at);
     group.add(...meshes);
     this.layers[part.layer].push(group);
     this.mover(part).add(group);
@@ -84,7 +82,7 @@ class Solids {
 
   /** The hand as glass, or solid again. */
   seeThrough(on) {
-    for (const group of this.layers.hand) {
+    for (const group of [...this.layers.hand, ...this.layers.inside]) {
       const { material } = group.children[0];
       Object.assign(material, { transparent: on, opacity: on ? 0.22 : 1, depthWrite: !on, needsUpdate: true });
     }
