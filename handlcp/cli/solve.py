@@ -12,15 +12,17 @@ from rich.padding import Padding
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
-from handlcp.errors import InputError
+from handlcp.errors import InputError, Unsupported
 from handlcp.grasp import Grasp, GraspSolution, Suggestions, Verdict
 from handlcp.grasp.friction import as_section
+from handlcp.grasp.verdict.check import STEPS
 from handlcp.grasp.verdict.suggested import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
 from handlcp.show.file import checked
 from handlcp.show.loading.end import grasp_at_end, solution_at_end
 from handlcp.show.loading.report import solution_tables
+from handlcp.show.page.file import checked as checked_page
 from handlcp.show.record import record
 
 __all__ = ["solve"]
@@ -34,6 +36,9 @@ def solve(
     scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
     json: Json = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the grasp into this file (png, svg, pdf).")] = None,
+    page: Annotated[
+        Path | None, typer.Option(help="Write a page to turn the grasp on, with its loading, into this HTML file.")
+    ] = None,
     faces: Annotated[str | None, typer.Option(help="Faces of the friction pyramids, over the file's.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of the solver, over the file's.")] = None,
     explain: Annotated[
@@ -55,6 +60,8 @@ def solve(
 
     if plot is not None:
         checked(plot)
+    if page is not None:
+        checked_page(page)
     file = scenes.load(scene)
     sides = _sides(file.solve_with.faces, faces, accuracy)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
@@ -67,6 +74,8 @@ def solve(
         from handlcp.show.picture import save
 
         save(shown.grasp, shown.solution, plot, obj=shown.obj or file.shape(), title=file.title, verdict=judged)
+    if page is not None:
+        _write_page(page, file, grasp, solution, judged, sides)
     left_out = _suggested(grasp, solution, sides, judged) if suggest else None
     if json:
         print_json(record(grasp, solution, explanation, file.title, left_out, judged))
@@ -83,8 +92,23 @@ def solve(
                 out.print(Text(_NO_SHARES, style="dim"))
         if plot is not None:
             out.print(Text(f"Picture: {plot}", style="dim"))
+        if page is not None:
+            out.print(Text(f"Page: {page}", style="dim"))
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short or not judged.ok else 0)
+
+
+def _write_page(
+    page: Path, file: Any, grasp: Grasp, solution: GraspSolution, judged: Verdict, sides: Any
+) -> None:  # fmt: skip
+    """With the loading that the verdict followed, where it could be followed."""
+    from handlcp.show.page.document import save
+
+    try:
+        loading = grasp.follow(faces=sides, steps=STEPS)
+    except Unsupported:
+        loading = None
+    save(grasp, solution, page, file.shape(), file.title, judged, loading)
 
 
 def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:

@@ -14,7 +14,7 @@ from handlcp.show.html import html
 from handlcp.show.record import record
 from handlcp.study.plain import plain
 
-__all__ = ["data_frame", "html", "loading_dict", "plot", "solution_frame", "to_dict", "to_json"]
+__all__ = ["data_frame", "html", "loading_dict", "loading_page", "page", "plot", "solution_frame", "to_dict", "to_json"]
 
 
 def plot(
@@ -27,6 +27,23 @@ def plot(
     if path is None:
         return draw(grasp, solution, obj, title, verdict)
     return save(grasp, solution, path, obj, title, verdict)
+
+
+def page(
+    solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None,
+    loading: Loading | None = None,
+) -> Path:  # fmt: skip
+    """See `GraspSolution.page`."""
+    from handlcp.show.page.document import save  # pages alone need the viewer
+
+    return save(grasp_of(solution), solution, path, obj, title, verdict, loading)
+
+
+def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:
+    """See `Loading.page`."""
+    from handlcp.show.page.document import save_loading
+
+    return save_loading(loading, path, title, obj, verdict)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

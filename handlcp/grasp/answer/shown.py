@@ -39,6 +39,18 @@ class Shown(Data):
         """
         return view("plot")(self, path, obj, title, verdict)
 
+    def page(
+        self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None, loading: Any = None
+    ) -> Path:  # fmt: skip
+        """A page to turn the grasp on: one HTML file that needs no network. Returns the file.
+
+        path : it ends in .html. obj, verdict : as in `plot`. loading : what `grasp.follow()` returned, which the page
+        shows step by step; None: this solution alone. Raises InputError for a file that cannot be written, Unsupported
+        without trimesh, which brings the viewer.
+        """
+        written: Path = view("page")(self, path, obj, title, verdict, loading)
+        return written
+
     def to_dict(self) -> dict[str, Any]:
         """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
         found: dict[str, Any] = view("to_dict")(self)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -86,6 +87,11 @@ class Loading(Data):
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
         return mechanism.at_end(where.q, where.pose)
+
+    def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
+        """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
+        written: Path = view("loading_page")(self, path, obj, title, verdict)
+        return written
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
