@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,9 +12,18 @@ from handlcp import words
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 from handlcp.show.picture.panel import Entry
 
-__all__ = ["GHOST", "contact_labels", "entries", "state_drawn"]
+__all__ = ["GHOST", "Unseen", "contact_labels", "entries", "state_drawn"]
 
 GHOST = "#7A5A10"
+
+
+class Unseen(NamedTuple):
+    """What is too small to draw: contacts with such a slip, and whether the load is."""
+
+    slips: list[int]
+    load: bool
+
+
 Said = tuple[tuple[int, ...], str, str]  # contacts that share a label, its name, and what stands below the name
 
 _NUMBER = re.compile(r"[\s_]*\d+$")
@@ -72,13 +82,13 @@ def _detail(shown: Content, i: int) -> str:
     return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
 
-def entries(shown: Content, unseen: Sequence[int], hidden: bool) -> list[Entry]:
-    """The legend. unseen : contacts whose slip is too small to draw. hidden : whether a contact point is."""
+def entries(shown: Content, unseen: Unseen, hidden: bool) -> list[Entry]:
+    """The legend. hidden : whether a contact point is behind object or hand."""
     return [
         *_bodies(shown),
         *_contacts(shown, hidden),
-        *_load(shown),
-        *_motion(shown, unseen),
+        *_load(shown, unseen.load),
+        *_motion(shown, unseen.slips),
     ]
 
 
@@ -111,9 +121,10 @@ def _contacts(shown: Content, hidden: bool) -> Iterator[Entry]:
         yield "turn", STATE["sticking"], f"moment of a {who} about its normal, longer for larger"
 
 
-def _load(shown: Content) -> Iterator[Entry]:
+def _load(shown: Content, unseen: bool) -> Iterator[Entry]:
     if shown.load > 0:
-        yield "line", LOAD, f"load on the object, {words.force(shown.load)}"
+        much = words.force(shown.load)
+        yield "line", LOAD, f"load on the object, {much}{', too small to draw' if unseen else ''}"
     if shown.turn is not None:
         yield "turn", LOAD, f"torque on the object, {words.torque(float(np.linalg.norm(shown.twist)))}"
 
