@@ -69,6 +69,7 @@ if TYPE_CHECKING:
         GraspStream,
         GraspUpdate,
         Hand,
+        HandDescription,
         HandGrasp,
         HandGraspSolution,
         HandState,
@@ -79,6 +80,7 @@ if TYPE_CHECKING:
         Tendons,
         TorqueCheck,
         audit_urdf,
+        describe_urdf,
         example_hand,
         find_grasp,
     )
@@ -92,13 +94,13 @@ __all__ = [
     "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "Box", "Candidate", "Contact",
     "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria", "Explanation",
     "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution",
-    "GraspStream", "GraspUpdate", "Hand", "HandGrasp", "HandGraspSolution", "HandLCPError", "HandState", "InputError",
-    "KnownForce", "LCPSolution", "Lemke", "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached",
-    "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "SceneFileError", "SemismoothNewton", "SoftFinger",
-    "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons",
-    "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported",
-    "Verdict", "accuracy_cost", "audit_urdf", "example_hand", "find_grasp", "solve_lcp", "solve_many", "to_mujoco",
-    "wrench_from_fingertip_forces",
+    "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandLCPError",
+    "HandState", "InputError", "KnownForce", "LCPSolution", "Lemke", "Loading", "Mesh", "NoGraspFound",
+    "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "SceneFileError",
+    "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies",
+    "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName",
+    "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "solve_lcp",
+    "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -110,8 +112,8 @@ _ROOMS = {
     "lcp": {"LCP", "LCPSolution", "Lemke", "NSNGRK", "Auto", "SemismoothNewton", "Status", "solve_lcp"},
     "hand": {
         "Audit", "Box", "Candidate", "Cylinder", "Doubt", "Ellipsoid", "Found", "GraspStream", "GraspUpdate", "Hand",
-        "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck",
-        "audit_urdf", "example_hand", "find_grasp",
+        "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table",
+        "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
     },
     "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},

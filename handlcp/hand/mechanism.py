@@ -31,7 +31,7 @@ from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.posture_reasons import posture_reasons
 from handlcp.hand.reach import eased, reach_reasons, squeezed_further
-from handlcp.hand.robot.audit import limit_reasons
+from handlcp.hand.robot.audit.audit import doubt_reasons
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
@@ -120,8 +120,7 @@ class HandMechanism(Mechanism):
         """Of its torques, its limits and its posture."""
         if solution.held:
             yield from torque_reasons(solution.torque_check)
-            hand = self.posture.hand
-            yield from limit_reasons(hand.kinematics.facts, hand.torques.given)
+            yield from doubt_reasons(self.posture.hand.doubts)
         yield from self.command_reasons(solution.spec)
         yield from self.place_reasons(self.posture, self.target)
 
@@ -141,8 +140,7 @@ class HandMechanism(Mechanism):
         """Of torques and posture at the end of a loading."""
         at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
         yield from torque_reasons(self._check(at_limit, yielded))
-        hand = self.posture.hand
-        yield from limit_reasons(hand.kinematics.facts, hand.torques.given)
+        yield from doubt_reasons(self.posture.hand.doubts)
         yield from self.place_reasons(*place)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:

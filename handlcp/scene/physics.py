@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.friction import Coulomb, FrictionLaw, Frictionless, friction_laws
+from handlcp.grasp.friction import FrictionLaw, Frictionless, as_law, friction_laws
 from handlcp.scene.effects_table import asked, kinds_with_keys
 from handlcp.scene.naming import keyed
 from handlcp.scene.table import Table
@@ -17,7 +17,7 @@ __all__ = ["effects_of", "is_by_finger", "law_of"]
 def law_of(value: Any, key: str = "grasp.friction") -> FrictionLaw:
     """The friction law of a checked value, which is that of `key`."""
     if not isinstance(value, dict):
-        return Frictionless() if value == "frictionless" else Coulomb(value)
+        return Frictionless() if value == "frictionless" else as_law(value, key)
     law = next(law for law in _laws_with_keys() if set(law.file_keys[0]) <= set(value))
     keys = law.file_keys[0] | law.file_keys[1]
     with keyed({f"{law.__name__}.{argument}": f"{key}.{name}" for name, argument in keys.items()}):

@@ -7,10 +7,25 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["BLUE", "GREEN", "GREY", "INK", "PURPLE", "RED", "shortened", "spread", "width", "wrapped"]
+__all__ = [
+    "BLUE",
+    "BOLD",
+    "GREEN",
+    "GREY",
+    "INK",
+    "PURPLE",
+    "RED",
+    "shortened",
+    "spread",
+    "title_lines",
+    "width",
+    "wrapped",
+]
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart
 BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#A0307A"
+BOLD: dict[str, Any] = {"fontsize": 14.0, "weight": "bold", "va": "top"}  # titles
+_TALLEST = 2  # lines of a title
 _WORD = re.compile(r"[^_\s./-]+[_\s./-]*|[_\s./-]+")  # of a name, with what parts it from the next
 INK, GREY = "#222222", "#5F5F5F"  # of text, and of text that matters less
 
@@ -33,6 +48,12 @@ def wrapped(figure: Any, text: str, letters: int, across: float, **style: Any) -
         letters -= 2
         lines = textwrap.wrap(text, letters)
     return lines
+
+
+def title_lines(figure: Any, title: str) -> list[str]:
+    """The title in at most two lines as wide as the figure, written in `BOLD`; none for ""."""
+    lines = wrapped(figure, title, 110, 0.96, **BOLD) if title else []
+    return lines if len(lines) <= _TALLEST else [*lines[: _TALLEST - 1], f"{lines[_TALLEST - 1]} …"]
 
 
 def shortened(names: Sequence[str], letters: int) -> list[str]:

@@ -28,7 +28,8 @@ NAN = float("nan")
         (dict(position=P, normal=N, tangent=(0, 0, 3)), "tangent"),
         (dict(position=P, normal=N, tangent=(0, 0, 0)), "tangent"),
         (dict(position=P, normal=N, tangent=(1, 0)), "tangent"),
-        (dict(position=P, normal=N, friction=0.5), "friction"),
+        (dict(position=P, normal=N, friction=-0.5), "friction"),
+        (dict(position=P, normal=N, friction="rubber"), "friction"),
         (dict(position=P, normal=N, name=3), "name"),
     ],
 )  # fmt: skip

@@ -173,7 +173,7 @@ def made(name, effects=(), faces=8):
     g = state.grasp(
         target, wrench=load, gravity=asked.gravity, preload=squeeze, offset=tangential, effects=named, **more
     )
-    asked.grasp = g
+    asked.grasp, asked.given = g, {"offset": tangential, "preload": squeeze}
     tips = tangential - [0, 0, squeeze]
     if name in ("five", "ring"):
         tips = tips + plain_gaps(name)

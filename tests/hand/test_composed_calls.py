@@ -49,8 +49,8 @@ def test_numbers_replaced_by_themselves_change_nothing(case):
     asked, grasp, s = case
     k = len(grasp.fingertips)
     same = (
-        {"wrench": asked.wrench}, {"offset": grasp.tip_offset[:k]}, {"offset": grasp.tip_offset},
-        {"joint_offset": asked.command}, {"flexibility": grasp.flexibility[: 3 * k, : 3 * k]},
+        {"wrench": asked.wrench}, {"offset": asked.given["offset"]}, asked.given, {"joint_offset": asked.command},
+        {"flexibility": grasp.flexibility[: 3 * k, : 3 * k]},
     )  # fmt: skip
     for numbers in same:
         made_again = grasp.replace(**numbers)

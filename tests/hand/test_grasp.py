@@ -258,7 +258,8 @@ def test_a_hand_grasp_comes_from_a_posture_only() -> None:
 @pytest.mark.parametrize(
     ("target", "arguments", "argument", "kind"),
     [
-        ("ball", {"friction": 0.5}, "friction", InputError),
+        ("ball", {"friction": -0.5}, "friction", InputError),
+        ("ball", {"friction": {"finger_1_tip": "rubber"}}, "friction['finger_1_tip']", InputError),
         ("ball", {"friction": {"thumb": Coulomb(0.5)}}, "friction", UnknownName),
         ("ball", {"gravity": (0, 0)}, "gravity", InputError),
         ("ball", {"gravity": (0, 0, np.nan)}, "gravity", InputError),

@@ -22,6 +22,7 @@ __all__ = [
     "advice_is_watched",
     "another_effect",
     "chunks_of",
+    "coarse_pictures",
     "costs_of_effects",
     "everything_to_processes",
     "no_newton_on_cones",
@@ -37,6 +38,12 @@ __all__ = [
     "watched_first_stage",
     "without_module",
 ]
+
+
+# ---------------------------------------------------------------- pictures
+def coarse_pictures(patch: Patch) -> None:
+    """Pictures of grasps have so few dots that they are drawn at once; texts and lines stay where they are."""
+    patch.setattr("handlcp.show.picture.figure.DPI", 30)
 
 
 # ---------------------------------------------------------------- many grasps

@@ -19,11 +19,15 @@ from handlcp.show.loading import end, report
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
 from handlcp.show.picture.camera import Marks, camera_for, facing
+from handlcp.show.picture.links import hand_bodies, tip_shapes
+from handlcp.show.picture.moments import Turn
 from handlcp.show.picture.overlay import nice, rim
 from handlcp.show.picture.raster import fill
 from handlcp.show.record import record
+from handlcp.show.style import shortened
 
 __all__ = [
+    "Turn",
     "all_tables",
     "camera_of",
     "convergence_figure",
@@ -33,6 +37,7 @@ __all__ = [
     "events_in_short",
     "facing",
     "fill",
+    "hand_bodies",
     "loading_figure",
     "nice",
     "record",
@@ -40,8 +45,10 @@ __all__ = [
     "rim",
     "save",
     "shapes",
+    "shortened",
     "stub_bodies",
     "tables",
+    "tip_shapes",
     "units",
     "work_precision_figure",
 ]

@@ -8,6 +8,7 @@
 | `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
 | `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
 | `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
+| `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
 | `forces_open`, `loose`, `others` | what the equations leave open |

@@ -1,40 +1,124 @@
-"""What users ask of a grasp, as the specification that says it."""
+"""What users ask of a grasp: the arguments as they were given, and the specification made of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterator, KeysView, Mapping, ValuesView
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self
 
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.effects import Effect
+from handlcp.errors import InputError
+from handlcp.grasp.friction import FrictionLaw, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.environment import beside, joined, offset_beside
+from handlcp.grasp.model.environment import Environment, beside, joined, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["as_asked", "asked_for", "replaced"]
+__all__ = [
+    "Asked",
+    "alone",
+    "as_asked",
+    "environment_of",
+    "fastened",
+    "of_fingers_alone",
+    "remade",
+    "rubbed",
+    "said",
+    "under",
+]
+
+_DEEP = 4  # lists in lists; nothing that is asked has more
 
 
-def asked_for(
-    contacts: Iterable[Contact], wrench: Any, flexibility: Any, preload: Any, offset: Any, reference: Any,
-    effects: Iterable[Effect], plane: Any, environment: Any,
-) -> GraspSpec:  # fmt: skip
-    """See `Grasp`. Raises InputError."""
-    cs = validate.contacts(contacts)
-    k, around = len(cs), None if environment is None else joined(environment)
-    if around is not None:
-        cs = validate.contacts((*cs, *around.contacts))
-    positions, frames, normal = validate.placed(plane, cs)
-    point = validate.reference(reference, normal, positions)
-    load = validate.wrench(wrench, normal, validate.lift(positions, point, normal))
-    E, d = validate.flexibility(flexibility, k, normal is not None), validate.offset(offset, preload, k)
-    if around is not None:
-        E, d = beside(E, around.flexibility), read_only(np.concatenate([d, around.offset]))
-    fingers, R = None if around is None else k, read_only(frames)
-    spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
-    return as_asked(spec, effects)
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """The arguments of `Grasp`. A grasp keeps them, and `replace` makes it again with some of them changed."""
+
+    contacts: Any
+    wrench: Any = None
+    flexibility: Any = 0.0
+    preload: Any = 0.0
+    offset: Any = None
+    reference: Any = (0.0, 0.0, 0.0)
+    effects: Any = ()
+    plane: Any = None
+    environment: Any = None
+
+    def __post_init__(self) -> None:
+        fastened(self)
+
+    def spec(self) -> GraspSpec:
+        """See `Grasp`. Raises InputError."""
+        cs = validate.contacts(self.contacts)
+        k, around = len(cs), None if self.environment is None else joined(self.environment)
+        if around is not None:
+            cs = validate.contacts((*cs, *around.contacts))
+        positions, frames, normal = validate.placed(self.plane, cs)
+        point = validate.reference(self.reference, normal, positions)
+        load = validate.wrench(self.wrench, normal, validate.lift(positions, point, normal))
+        E = validate.flexibility(self.flexibility, k, normal is not None)
+        d = offset_beside(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset)
+        if around is not None:
+            E = beside(E, around.flexibility)
+        fingers, R = None if around is None else k, read_only(frames)
+        spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
+        return as_asked(spec, self.effects).replace(asked=self)
+
+    def changed(self, given: dict[str, Any]) -> Self:
+        """With other values of some, as `said` has them; friction is that of the contacts."""
+        if "friction" in given:
+            cs = validate.contacts(self.contacts)
+            names = [c.name or f"finger {i + 1}" for i, c in enumerate(cs)]
+            laws = laws_by_name(given.pop("friction"), names, [c.friction for c in cs])
+            given["contacts"] = tuple([rubbed(c, law) for c, law in zip(cs, laws, strict=True)])
+        return replace(self, **given)
+
+
+def alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
+    """A specification that is passed to `Grasp`, where the other arguments say nothing. Raises InputError."""
+    wrench, _, _, offset, _, effects, plane, environment = others
+    if any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
+        raise InputError("contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it")
+    return spec
+
+
+def remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
+    """A grasp without a hand, made again with other arguments; see `Grasp.replace`."""
+    given = said(given)
+    if not given:
+        return spec
+    asked = (spec.asked if isinstance(spec.asked, Asked) else _asked_of(spec)).changed(given)
+    return under(spec, asked.wrench, asked) if set(given) == {"wrench"} else asked.spec()
+
+
+def under(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
+    """The same grasp under another whole load, as `asked` has it: it shares all its other arrays."""
+    height = validate.lift(spec.positions, spec.reference, spec.plane)
+    return spec.replace(wrench=validate.wrench(wrench, spec.plane, height), asked=asked)
+
+
+def _asked_of(spec: GraspSpec) -> Asked:
+    """Arguments that make a grasp of which a specification alone is known."""
+    k, around = spec.of_fingers, environment_of(spec)
+    plane = None if spec.contacts[0].planar else spec.plane
+    effects = tuple([e for e in spec.effects if e.by_name])
+    E, d = spec.flexibility[: 3 * k, : 3 * k], of_fingers_alone(spec.offset, k)
+    return Asked(spec.contacts[:k], spec.wrench, E, 0.0, d, spec.reference, effects, plane, around)
+
+
+def of_fingers_alone(offset: Array, fingers: int) -> Array:
+    """Rows of an offset (n, 3) [m]: the fingers', where the environment's are gaps, which it says itself."""
+    return offset if offset[fingers:, :2].any() else offset[:fingers]
+
+
+def environment_of(spec: GraspSpec) -> Environment | None:
+    """The environment of a grasp, without what offsets move it along its tangents."""
+    k = spec.of_fingers
+    if k == spec.n:
+        return None
+    return Environment(spec.contacts[k:], spec.flexibility[3 * k :, 3 * k :], spec.offset[k:, 2])
 
 
 def as_asked(spec: GraspSpec, effects: Any) -> GraspSpec:
@@ -43,15 +127,35 @@ def as_asked(spec: GraspSpec, effects: Any) -> GraspSpec:
     return spec.replace(effects=(*asked, *spec.effects)) if asked else spec
 
 
-def replaced(spec: GraspSpec, wrench: Any, flexibility: Any, offset: Any, preload: Any) -> GraspSpec:
-    """See `Grasp.replace`."""
-    n, changes = spec.of_fingers, dict[str, Array]()
-    if wrench is not None:
-        height = validate.lift(spec.positions, spec.reference, spec.plane)
-        changes["wrench"] = validate.wrench(wrench, spec.plane, height)
-    if flexibility is not None:
-        around = spec.flexibility[3 * n :, 3 * n :]
-        changes["flexibility"] = beside(validate.flexibility(flexibility, n, spec.planar), around)
-    if offset is not None or preload is not None:
-        changes["offset"] = offset_beside(offset, 0.0 if preload is None else preload, n, spec.offset[n:])
-    return spec.replace(**changes)
+def said(given: dict[str, Any]) -> dict[str, Any]:
+    """What is to be replaced: all that is not None; an environment of nothing is none."""
+    found = {name: value for name, value in given.items() if value is not None}
+    if isinstance(around := found.get("environment"), (tuple, list)) and not around:
+        found["environment"] = None
+    return found
+
+
+def rubbed(contact: Contact, law: FrictionLaw) -> Contact:
+    """The contact under another law, its axes kept unless the law says where x lies."""
+    if law.x_axis is None:
+        return contact.with_friction(law)
+    d = 2 if contact.planar else 3
+    return Contact(contact.position[:d], contact.normal[:d], law, None, contact.name)
+
+
+def fastened(asked: Any) -> None:
+    """Later changes of what was passed do not reach the fields of a dataclass."""
+    for field in fields(asked):
+        object.__setattr__(asked, field.name, _own(getattr(asked, field.name)))
+
+
+def _own(value: Any, depth: int = 0) -> Any:
+    """Arrays copied; lists, views and iterators as tuples."""
+    if isinstance(value, np.ndarray):
+        copy: Array = value if not value.flags.writeable and value.base is None else read_only(value.copy())
+        return copy
+    if isinstance(value, Mapping):
+        return {key: _own(x, depth + 1) for key, x in value.items()}
+    if isinstance(value, (list, tuple, Iterator, KeysView, ValuesView)):
+        return tuple([_own(x, depth + 1) for x in value]) if depth < _DEEP else value
+    return value

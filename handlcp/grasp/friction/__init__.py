@@ -9,7 +9,8 @@ from pkgutil import iter_modules
 from handlcp.grasp.friction.anisotropic import AnisotropicCoulomb
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.frictionless import Frictionless
-from handlcp.grasp.friction.law import FrictionLaw, friction_laws, law_words
+from handlcp.grasp.friction.given import as_law, laws_by_name
+from handlcp.grasp.friction.law import FrictionLaw, friction_laws
 from handlcp.grasp.friction.limit_set import limit_set
 from handlcp.grasp.friction.sections import Cone, Interval, Pyramid, Section, as_section
 from handlcp.grasp.friction.soft_finger import SoftFinger
@@ -27,8 +28,9 @@ __all__ = [
     "Pyramid",
     "Section",
     "SoftFinger",
+    "as_law",
     "as_section",
     "friction_laws",
-    "law_words",
+    "laws_by_name",
     "limit_set",
 ]

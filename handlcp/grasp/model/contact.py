@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only, unit
 from handlcp.errors import InputError
-from handlcp.grasp.friction import Coulomb, FrictionLaw, law_words
+from handlcp.grasp.friction import Coulomb, FrictionLaw, as_law
 
 __all__ = ["Contact", "frame"]
 
@@ -20,7 +20,7 @@ class Contact:
     ----------
     position : (3,) contact point [m], world axes; (2,) in a planar scene.
     normal : (3,) unit vector into the object, the way the finger pushes; (2,) in a planar scene.
-    friction : `Coulomb(mu)` (default μ = 0.5), `Frictionless()`, `AnisotropicCoulomb(mu_x, mu_y)` or
+    friction : a coefficient, as `Coulomb(mu)` (None: 0.5), `Frictionless()`, `AnisotropicCoulomb(mu_x, mu_y)` or
         `SoftFinger(mu, mu_torsion)`.
     tangent : direction of the contact's x axis, projected on the tangent plane; chosen deterministically when None
         (`along` of the friction, or the world axis nearest to the tangent plane, the first of equals).
@@ -48,13 +48,11 @@ class Contact:
         self,
         position: Any,
         normal: Any,
-        friction: FrictionLaw | None = None,
+        friction: FrictionLaw | float | None = None,
         tangent: Any = None,
         name: str | None = None,
     ) -> None:
-        friction = Coulomb(0.5) if friction is None else friction
-        if not isinstance(friction, FrictionLaw):
-            raise InputError("friction", law_words(), repr(friction))
+        law = Coulomb(0.5) if friction is None else as_law(friction)
         if name is not None and not isinstance(name, str):
             raise InputError("name", "a string", repr(name))
         p = array("position", position, (3,), (2,))
@@ -62,12 +60,12 @@ class Contact:
         if p.shape != z.shape:
             raise InputError("normal", f"as many components as position, {len(p)}", f"{len(z)}")
         planar = p.shape == (2,)
-        tangent = friction.x_axis if tangent is None else tangent
+        tangent = law.x_axis if tangent is None else tangent
         x = None if tangent is None else array("tangent", tangent, p.shape)
         if planar:
             p, z = np.append(p, 0.0), np.append(z, 0.0)
             x = np.cross((0.0, 0.0, 1.0), z) if x is None else np.append(x, 0.0)
-        self._take(read_only(p), frame(z, x), friction, planar, name)
+        self._take(read_only(p), frame(z, x), law, planar, name)
 
     def _take(self, position: Array, rotation: Array, friction: FrictionLaw, planar: bool, name: str | None) -> None:
         self.position, self.rotation, self.planar, self.name = position, rotation, planar, name

@@ -28,7 +28,8 @@ class GraspSpec(Placement):
     Besides what `Placement` says: wrench (6,) force and torque about reference (3,) that the world applies to the
     object. flexibility (3n, 3n) of fingers and environment in contact axes, and offset (n, 3) of the object relative to
     them before any load, both without what the effects add. effects : all that were asked for, in `effects=` or by an
-    argument of their own, such as `finger_weight=`.
+    argument of their own, such as `finger_weight=`. asked : the arguments that all this was made of, which `replace` of
+    a grasp changes; None: they are not known, as after any change of the specification itself.
     """
 
     wrench: Array
@@ -36,6 +37,7 @@ class GraspSpec(Placement):
     flexibility: Array
     offset: Array
     effects: tuple[Effect, ...] = ()
+    asked: Any = None
 
     def __post_init__(self) -> None:
         """Raises InputError where shapes do not fit one another; the numbers were checked where they came in."""
@@ -50,7 +52,7 @@ class GraspSpec(Placement):
 
     def replace(self, **changes: Any) -> Self:
         """The same with other values of some fields."""
-        return dataclasses.replace(self, **changes)
+        return dataclasses.replace(self, **({"asked": None} | changes))
 
     def with_laws(self, laws: tuple[FrictionLaw, ...]) -> Self:
         """The same with other friction, a law for each contact."""

@@ -59,7 +59,9 @@ class Links:
     @property
     def middles(self) -> tuple[list[int], Array]:
         """Frames of the links, and the middle of each in its frame (m, 3) [m]."""
-        return self._frames, np.array([self._points[self._of == k].mean(axis=0) for k in range(len(self._links))]).reshape(-1, 3)
+        return self._frames, np.array(
+            [self._points[self._of == k].mean(axis=0) for k in range(len(self._links))]
+        ).reshape(-1, 3)
 
     def out_of(self, home: Object, place: Place) -> bool:
         """Whether no link is inside the object, whose frame is at the origin in `home`."""

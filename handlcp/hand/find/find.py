@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
 from handlcp.hand.find.found import Found, told

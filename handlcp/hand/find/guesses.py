@@ -28,9 +28,7 @@ _TURNS = np.array([np.eye(3)[:, list(p)] for p in permutations(range(3))])
 _TURNS[:, :, 2] *= np.linalg.det(_TURNS)[:, None]  # the ways to lay one frame's axes along another's
 
 
-def guesses(
-    hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, keep: int, seed: int
-) -> list[Place]:
+def guesses(hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, keep: int, seed: int) -> list[Place]:
     """The `keep` samples whose fingertips come nearest to touching the object, the nearest first; alike for a seed."""
     count = len(tips)
     lower, upper = free_ranges(hand)

@@ -40,7 +40,9 @@ class Search:
     asked : what is passed on to `state.grasp`; without `squeeze` and `grip_force` each finger presses as planned.
     """
 
-    def __init__(self, hand: HandModel, tips: tuple[int, ...], obj: Object, asked: Mapping[str, Any], seed: int) -> None:
+    def __init__(
+        self, hand: HandModel, tips: tuple[int, ...], obj: Object, asked: Mapping[str, Any], seed: int
+    ) -> None:
         self._hand, self._tips, self._obj, self._asked, self._seed = hand, tips, obj, asked, seed
         self._home = obj.moved_to(np.zeros(3))
         self._links = Links(hand, tips)

@@ -58,6 +58,11 @@ class Object:
         "_args", "_centre", "_placement", "frame", "geometry", "known", "mass", "transform", "triangles", "volume"
     )  # fmt: skip
 
+    _placement: Any
+    frame: tuple[Array, Array]
+    transform: Any
+    mass: float
+
     def __init__(
         self, solid: Solid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...],
         known: tuple[int, Array] | None = None,
@@ -67,10 +72,7 @@ class Object:
         """
         self.known = known
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
-        self._placement = _read_placement(placement)
-        self.frame = read_only(self._placement.rotation.copy()), read_only(self._placement.translation.copy())
-        self.transform = coal.Transform3s(*self.frame)
-        self.mass = _read_mass(mass, density, solid.volume)
+        self._place(_read_placement(placement), _read_mass(mass, density, solid.volume))
         self._centre, self._args = solid.centre, args
 
     @property
@@ -84,15 +86,26 @@ class Object:
         return read_only(np.asarray(self._placement.act(self._centre)))
 
     def moved_to(self, placement: Any) -> Self:
-        """The same object at another placement (pin.SE3 or position). Nothing is read or computed anew."""
-        placed = _read_placement(placement)
-        frame = read_only(placed.rotation.copy()), read_only(placed.translation.copy())
-        moved = {"_placement": placed, "frame": frame, "transform": coal.Transform3s(*frame)}
+        """The same object at another placement, given as on making it."""
+        return self._like(_read_placement(placement), self.mass)
+
+    def _like(self, placement: Any, mass: float) -> Self:
+        """A copy elsewhere, or with another mass; what it is made of is shared."""
         made = object.__new__(type(self))
-        for kind in type(self).__mro__:
-            for name in getattr(kind, "__slots__", ()):
-                object.__setattr__(made, name, moved.get(name, getattr(self, name)))
+        for name in {name for kind in type(self).__mro__ for name in getattr(kind, "__slots__", ())}:
+            object.__setattr__(made, name, getattr(self, name))
+        made._place(placement, mass)
         return made
+
+    def _place(self, placement: Any, mass: float) -> None:
+        frame = read_only(placement.rotation.copy()), read_only(placement.translation.copy())
+        values = {"_placement": placement, "frame": frame, "transform": coal.Transform3s(*frame), "mass": mass}
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def weighing(self, mass: Any) -> Self:
+        """The same object with another mass [kg]."""
+        return self._like(self._placement, number("mass", mass, minimum=0.0))
 
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
         """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: unknown."""

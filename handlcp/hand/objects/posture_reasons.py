@@ -33,6 +33,9 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...])
         text = f"whether links are inside the object is not known: {error}"
         yield Reason("link_inside", "warning", text)
         return
+    if not posture.hand.link_surfaces:
+        text = "no link has collision geometry: whether links are inside the object is not checked"
+        yield Reason("link_inside", "warning", text)
     seen = [one for one in inside if one.depth > _TOUCHES]
     for beside_tip, deep in ((False, _DEEP), (True, _DEEP_BESIDE_TIP)):
         for far in (True, False):

@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, read_only, unit
 from handlcp.errors import InputError, NotReached
-from handlcp.grasp.friction import Coulomb, FrictionLaw, Frictionless
+from handlcp.grasp.friction import Coulomb, FrictionLaw, Frictionless, as_law
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import Environment, joined
 from handlcp.hand.objects.object import Object
@@ -22,7 +22,7 @@ class Table:
     """A half-space: a table under the object, a wall beside it. Immutable.
 
     point : (3,) on its surface [m], world axes. normal : (3,) unit vector out of it, to the object's side.
-    friction : `Coulomb(mu)` or `Frictionless()`, of all its contacts; None: Coulomb(0.5).
+    friction : a coefficient, `Coulomb(mu)` or `Frictionless()`, of all its contacts; None: 0.5.
     flexibility : [m/N] of each contact, a number or a (3,) diagonal (two tangents, the normal); 0: rigid. On a rigid
         table the forces at four corners are seldom determined, on a flexible one they are.
     max_gap : [m] points of the object that are farther from the plane are no contacts.
@@ -46,14 +46,14 @@ class Table:
         self,
         point: Any,
         normal: Any = (0.0, 0.0, 1.0),
-        friction: FrictionLaw | None = None,
+        friction: FrictionLaw | float | None = None,
         flexibility: Any = 0.0,
         max_gap: Any = 1e-3,
         name: str = "table",
     ) -> None:
-        law = Coulomb(0.5) if friction is None else friction
+        law = Coulomb(0.5) if friction is None else as_law(friction)
         if not isinstance(law, (Coulomb, Frictionless)):
-            raise InputError("friction", "Coulomb(mu) or Frictionless()", repr(friction))
+            raise InputError("friction", "a coefficient, Coulomb(mu) or Frictionless()", repr(friction))
         if not isinstance(name, str):
             raise InputError("name", "a string", repr(name))
         if dimensions(flexibility) == 0:

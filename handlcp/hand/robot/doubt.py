@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from handlcp import words
+
 __all__ = ["SEVERITIES", "Doubt"]
 
 SEVERITIES = ("serious", "minor", "information")  # most important first
@@ -23,6 +25,14 @@ class Doubt:
     advice: str
     severity: str = "minor"
     about: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """For a verdict, where many joints are shortened to four."""
+        who = words.listed(self.joint.split(", "))
+        if self.about == "torque limit":
+            return f"the torque limits of {who} are doubtful: {self.what}; pass torque_limits"
+        return f"{who}: {self.what}; pass {self.advice}"
 
     def __str__(self) -> str:
         return f"{self.joint}: {self.what} → {self.advice}"

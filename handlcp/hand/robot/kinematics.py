@@ -22,6 +22,7 @@ class Kinematics:
 
     joint_names : nv of them, in Pinocchio's order. lower, upper : (nv,) ranges [rad, m], ±inf where there are none.
     neutral : (nv,) the posture nearest to zero in the ranges.
+    movable : names of all movable joints. all_joints : how they follow the independent ones.
     coupling : (joints, nv) matrix C of q_full = C q + offset; None without mimic joints, where C is the identity.
     """
 
@@ -32,6 +33,7 @@ class Kinematics:
             if f.axis is not None and not 0 < sum(a * a for a in f.axis) < np.inf:
                 raise URDFError("source", f"an axis that is a direction for joint {f.name!r}", f"{f.axis}")
         coupling = couple(movable, facts)
+        self.movable, self.all_joints = movable, coupling
         self.joint_names, self.nv = coupling.names, len(coupling.names)
         self.coupling = None if self.joint_names == movable else coupling.C
         self.offset = coupling.offset

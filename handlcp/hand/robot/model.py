@@ -12,6 +12,9 @@ from handlcp.check import Array, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.pads import Pads
+from handlcp.hand.robot.audit.audit import doubts_of
+from handlcp.hand.robot.audit.geometry import tip_doubts
+from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.fingertips.frames import TipFrames
 from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics
@@ -110,9 +113,20 @@ class HandModel:
         moves = self.moves
         return tuple(name for k, name in enumerate(self.joint_names) if moves[i, k] and moves[:, k].sum() == 1)
 
+    def tip_kind(self, tip: int) -> str:
+        """What contacts of the tip numbered `tip` are found on: "radius", "collision", "visual", or "" for nothing."""
+        return self._geometry.kind(tip)
+
     def tip_shapes(self, tip: int) -> tuple[TipShape, ...]:
         """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError for none."""
         return self._geometry.shapes(tip)
+
+    @lazy
+    def doubts(self) -> tuple[Doubt, ...]:
+        """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
+        shared = self.stiffness.law[1]  # words of a transmission
+        every = (*doubts_of(self.description, self.torques.given, self.kinematics), *tip_doubts(self))
+        return tuple(d for d in every if not (shared and d.about == "tendon"))
 
     @lazy
     def link_surfaces(self) -> tuple[LinkSurface, ...]:

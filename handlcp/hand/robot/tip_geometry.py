@@ -40,11 +40,12 @@ class TipShape:
 class TipGeometry:
     """The shapes of the fingertips: spheres of given radii, else the robot's own geometry, read when asked for."""
 
-    __slots__ = ("_found", "_tips", "description")
+    __slots__ = ("_found", "_round", "_tips", "description")
 
     def __init__(self, description: Description, tips: TipFrames, radii: Mapping[str, float]) -> None:
         self.description, self._tips = description, tips
         self._found = {i: sphere_tip(radii[name]) for i, name in enumerate(tips.names) if name in radii}
+        self._round = frozenset(self._found)
 
     def shapes(self, tip: int) -> tuple[TipShape, ...]:
         """The shapes of the tip numbered `tip`. Raises URDFError when there are none."""
@@ -52,13 +53,11 @@ class TipGeometry:
             self._found[tip] = self._own(tip)
         return self._found[tip]
 
-    def kind(self, tip: int) -> str | None:
-        """What makes a tip: "collision" or "visual" geometry; None: a given radius, or nothing."""
-        if tip in self._found and self._found[tip][0].central:
-            return None
-        return self._links(tip)[0]
+    def kind(self, tip: int) -> str:
+        """What makes a tip: "radius", "collision" or "visual" geometry, "" for nothing."""
+        return "radius" if tip in self._round else self._links(tip)[0]
 
-    def _links(self, tip: int) -> tuple[str | None, set[str]]:
+    def _links(self, tip: int) -> tuple[str, set[str]]:
         """Which kind of geometry is the tip's, and of which links: its own, or all that move as one with it."""
         model, frame = self.description.model, self._tips.places[tip]
         links = [(i, f) for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY]
@@ -68,12 +67,12 @@ class TipGeometry:
             own = {f.name for i, f in shaped if frame.link in (i, f.parentFrame)}  # the link's frame, or its joint's
             if found := own or {f.name for _, f in shaped if f.parentJoint == frame.joint}:
                 return kind, found
-        return None, set()
+        return "", set()
 
     def _own(self, tip: int) -> tuple[TipShape, ...]:
         name, place = self._tips.names[tip], self._tips.places[tip].placement
         kind, links = self._links(tip)
-        if kind is None:
+        if not kind:
             raise URDFError("tip_radius", f"a radius for {name!r}, whose link has no geometry", "None")
         frames = self.description.model.frames
         parts = self.description.parts(kind, links)

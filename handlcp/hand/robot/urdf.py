@@ -110,7 +110,7 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
         if not folder.is_dir():
             raise InputError("package_dirs", "folders that exist", repr(str(folder)))
     if path is not None:
-        folders += [path.parent, *path.parent.resolve().parents[:3]]
+        folders += [path.parent, *path.parent.resolve().parents[:4]]
     return (*folders, *(Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p))
 
 

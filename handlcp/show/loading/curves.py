@@ -16,7 +16,7 @@ from handlcp.show.style import INK, spread
 
 __all__ = ["draw_panel"]
 
-LETTERS = 29  # of a line of a name
+LETTERS = 29  # of a line of names
 ALIKE = 0.01  # of the panel's height: curves no further apart than this share a name
 ROW = 0.165  # inches of a line of a name
 ASIDE = 0.12  # inches from the panel to the names
@@ -84,7 +84,7 @@ def _same(a: Array, b: Array, near: float) -> bool:
 def _write(ax: Any, axis: StageAxis, labels: list[Label]) -> None:
     """Names at the right edge, as near to the ends of their curves as there is room, each with a line to there."""
     box, dpi = ax.get_window_extent(), ax.figure.dpi
-    texts = [textwrap.fill(name, LETTERS) for _, name, _ in labels]
+    texts = [textwrap.fill(name, LETTERS, break_long_words=False) for _, name, _ in labels]
     row = ROW * dpi / box.height
     sizes = [row * (1 + text.count("\n")) for text in texts]
     wanted = [height - size / 2 for (height, _, _), size in zip(labels, sizes, strict=True)]

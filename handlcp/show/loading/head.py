@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from handlcp.grasp.loading.follow import Loading
-from handlcp.show.style import INK, width, wrapped
+from handlcp.show.style import BOLD, INK, title_lines, width, wrapped
 
 __all__ = ["LINE", "headline"]
 
 LINE, TITLE = 0.215, 0.36  # inches from a line of the sentence to the next, and from the title to it
-_HEAD, _SIZE = 14.0, 10.5  # points
+_SIZE = 10.5  # points
 _GOOD, _BAD = "#00734D", "#B03A00"
 _ACROSS, _LETTERS = 0.944, 150
 
@@ -18,9 +18,10 @@ _ACROSS, _LETTERS = 0.944, 150
 def headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
     """Title, "REACHED" or "LOST", and why; returns where that ends, in inches below the top. below : a further line."""
     inches, left, y = float(figure.get_size_inches()[1]), 0.018, 0.17
-    if title:
-        figure.text(left, 1.0 - y / inches, title, fontsize=_HEAD, weight="bold", color=INK, va="top")
-        y += TITLE
+    for line in title_lines(figure, title):
+        figure.text(left, 1.0 - y / inches, line, color=INK, **BOLD)
+        y += 0.30
+    y += TITLE - 0.30 if title else 0.0
     word, colour = ("REACHED:", _GOOD) if loading.reached else ("LOST:", _BAD)
     style: dict[str, Any] = {"fontsize": _SIZE, "va": "top"}
     # The first line has a bold word, which is wider

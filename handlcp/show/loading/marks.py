@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 from handlcp.grasp.loading.events import Summary
@@ -15,6 +16,7 @@ LOST, SHADE = "#B03A00", "#FBEFE9"
 COLOURS = {"slips": RED, "sticks": BLUE, "opens": GREY, "touches": GREY, "snaps": INK}  # joints are purple
 ROW, HEAD = 0.2, 0.3  # inches of the list
 MOST = 16  # events in the list
+LETTERS = 105  # of a line of the list
 APART = 0.17  # inches from a number to the next
 LIFT = 0.16  # inches from the panel to the numbers
 TITLE: dict[str, Any] = {"fontsize": TEXT + 0.5, "color": INK, "weight": "bold"}
@@ -26,11 +28,12 @@ class Marks:
     def __init__(self, axis: StageAxis, told: tuple[Summary, ...]) -> None:
         self.axis, self.told, self.more = axis, told[:MOST], max(len(told) - MOST, 0)
         self.places = [s.number + s.share for s in self.told]
+        self.sentences = [textwrap.wrap(s.sentence, LETTERS) for s in self.told]
 
     @property
     def rows(self) -> int:
         """Of the list."""
-        return len(self.told) + (self.more > 0)
+        return sum(map(len, self.sentences)) + (self.more > 0)
 
     @property
     def head(self) -> float:
@@ -83,8 +86,9 @@ class Marks:
             style: dict[str, Any] = {"fontsize": SMALL, "va": "center", "color": INK}
             figure.text(0.029, 1.0 - y / tall, str(k), **_disc(str(k), _colour(s)))
             figure.text(0.046, 1.0 - y / tall, s.where, **style)
-            figure.text(0.012 + column, 1.0 - y / tall, s.sentence, **style)
-            y += ROW
+            for line in self.sentences[k - 1]:
+                figure.text(0.012 + column, 1.0 - y / tall, line, **style)
+                y += ROW
         if self.more:
             figure.text(0.046, 1.0 - y / tall, f"… and {self.more} more", fontsize=SMALL, va="center", color=GREY)
 

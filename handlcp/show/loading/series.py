@@ -12,13 +12,14 @@ from handlcp.check import Array
 from handlcp.grasp import Grasp
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show.loading.end import STILL
-from handlcp.show.style import BLUE, GREEN, PURPLE, RED
+from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
 from handlcp.show.tables import friction_share
 
 __all__ = ["Curve", "Panel", "friction_used", "panels"]
 
 COLOURS = (BLUE, RED, GREEN, PURPLE, "#B87800", "#3A9BD8", "#7A3E00", "#8C8C00")
 OTHERS = "#B9BEC4"
+LETTERS = 28  # of a curve's name
 _MOST = 6  # joints with a name in their panel: those nearest to their limits
 _NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 
@@ -48,7 +49,7 @@ class Panel:
 def panels(loading: Loading) -> list[Panel]:
     """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has."""
     grasp, steps = Grasp(loading.steps.grasp.spec), loading.steps
-    n, names = grasp.scene.n, steps.names
+    n, names = grasp.scene.n, shortened(steps.names, LETTERS)
     colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
     every = f"all {n} {'contacts' if grasp.scene.environment else 'fingers'}"
     out = [Panel("Normal force [N]", _curves(names, colours, steps.forces[:, :, 2]), every)]
@@ -87,6 +88,7 @@ def _torques(names: Sequence[str], torques: Array, limits: Array) -> Panel:
     """Against their limits where these are known; the nearest to them are named."""
     known = np.flatnonzero(np.isfinite(limits) & (limits > 0.0))
     shown = known if len(known) else np.arange(len(names))
+    names = shortened(names, LETTERS)
     values = 100 * abs(torques[:, known]) / limits[known] if len(known) else torques
     most = abs(values).max(axis=0)
     ranked = np.argsort(-np.round(most, 6), kind="stable")

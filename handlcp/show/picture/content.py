@@ -126,7 +126,7 @@ class Content:
         moving = [i for i in self.sliding if amount[i] > words.NOTHING]
         if not moving:
             return {}, 1.0
-        factor = nice(0.45 * self.size / float(amount[moving].max()))
+        factor = nice(0.7 * self.size / float(amount[moving].max()))
         return {i: self.grasp.frames[i][:, :2] @ s.slip[i] * factor for i in moving}, factor
 
     def _ghost(self) -> Array | None:

@@ -62,7 +62,8 @@ def paint(
         if glass is not None:
             fill(np.empty_like(colour), back, page(glass.triangles) * (1, 1, -1), np.zeros((len(glass.triangles), 3)))
         _mark(colour, solid, (solid < near) & (solid > -back), np.concatenate(marked))
-    _fade(colour, frame)
+    if frame.cut:
+        _fade(colour, frame)
     small = colour.reshape(pixels[1], OVER, pixels[0], OVER, 3).mean((1, 3))
     ax.imshow(small, extent=frame.box, origin="lower", interpolation="antialiased", zorder=1, aspect="auto")
 
@@ -110,13 +111,12 @@ def _contours(colour: Array, depth: Array, step: float) -> None:
 
 
 def _fade(colour: Array, frame: Frame) -> None:
-    """Fade into the page where the hand is cut."""
+    """Fade into the page where the hand is cut, up to where labels begin."""
     h, w, _ = colour.shape
     (x0, x1, y0, y1), (a, b, c, d), soft = frame.box, frame.inner, 0.30 * frame.inch
-    edge = 0.0 if frame.cut else 1.0  # the labels begin at the edge
     x, y = np.linspace(x0, x1, w), np.linspace(y0, y1, h)
-    across = np.clip(np.minimum(x - a, b - x) / soft + edge, 0, 1)
-    along = np.clip(np.minimum(y - c, d - y) / soft + edge, 0, 1)
+    across = np.clip(np.minimum(x - a, b - x) / soft, 0, 1)
+    along = np.clip(np.minimum(y - c, d - y) / soft, 0, 1)
     share = (along[:, None] * across[None])[..., None]
     colour *= share
     colour += 1.0 - share

@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.grasp import Verdict
-from handlcp.show.style import BLUE, GREY, INK, RED, shortened, width, wrapped
+from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, shortened, title_lines, width, wrapped
 
 __all__ = ["Entry", "headline", "legend", "torque_bars"]
 
@@ -20,7 +20,6 @@ Entry = tuple[str, str, str]
 ROW = 0.058  # height of a joint, as a share of the figure
 LETTERS = 31  # that fit a bar's width: joint and share, bold, at full size
 LEAST = 20  # letters of a joint's name that are always shown
-TALLEST = 2  # lines of a title
 _UNIT = re.compile(r"(\d) (?=\S)")  # between a number and its unit
 VERDICT = {"HELD": "#00734D", "UNDECIDED": "#8A6100"}  # the rest is red
 
@@ -29,14 +28,15 @@ def headline(figure: Any, v: Verdict, title: str, drawn: str) -> float:
     """Title, the verdict's word and first reason, and which state is drawn, at the top; returns where the picture may
     begin, as a share of the height.
     """
-    y, bold = 0.972, {"fontsize": 14, "weight": "bold", "va": "top"}
-    for line in _cut(wrapped(figure, title, 110, 0.96, **bold), TALLEST) if title else ():
-        figure.text(0.018, y, line, color=INK, **bold)
+    y = 0.972
+    for line in title_lines(figure, title):
+        figure.text(0.018, y, line, color=INK, **BOLD)
         y -= 0.046
     y -= 0.006 if title else 0.0
     style = {"fontsize": 10.5, "va": "top"}
     said = f"{v.word}: {v.reasons[0].sentence}." if v.reasons else f"{v.word}:"
-    lines = _cut(wrapped(figure, said, 140, 0.94, **style), 4)
+    lines = wrapped(figure, said, 140, 0.94, **style)
+    lines = lines if len(lines) <= 4 else [*lines[:3], f"{lines[3]} …"]
     figure.text(0.018, y, f"{v.word}:", weight="bold", color=VERDICT.get(v.word, "#B03A00"), **style)
     indent = width(figure, f"{v.word}:", weight="bold", **style) / figure.bbox.width
     figure.text(0.023 + indent, y, lines[0].removeprefix(f"{v.word}: "), color=INK, **style)
@@ -46,10 +46,6 @@ def headline(figure: Any, v: Verdict, title: str, drawn: str) -> float:
     y -= 0.034
     figure.text(0.018, y, drawn, color=GREY, fontsize=9.5, va="top")
     return y - 0.045
-
-
-def _cut(lines: list[str], most: int) -> list[str]:
-    return lines if len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1]} …"]
 
 
 def legend(figure: Any, left: float, top: float, entries: list[Entry]) -> float:

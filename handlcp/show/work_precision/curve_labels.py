@@ -94,8 +94,11 @@ def write(ax: Any, curves: Sequence[CurveLabel], size: float, others: Array, wri
 
 
 def _text(ax: Any, c: CurveLabel, size: float) -> tuple[Any, Any]:
-    """The text, somewhere, and its box in pixels."""
+    """The text, somewhere, and its box in pixels; where it covers a curve it stands on white."""
+    from matplotlib import patheffects
+
     text = ax.text(0, 0, c.text, fontsize=size, color=c.colour, va="bottom", ha="left", zorder=8)
+    text.set_path_effects([patheffects.withStroke(linewidth=2.5, foreground="white")])
     return text, text.get_window_extent()
 
 

@@ -19,6 +19,7 @@ LOOK = {
     "inscribed": {"color": BLUE, "marker": "o", "markerfacecolor": BLUE},
     "circumscribed": {"color": RED, "marker": "s", "markerfacecolor": "white"},
 }
+LEGEND_SHARE = 0.42  # of the panel's height, below all curves
 LEGEND = {"frameon": False, "handlelength": 1.5, "borderaxespad": 0.1, "handletextpad": 0.4, "labelspacing": 0.2}
 
 
@@ -40,12 +41,13 @@ def faces_panel(ax: Any, cost: AccuracyCost) -> None:
         ax.set_ylim(FLOOR / 8, 20.0 if highest < ROUNDING else highest * 2.5)
         ax.axhspan(FLOOR / 8, ROUNDING, color="#F0F0F0", zorder=0)
     else:
-        ax.set_ylim(lowest / 60.0, highest * 2.5)
+        span = np.log10(2.5 * highest / lowest) / (1.0 - LEGEND_SHARE)
+        ax.set_ylim(lowest / 10.0 ** (LEGEND_SHARE * span), highest * 2.5)
     if highest < ROUNDING:
         say(ax, "Faces make no\ndifference here:\neach pyramid is as\nexact as the cone.")
     else:
         if (law := cost.law()) is not None:
-            _guides(ax, law, faces)
+            _guides(ax, law, faces, lowest / 1.5)
         if any(r.section == "exact" and r.status == "certified" for r in cost.rows):
             power = int(np.floor(np.log10(max(cost.reference.residual, FLOOR))))
             words = f"exact cone: 10$^{{{power}}}$"
@@ -55,11 +57,13 @@ def faces_panel(ax: Any, cost: AccuracyCost) -> None:
     error_ticks(ax)
 
 
-def _guides(ax: Any, law: FaceLaw, faces: Array) -> None:
-    """Lines for 1/m and 1/m² from the start of the fitted law, and its exponent."""
+def _guides(ax: Any, law: FaceLaw, faces: Array, low: float) -> None:
+    """Lines for 1/m and 1/m² from the start of the fitted law down to an error `low`, and the law's exponent."""
     begin = law.factor * float(faces[0]) ** -law.exponent
     for power, dash in ((1, (0, (5, 2))), (2, (0, (1.2, 1.6)))):
         label = f"∝ 1/m{'²' if power == 2 else ''}"
-        ax.plot(faces, begin * (faces / faces[0]) ** -power, color=GUIDE, linewidth=1.2, linestyle=dash, label=label)
+        last = min(float(faces[-1]), float(faces[0]) * (begin / low) ** (1.0 / power)) if begin > low else faces[0]
+        ends = np.array([faces[0], last])
+        ax.plot(ends, begin * (ends / faces[0]) ** -power, color=GUIDE, linewidth=1.2, linestyle=dash, label=label)
     fit = f"fitted: 1/m$^{{{law.exponent:.1f}}}$"
     ax.text(0.985, 0.97, fit, transform=ax.transAxes, fontsize=SMALL, color=BLUE, ha="right", va="top")

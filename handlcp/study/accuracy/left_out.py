@@ -11,6 +11,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp import Effect, Grasp, GraspSolution
 from handlcp.grasp.analysis.required import with_friction
 from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model import validate
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
@@ -27,9 +28,7 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     """(effect, what is put in its place, the grasp without it) for each effect that this scene has."""
     scene = grasp.scene
     yield from _stiffer(grasp)
-    bare = grasp.replace(preload=0.0)
-    if isinstance(bare, HandGrasp):  # a command is a squeeze
-        bare = bare.replace(joint_offset=np.zeros(len(bare.joint_offset)))
+    bare = _touching(grasp)
     if bare.offset.tolist() != grasp.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
     if (scene.mu > 0).any():
@@ -39,6 +38,14 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
         if e.by_name or isinstance(e, FingerWeight):
             instead = "none" if e.by_name else "fingers without weight"
             yield e.title, instead, _with_effects(grasp, tuple(x for x in effects if x is not e))
+
+
+def _touching(grasp: Grasp) -> Grasp:
+    """The grasp without squeezes and gaps of its fingers; a command of the joints is a squeeze, too."""
+    spec, k = grasp.spec, grasp.spec.of_fingers
+    offset = np.concatenate([np.zeros((k, 3)), spec.offset[k:]])
+    effects = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
+    return type(grasp)(spec.replace(offset=read_only(offset), effects=effects))
 
 
 def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:

@@ -58,6 +58,22 @@ class Description:
             return {self.model.frames[part.frame].name for part in dict(self.given).get(kind, ())}
         return {link.get("name", "") for link in self.root.findall("link") if link.find(f"{kind}/geometry") is not None}
 
+    @property
+    def masses(self) -> dict[str, float]:
+        """Link → mass [kg]. A model knows that of all links of a joint, and it is given to the first of them."""
+        found, counted = dict[str, float](), {0}
+        if self.root is not None:
+            for link in self.root.findall("link"):
+                mass = link.find("inertial/mass")
+                found[link.get("name", "")] = 0.0 if mass is None else float(mass.get("value", 0.0))
+            return found
+        for frame in self.model.frames:
+            joint = int(frame.parentJoint)
+            if frame.type == pin.FrameType.BODY:
+                found[frame.name] = 0.0 if joint in counted else float(self.model.inertias[joint].mass)
+                counted.add(joint)
+        return found
+
     def parts(self, kind: str, links: Set[str] | None = None) -> tuple[Part, ...]:
         """Shapes of these links, None: of all. Raises URDFError for meshes that are missing or cannot be read."""
         if self.root is None:

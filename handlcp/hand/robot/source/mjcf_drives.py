@@ -22,7 +22,7 @@ def efforts(model: Any, names: list[str]) -> tuple[Array, list[Doubt]]:
     for each tendon that moves several joints.
     """
     force = np.full(model.njnt, np.inf)
-    doubts = list[Doubt]()
+    pulled = dict[str, dict[int, float]]()
     for a in range(model.nu):
         most, what, target = _most(model, a), int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
         if what in (_JOINT, _IN_PARENT):
@@ -30,7 +30,7 @@ def efforts(model: Any, names: list[str]) -> tuple[Array, list[Doubt]]:
         elif what == _TENDON:
             arms = _arms(model, target)
             if len(arms) > 1:
-                doubts.append(_shared(model, target, arms, names))
+                pulled[model.tendon(target).name or f"tendon {target}"] = arms
         else:
             continue
         for j, arm in arms.items():
@@ -38,7 +38,7 @@ def efforts(model: Any, names: list[str]) -> tuple[Array, list[Doubt]]:
             force[j] = torque if np.isinf(force[j]) else force[j] + torque
     bounded = model.jnt_actfrclimited.astype(bool)
     force[bounded] = np.minimum(force[bounded], abs(model.jnt_actfrcrange[bounded]).max(axis=1))
-    return force, doubts
+    return force, _shared(pulled, names) if pulled else []
 
 
 def _most(model: Any, a: int) -> float:
@@ -59,12 +59,14 @@ def _arms(model: Any, tendon: int) -> dict[int, float]:
     return {int(model.wrap_objid[w]): float(model.wrap_prm[w]) for w in wraps if model.wrap_type[w] == _WRAPS_JOINT}
 
 
-def _shared(model: Any, tendon: int, arms: dict[int, float], names: list[str]) -> Doubt:
-    joints = [names[j] for j in arms]
+def _shared(pulled: dict[str, dict[int, float]], names: list[str]) -> list[Doubt]:
+    """Of tendons that pull several joints each."""
+    joints = [names[j] for arms in pulled.values() for j in arms]
+    first, arms = next(iter(pulled.items()))
     given = ", ".join(f"{names[j]!r}: {arm:g}" for j, arm in arms.items())
-    what = f"one actuator pulls them by the tendon {model.tendon(tendon).name}; here each has a spring of its own"
-    advice = f"joint_stiffness=Tendons(...) with a tendon over {{{given}}}"
-    return Doubt(", ".join(joints), what, advice, "serious", "tendon")
+    what = f"one actuator pulls several of them by a tendon ({', '.join(pulled)}); here each has a spring of its own"
+    advice = f"joint_stiffness=Tendons(...) with {{{first!r}: {{{given}}}, …}}"
+    return [Doubt(", ".join(dict.fromkeys(joints)), what, advice, "serious", "tendon")]
 
 
 def couplings(model: Any, names: list[str]) -> tuple[Follows, list[Doubt]]:

@@ -1,0 +1,1 @@
+"""What is asked of a hand's grasp, as it was given, and the specification made of it."""

@@ -1,0 +1,121 @@
+"""A hand's grasp made again with some of its arguments changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import read_only
+from handlcp.errors import InputError
+from handlcp.grasp.assembly.asked import environment_of, of_fingers_alone, rubbed, said, under
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.friction import laws_by_name
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.asked.asked import HandAsked
+from handlcp.hand.asked.load import weight_of
+from handlcp.hand.mechanism import HandMechanism, finger_flexibility
+from handlcp.hand.objects.object import Object
+
+__all__ = ["hand_remade"]
+
+_COMMANDS = ("squeeze", "grip_force", "joint_offset")
+_WEIGH = ("object", "mass", "gravity")
+_PLACE = ("object", "fingers", "max_gap")  # what makes the fingertips look for the object anew
+
+
+def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
+    """See `HandGrasp.replace`. Raises InputError, NotReached, UnknownName."""
+    given = said(given)
+    if not given:
+        return spec
+    mechanism = spec.mechanism
+    assert isinstance(mechanism, HandMechanism)
+    asked = spec.asked if isinstance(spec.asked, HandAsked) else _asked_of(spec, mechanism)
+    changes = _load(asked, spec, mechanism, given)
+    if any(name in given for name in _COMMANDS):  # one takes the place of another
+        changes = dict.fromkeys(_COMMANDS) | changes
+    if any(name in given for name in _PLACE):
+        changes["found"] = None
+    changes["target"] = _target(asked, spec, mechanism, given)
+    changes |= _friction(asked, spec, mechanism, changes)
+    changes = {name: value for name, value in changes.items() if name not in ("object", "mass")}
+    again = replace(asked, **changes)
+    return under(spec, again.load, again) if set(given) == {"wrench"} else again.spec()
+
+
+def _load(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, given: dict[str, Any]) -> dict[str, Any]:
+    """The changes with what they say of the load: a wrench is the whole of it; a weight changes beside the rest."""
+    weighing = [name for name in _WEIGH if name in given]
+    if "wrench" in given and weighing:
+        expected = f"None beside {weighing[0]}: it is the whole load, weight included (replace one after the other)"
+        raise InputError("wrench", expected, repr(given["wrench"])[:80])
+    if "wrench" in given:
+        return given | {"load": given["wrench"], "wrench": None}
+    if weighing and asked.load is not None:
+        own = weight_of(mechanism.target, mechanism.gravity, spec.reference)
+        return given | {"load": None, "wrench": spec.wrench - own}
+    return dict(given)
+
+
+def _target(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, given: dict[str, Any]) -> Any:
+    """The object, or the contacts by fingertip where these are chosen anew."""
+    target = given.get("object", asked.target)
+    if "mass" in given:
+        if not isinstance(target, Object):
+            expected = "None where contacts are given: they have no weight, and wrench says the load"
+            raise InputError("mass", expected, repr(given["mass"])[:80])
+        return target.weighing(given["mass"])
+    if isinstance(target, (Object, Mapping)) or "object" in given or not {"fingers", "friction"} & set(given):
+        return target
+    return dict(zip(mechanism.fingertips, spec.contacts, strict=False))  # a sequence; the environment's come last
+
+
+def _friction(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, changes: dict[str, Any]) -> dict[str, Any]:
+    """What friction becomes; fingers that a mapping does not name keep theirs."""
+    target, names = changes["target"], mechanism.fingertips
+    old = [c.friction for c in spec.contacts[: len(names)]]
+    chosen = changes.get("fingers", asked.fingers)
+    here = set(mechanism.posture.hand.fingertips if chosen is None else chosen)
+    if "friction" not in changes:
+        if "object" in changes and not isinstance(target, Object):
+            return {"friction": None}  # contacts bring their own
+        if isinstance(asked.friction, Mapping):
+            return {"friction": {name: law for name, law in asked.friction.items() if name in here}}
+        return {}
+    asked_for = changes["friction"]
+    found = changes.get("found", asked.found)
+    if found is None and (isinstance(target, Object) or "object" in changes):
+        if isinstance(asked_for, Mapping) and isinstance(asked.target, Object):
+            kept = {name: law for name, law in zip(names, old, strict=True) if name in here}
+            return {"friction": kept | dict(asked_for)}
+        return {}
+    laws = laws_by_name(asked_for, names, old)
+    contacts = tuple([rubbed(c, law) for c, law in zip(spec.contacts, laws, strict=False)])
+    if found is not None:
+        turned = [new.rotation.T @ c.rotation for new, c in zip(contacts, found[0], strict=True)]
+        stand_off = read_only(np.array([R @ d for R, d in zip(turned, found[1], strict=True)]))
+        return {"friction": None, "found": (contacts, stand_off)}
+    return {"friction": None, "target": dict(target) | dict(zip(names, contacts, strict=True))}
+
+
+def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
+    """Arguments that make a grasp of which a specification alone is known: its contacts stay where they are."""
+    k, tips = spec.of_fingers, mechanism.fingertips
+    weight = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
+    command = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
+    offset, E = of_fingers_alone(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
+    offset[:k] -= mechanism.stand_off
+    own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
+    contacts = spec.contacts[:k]
+    return HandAsked(
+        mechanism.posture, mechanism.target or dict(zip(tips, contacts, strict=True)), gravity=mechanism.gravity,
+        offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
+        finger_weight=False if weight is None else True if weight.sags else "torques",
+        plane=None if contacts[0].planar else spec.plane, joint_offset=command, environment=environment_of(spec),
+        flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
+        found=(contacts, mechanism.stand_off),
+    )  # fmt: skip

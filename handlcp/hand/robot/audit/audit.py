@@ -1,0 +1,111 @@
+"""The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+from handlcp.grasp.answer.verdict import Reason
+from handlcp.hand.robot.audit.geometry import geometry_doubts
+from handlcp.hand.robot.audit.joints import joint_doubts
+from handlcp.hand.robot.audit.ranges import range_doubts
+from handlcp.hand.robot.doubt import SEVERITIES, Doubt
+from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.read import describe_xml
+
+__all__ = ["Audit", "audit_of", "audit_urdf", "doubt_reasons", "doubts_of"]
+
+_HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
+_SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
+WIDTH = 80
+
+
+@dataclass(frozen=True, slots=True)
+class Audit(Sequence[Doubt]):
+    """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
+    in lines of at most 80 columns.
+    """
+
+    source: str
+    doubts: tuple[Doubt, ...]
+
+    @overload
+    def __getitem__(self, index: int) -> Doubt: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Doubt, ...]: ...
+    def __getitem__(self, index: int | slice) -> Doubt | tuple[Doubt, ...]:
+        return self.doubts[index]
+
+    def __len__(self) -> int:
+        return len(self.doubts)
+
+    def about(self, joint: str) -> tuple[Doubt, ...]:
+        """The doubts that name a joint."""
+        return tuple(d for d in self.doubts if joint in d.joint.split(", "))
+
+    @property
+    def serious(self) -> tuple[Doubt, ...]:
+        """The doubts that can change a verdict."""
+        return tuple(d for d in self.doubts if d.severity == "serious")
+
+    @property
+    def summary(self) -> str:
+        """How many of each severity, such as "1 serious, 2 minor"."""
+        count = Counter(d.severity for d in self.doubts)
+        return ", ".join(f"{count[s]} {s}" for s in SEVERITIES if count[s]) or "no doubts"
+
+    def __str__(self) -> str:
+        lines = [f"{self.source}: {self.summary}"]
+        for severity in SEVERITIES:
+            these = [d for d in self.doubts if d.severity == severity]
+            lines += [_HEADS[severity]] if these else []
+            for d in these:
+                lines += textwrap.wrap(str(d), WIDTH, initial_indent="  ", subsequent_indent="      ", **_UNBROKEN)
+        return "\n".join(lines)
+
+
+_UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+
+
+def audit_of(source: str, doubts: Iterable[Doubt]) -> Audit:
+    """The most serious doubts first, else in their order."""
+    return Audit(source, tuple(sorted(doubts, key=lambda d: SEVERITIES.index(d.severity))))
+
+
+def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> Audit:
+    """Audit a URDF or MJCF file (below link `base` if given) without building a hand from it.
+
+    Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
+    file without MuJoCo.
+    """
+    described = describe_xml("path", path, base, package_dirs)
+    what = "the file says nothing of joint stiffness"
+    advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
+    return audit_of(described.source, (*doubts_of(described), Doubt("hand", what, advice, "minor", "stiffness")))
+
+
+def doubts_of(
+    described: Description, limits_given: Iterable[str] = (), kinematics: Kinematics | None = None
+) -> tuple[Doubt, ...]:
+    """The doubts about a robot as it was read, in no order of importance.
+
+    limits_given : joints whose torque limit was passed; efforts don't count. kinematics : None where nothing but the
+    file is known.
+    """
+    joints = joint_doubts(described.facts, limits_given)
+    ranges = range_doubts(described.facts, kinematics)
+    return (*joints, *ranges, *described.doubts, *geometry_doubts(described))
+
+
+def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
+    """A warning for each serious doubt, to stand beside the verdict that rests on it."""
+    for d in doubts:
+        if d.severity != "serious" or d.about in _SAID_ELSEWHERE:
+            continue
+        joints = d.joint.split(", ")
+        code = "limit_doubtful" if d.about == "torque limit" else "hand_doubtful"
+        yield Reason(code, "warning", d.sentence, {"joints": joints})

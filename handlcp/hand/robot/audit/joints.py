@@ -1,0 +1,96 @@
+"""Doubts about what a file says of its joints one by one: efforts, couplings, axes, and the bodies that they move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+from handlcp.hand.robot.doubt import Doubt
+from handlcp.hand.robot.joints import JointFacts
+
+__all__ = ["joint_doubts"]
+
+# An effort that all joints of a hand share is a placeholder if it is one of these numbers [N·m].
+PLACEHOLDERS = frozenset({1.0, 5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0, 300.0, 500.0, 1000.0, 10000.0})
+LARGEST_TORQUE, LARGEST_FORCE = 20.0, 1000.0  # [N·m, N] no joint of a finger has more
+
+
+def joint_doubts(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> Iterator[Doubt]:
+    """limits_given : joints whose torque limit was passed; what their efforts are doesn't matter."""
+    given = set(limits_given)
+    yield from _efforts([f for f in facts if f.mimic is None and f.name not in given])
+    yield from _couplings(facts)
+    yield from _bodies(facts)
+
+
+def together(
+    facts: Iterable[JointFacts], what: str, advice: str, severity: str = "minor", about: str = ""
+) -> Iterator[Doubt]:
+    """One doubt about all of these joints; none without joints."""
+    if names := ", ".join(f.name for f in facts):
+        yield Doubt(names, what, advice, severity, about)
+
+
+def _efforts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    advice, unknown = "torque_limits with the actuator's torque [N·m]", ("serious", "limit unknown")
+    yield from together((f for f in facts if f.effort == 0), "effort limit is zero, read as unknown", advice, *unknown)
+    endless = [f for f in facts if not math.isfinite(f.effort)]
+    yield from together(endless, "effort limit is absent or infinite, read as unknown", advice, *unknown)
+    negative = [f for f in facts if f.effort < 0]
+    yield from together(negative, "effort limit is negative, read as unknown", advice, *unknown)
+    yield from _placeholders(facts)
+
+
+def _placeholders(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    """Of efforts that are numbers, but hardly those of a motor."""
+    efforts, advice = {f.effort for f in facts}, "torque_limits with the torque of each actuator [N·m]"
+    serious = ("serious", "torque limit")
+    if len(facts) > 1 and len(efforts) == 1 and efforts <= PLACEHOLDERS:
+        what = f"every effort limit is {efforts.pop():g} N·m: a placeholder, not a measurement"
+        yield from together(facts, what, advice, *serious)
+        return
+    most = {f.name: LARGEST_FORCE if f.kind == "prismatic" else LARGEST_TORQUE for f in facts}
+    large = [f for f in facts if most[f.name] < f.effort < math.inf]
+    for effort in dict.fromkeys(f.effort for f in large):
+        what = f"an effort limit of {effort:g} is more than the joint of a finger has"
+        yield from together((f for f in large if f.effort == effort), what, advice, *serious)
+    alike = len(facts) > 1 and len(efforts) == 1 and not large
+    if alike and 0 < (effort := efforts.pop()) < math.inf:
+        what = f"every effort limit is {effort:g} N·m, though joints of a hand seldom have equal motors"
+        yield from together(facts, what, advice, "minor", "torque limit")
+
+
+def _couplings(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    own = "torque limits and stiffness belong to the joint it follows"
+    right = [f for f in facts if f.mimic is not None and f.mimic.master == f.mimic.written]
+    what = "follow other joints, as their tags say, and are no joints of their own"
+    advice = "torque limits and stiffness for the joints they follow; describe() lists the factors"
+    yield from together(right, what, advice, "information", "coupling")
+    for f in facts:
+        m = f.mimic
+        if m is None:
+            continue
+        law = f"{m.multiplier:g} × {m.master} {m.offset:+g}"
+        if m.master is None:
+            what = f"mimics {m.written!r}, which is no movable joint"
+            yield Doubt(f.name, what, "a URDF whose <mimic> names a joint", "serious", "coupling")
+        elif m.master != m.written:
+            what = f"mimics {m.written!r}, which does not exist; read as {law}"
+            advice = f"a URDF that names {m.master!r}, if that is meant; {own}"
+            yield Doubt(f.name, what, advice, "minor", "coupling")
+
+
+def _bodies(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    light = "a URDF with <inertial>; finger_weight=True counts this link as weightless"
+    for these, what in (
+        ([f for f in facts if math.isnan(f.mass)], "the link it moves has no <inertial>"),
+        ([f for f in facts if f.mass <= 0], "the link it moves has a mass that is not positive"),
+    ):
+        yield from together(these, what, light, "minor", "mass")
+    for f in facts:
+        length = 1.0 if f.axis is None else math.hypot(*f.axis)
+        if not 0 < length < math.inf:
+            what = "the axis is zero or no number: the joint moves nothing, or everything to NaN"
+            yield Doubt(f.name, what, "a URDF with a unit axis", "serious", "axis")
+        elif abs(length - 1) > 1e-3:
+            yield Doubt(f.name, f"the axis has the length {length:.4g}", "a URDF with a unit axis", "minor", "axis")

@@ -1,0 +1,1 @@
+"""What a hand is, as a table to read: joints, fingertips, couplings, size."""

@@ -1,0 +1,191 @@
+"""What a hand is: `hand.describe()`, and `describe_urdf` for a file of which nothing else is known yet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array
+from handlcp.hand.robot.audit.audit import Audit, audit_of, doubts_of
+from handlcp.hand.robot.describe.rows import CouplingRow, JointRow, LinkRow, TipRow
+from handlcp.hand.robot.describe.size import size_of
+from handlcp.hand.robot.describe.text import text_of
+from handlcp.hand.robot.fingertips.candidates import Candidate, candidates, obvious
+from handlcp.hand.robot.joint_limits import read_torque_limits
+from handlcp.hand.robot.joints import Coupling
+from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
+from handlcp.hand.robot.source.read import describe_xml
+
+__all__ = ["HandDescription", "describe_hand", "describe_urdf"]
+
+
+@dataclass(frozen=True)
+class HandDescription:
+    """A hand in words and numbers; iterates over its joints, prints in lines of at most 80 columns.
+
+    name : the robot's. source : the file's. joints : the independent ones, in the order of every vector over joints.
+    fingertips : those of the hand, and what else could be one (`taken` says which). couplings : joints that follow.
+    links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m]. audit : its doubts.
+    """
+
+    name: str
+    source: str
+    joints: tuple[JointRow, ...]
+    fingertips: tuple[TipRow, ...]
+    couplings: tuple[CouplingRow, ...]
+    links: tuple[LinkRow, ...]
+    mass: float
+    size: tuple[float, float, float]
+    audit: Audit
+
+    def __iter__(self) -> Iterator[JointRow]:
+        return iter(self.joints)
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: SI units in the keys; None where nothing is known, or a range has no end."""
+        joints = [
+            {"name": j.name, "kind": j.kind, "lower": _finite(j.lower), "upper": _finite(j.upper),
+             "torque_limit_Nm": _finite(j.torque_limit), "stiffness_Nm_per_rad": _finite(j.stiffness),
+             "fingertips": list(j.fingertips)}
+            for j in self.joints
+        ]  # fmt: skip
+        tips = [
+            {"name": t.name, "link": t.link, "point_m": None if t.point is None else list(t.point), "taken": t.taken,
+             "reason": t.reason}
+            for t in self.fingertips
+        ]  # fmt: skip
+        links = [{"name": k.name, "mass_kg": k.mass, "joint": k.joint, "geometry": k.geometry} for k in self.links]
+        doubts = [
+            {"joint": d.joint, "what": d.what, "advice": d.advice, "severity": d.severity, "about": d.about}
+            for d in self.audit
+        ]
+        return {
+            "name": self.name, "source": self.source, "mass_kg": self.mass, "size_m": list(self.size),
+            "joints": joints, "fingertips": tips, "couplings": [c._asdict() for c in self.couplings], "links": links,
+            "doubts": doubts,
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        return text_of(self)
+
+
+def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> HandDescription:
+    """Describe a URDF or MJCF file, or its text, of which nothing is known yet; below link `base` if given.
+
+    Raises URDFError, UnknownName for an unknown base; Unsupported for an MJCF file without MuJoCo.
+    """
+    described = describe_xml("path", path, base, package_dirs)
+    kinematics = Kinematics(described.model, described.facts)
+    found = candidates(described)
+    taken = {c.name for c in obvious(found)}
+    facts = {f.name: f for f in described.facts}
+    limits = read_torque_limits(None, kinematics.joint_names, facts)
+    tips = tuple(_candidate(c, c.name in taken) for c in found)
+    audit = audit_of(described.source, doubts_of(described, (), kinematics))
+    return _made(described, kinematics, tips, (limits.limits, limits.known), {}, audit)
+
+
+def describe_hand(hand: Any) -> HandDescription:
+    """Of a hand; as a method, `hand.describe()`."""
+    described, model = hand.description, hand.kinematics.model
+    reasons = {(c.name, c.link): c for c in candidates(described)}
+    tips = []
+    for name, place in zip(hand.fingertips, hand.tips.places, strict=True):
+        frame = model.frames[place.link]
+        at = (frame.placement.inverse() * place.placement).translation
+        x, y, z = (round(float(v), 6) for v in at)
+        point = (x, y, z) if np.linalg.norm(at) > 1e-9 else None
+        known = reasons.pop((name, frame.name), None)
+        same = known is not None and (known.point is None) == (point is None)
+        tips.append(TipRow(name, frame.name, point, True, known.reason if known is not None and same else "named"))
+    rest = tuple(_candidate(c, False) for c in reasons.values() if c.link not in {t.link for t in tips})
+    springs = _springs(hand)
+    limits = hand.torques.limits, hand.torques.known
+    return _made(described, hand.kinematics, (*tips, *rest), limits, springs, hand.audit())
+
+
+def _made(
+    described: Description,
+    kinematics: Kinematics,
+    tips: tuple[TipRow, ...],
+    limits: tuple[Array, Sequence[bool]],
+    springs: Mapping[str, float],
+    audit: Audit,
+) -> HandDescription:
+    model = described.model
+    shown = [t for t in tips if t.taken] or list(tips)
+    moved = _moved_tips(model, kinematics, shown)
+    kinds = {f.name: f.kind for f in described.facts}
+    rows = zip(kinematics.joint_names, kinematics.lower, kinematics.upper, *limits, strict=True)
+    joints = tuple(
+        JointRow(
+            name, kinds[name], float(low), float(high), float(most) if known else None, springs.get(name), moved[name]
+        )
+        for name, low, high, most, known in rows
+    )
+    mass = sum(float(inertia.mass) for inertia in model.inertias)
+    size = size_of(described, kinematics)
+    return HandDescription(
+        str(model.name), described.source, joints, tips, _couplings(kinematics), _links(described), mass, size, audit
+    )
+
+
+def _candidate(c: Candidate, taken: bool) -> TipRow:
+    point = None if c.point is None else (float(c.point[0]), float(c.point[1]), float(c.point[2]))
+    return TipRow(c.name, c.link, point, taken, c.reason)
+
+
+def _springs(hand: Any) -> dict[str, float]:
+    """The joints' own springs [N·m/rad]; none behind a transmission."""
+    if hand.stiffness.law[1]:
+        return {}
+    return dict(zip(hand.joint_names, np.diagonal(hand.stiffness.matrix).tolist(), strict=True))
+
+
+def _moved_tips(model: Any, kinematics: Kinematics, tips: Iterable[TipRow]) -> dict[str, tuple[str, ...]]:
+    """Independent joint → fingertips that it moves, also through joints that follow it."""
+    coupling = kinematics.all_joints
+    masters = {
+        name: coupling.names[int(np.argmax(abs(row)))] for name, row in zip(kinematics.movable, coupling.C, strict=True)
+    }
+    carrier = {f.name: int(f.parentJoint) for f in model.frames}
+    moved = {name: list[str]() for name in coupling.names}
+    for tip in tips:
+        for j in model.supports[carrier[tip.link]]:
+            if j and model.joints[j].nv and tip.name not in moved[masters[model.names[j]]]:
+                moved[masters[model.names[j]]].append(tip.name)
+    return {name: tuple(these) for name, these in moved.items()}
+
+
+def _couplings(kinematics: Kinematics) -> tuple[CouplingRow, ...]:
+    coupling: Coupling = kinematics.all_joints
+    rows = []
+    for name, row, offset in zip(kinematics.movable, coupling.C, coupling.offset, strict=True):
+        if name not in coupling.names:
+            k = int(np.argmax(abs(row)))
+            rows.append(CouplingRow(name, coupling.names[k], float(row[k]), float(offset)))
+    return tuple(rows)
+
+
+def _links(described: Description) -> tuple[LinkRow, ...]:
+    model = described.model
+    solid, seen, masses = described.has(COLLISION), described.has(VISUAL), described.masses
+    rows = []
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY and frame.name != "universe":
+            kind = COLLISION if frame.name in solid else VISUAL if frame.name in seen else ""
+            joint = model.names[frame.parentJoint] if frame.parentJoint else ""
+            rows.append(LinkRow(frame.name, masses.get(frame.name, 0.0), joint, kind))
+    return tuple(rows)
+
+
+def _finite(x: float | None) -> float | None:
+    return None if x is None or not np.isfinite(x) else float(x)

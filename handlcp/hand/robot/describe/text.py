@@ -1,0 +1,105 @@
+"""A description of a hand, printed in lines of at most 80 columns."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from handlcp.hand.robot.describe.rows import JointRow, TipRow
+
+__all__ = ["text_of"]
+
+WIDTH = 80
+_NUMBERS = (9, 9, 10, 11)  # columns: range from, to; torque limit; stiffness
+
+
+def text_of(hand: Any) -> str:
+    """Of a `HandDescription`."""
+    x, y, z = (f"{1e3 * s:.0f}" for s in hand.size)
+    head = f"{hand.name} ({hand.source})" if hand.name != hand.source else hand.name
+    taken = [t for t in hand.fingertips if t.taken]
+    fingers = f"{len(taken)} fingertips" if taken else "no fingertips chosen"
+    facts = f"{len(hand.joints)} joints, {fingers}, {hand.mass:.3g} kg, {x} × {y} × {z} mm"
+    lines = [*_wrapped(head, ""), *_wrapped(facts, "")]
+    lines += _tips("Fingertips", taken)
+    rest = [t for t in hand.fingertips if not t.taken]
+    lines += _tips("Could be fingertips too" if taken else "Candidates: pass fingertips=[...] with those meant", rest)
+    lines += ["", *_joints(hand.joints)]
+    if hand.couplings:
+        lines += ["", "Joints that follow others"]
+        for c in hand.couplings:
+            shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
+            lines += _wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "  ")
+    lines += ["", *_links(hand.links), *_wrapped(f"Doubts: {hand.audit.summary}", "")]
+    return "\n".join(lines)
+
+
+def _tips(title: str, tips: Sequence[TipRow]) -> Iterator[str]:
+    if tips:
+        yield ""
+        yield title
+        for t in tips:
+            if t.reason == "named":
+                where = f", point ({', '.join(f'{1e3 * v:.1f}' for v in t.point)}) mm" if t.point is not None else ""
+                on = f"on {t.link}{where}" if t.link != t.name or where else "the frame of this name"
+                yield from _wrapped(f"{t.name}: {on}", "  ")
+            else:
+                yield from _wrapped(f"{t.name}: {t.reason}", "  ")
+
+
+def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
+    """Tables of joints, those of one finger together."""
+    sprung = any(j.stiffness is not None for j in joints)
+    columns = _NUMBERS if sprung else _NUMBERS[:3]
+    widest = max(len(j.name) for j in joints) + 2
+    beside = widest + sum(columns) <= WIDTH
+    width = widest if beside else WIDTH - sum(columns)
+    heads = ["from", "to", "limit", "stiffness"][: len(columns)]
+    units = ["rad", "rad", "N·m", "N·m/rad"][: len(columns)]
+    yield "Joint".ljust(width) + "".join(h.rjust(w) for h, w in zip(heads, columns, strict=True))
+    yield " " * width + "".join(u.rjust(w) for u, w in zip(units, columns, strict=True))
+    last: tuple[str, ...] | None = None
+    for j in joints:
+        if j.fingertips != last:
+            last = j.fingertips
+            who = last[0] if len(last) == 1 else f"{', '.join(last)}" if last else "no fingertip"
+            yield from _wrapped(f"moves {who}:", "")
+        cells = [_number(j.lower), _number(j.upper), _limit(j.torque_limit)]
+        cells += [_spring(j.stiffness)] if sprung else []
+        numbers = "".join(c.rjust(w) for c, w in zip(cells, columns, strict=True))
+        unit = " m, N" if j.kind == "prismatic" else ""
+        if len(f"  {j.name}{unit}") <= width:
+            yield f"  {j.name}{unit}".ljust(width) + numbers
+        else:
+            yield from (f"  {j.name}{unit}", " " * width + numbers)
+
+
+def _links(links: Sequence[Any]) -> Iterator[str]:
+    """How many links there are, and which lack geometry or mass."""
+    moved = [k for k in links if k.joint]
+    bare, light = sum(k.geometry != "collision" for k in moved), sum(not k.mass for k in moved)
+    lacks = [f"{n} without {what}" for n, what in ((bare, "collision geometry"), (light, "mass")) if n]
+    text = f"{len(links)} links, {len(moved)} of them moved by joints"
+    yield from _wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "")
+
+
+def _wrapped(text: str, indent: str) -> list[str]:
+    lines = textwrap.wrap(
+        text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
+        break_on_hyphens=False,
+    )  # fmt: skip
+    return lines or [indent]
+
+
+def _number(x: float) -> str:
+    return "no end" if math.isinf(x) else f"{x:.3f}" if abs(x) < 1e3 else f"{x:.3g}"
+
+
+def _limit(x: float | None) -> str:
+    return "unknown" if x is None else "none" if math.isinf(x) else f"{x:.4g}"
+
+
+def _spring(x: float | None) -> str:
+    return "–" if x is None else "rigid" if math.isinf(x) else f"{x:.3g}"

@@ -1,0 +1,1 @@
+"""The README and the documentation do what they say: every block of code on every page is run."""

@@ -1,0 +1,64 @@
+"""The documentation has every public name and every effect, and its links lead somewhere."""
+
+from __future__ import annotations
+
+import importlib
+import pathlib
+import re
+
+import pytest
+
+import handlcp as hl
+from handlcp.grasp import effect_kinds
+from handlcp.study.catalogue import entries
+
+ROOT = pathlib.Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+LINKED = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "handlcp" / "README.md",
+          ROOT / "handlcp" / "grasp" / "effects" / "README.md", *sorted(DOCS.rglob("*.md"))]  # fmt: skip
+SHORT = 150  # lines of the README
+
+
+def text(page):
+    return page.read_text(encoding="utf-8")
+
+
+def test_the_readme_is_short():
+    assert len(text(ROOT / "README.md").splitlines()) <= SHORT
+
+
+def test_the_reference_has_every_public_name_once_and_no_other():
+    pages = "\n".join(text(p) for p in sorted((DOCS / "api").glob("*.md")) if p.name != "own_parts.md")
+    named = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", pages, re.M)
+    assert sorted(named) == sorted(hl.__all__)
+
+
+def test_the_page_of_own_parts_names_what_is_there():
+    named = re.findall(r"^\.\. auto\w+:: handlcp\.(\w+)\.(\w+)$", text(DOCS / "api" / "own_parts.md"), re.M)
+    assert len(named) > 5
+    for room, name in named:
+        assert hasattr(importlib.import_module(f"handlcp.{room}"), name)
+
+
+def test_every_effect_that_is_asked_for_by_name_has_a_place_in_how_to_choose_or_in_the_reference():
+    page = text(DOCS / "how_to_choose.md")
+    asked = {kind.__name__ for kind in effect_kinds() if kind.file_key is not None}
+    assert len(asked) > 6
+    assert {name for name in asked if f"hl.{name}(" not in page} == set()
+    assert len(entries()) == text(DOCS.parent / "handlcp" / "grasp" / "effects" / "README.md").count("\n### ")
+
+
+def test_every_page_is_in_the_contents():
+    listed = {"index"}
+    for index in (DOCS / "index.md", DOCS / "api" / "index.md"):
+        home = index.parent.relative_to(DOCS).as_posix().removeprefix(".")
+        for tree in re.findall(r"```\{toctree\}\n(.*?)```", text(index), re.S):
+            names = [line for line in tree.splitlines() if line and not line.startswith(":")]
+            listed |= {f"{home}/{name}".lstrip("/") for name in names}
+    assert listed == {p.relative_to(DOCS).with_suffix("").as_posix() for p in DOCS.rglob("*.md")}
+
+
+@pytest.mark.parametrize("page", LINKED, ids=lambda p: p.relative_to(ROOT).as_posix())
+def test_links_lead_to_files_that_are_there(page):
+    for link in re.findall(r"\]\((?!https?:|#|mailto:)([^)#\s]+)", text(page)):
+        assert (page.parent / link).exists(), link

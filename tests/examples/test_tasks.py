@@ -1,0 +1,101 @@
+"""A designer's eight tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
+
+from __future__ import annotations
+
+import ast
+import pathlib
+import runpy
+from functools import cache
+
+import numpy as np
+import pytest
+
+TASKS = sorted((pathlib.Path(__file__).parents[2] / "examples" / "tasks").glob("*.py"))
+G = 9.81
+
+
+@cache
+def ran(name):
+    return runpy.run_path(str(next(file for file in TASKS if file.stem == name)))
+
+
+@pytest.mark.parametrize("file", TASKS, ids=lambda p: p.stem)
+def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
+    lines = file.read_text(encoding="utf-8").splitlines()
+    tree = ast.parse("\n".join(lines))
+    imports = [n for n in tree.body if isinstance(n, ast.Import | ast.ImportFrom)]
+    own = set(range(tree.body[0].end_lineno + 1, len(lines) + 1)) - {n.lineno for n in imports}
+    assert len([k for k in own if lines[k - 1].strip()]) <= 15
+    assert {a.name for n in imports for a in n.names if a.name.startswith("handlcp")} == {"handlcp"}
+    assert not [n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr.startswith("_")]
+
+
+def test_there_are_eight_tasks():
+    assert len(TASKS) == 8
+
+
+def test_the_motors_that_lift_the_bottle_are_the_least_that_do():
+    task = ran("motor_torques")
+    end, grip = task["held"].solution, task["grip"]
+    lift = end.forces_world[:, 2]
+    assert lift.sum() == pytest.approx(2.25 * G, rel=1e-6)
+    # Nothing but friction carries the bottle: the grip is at least weight / (μ n), and one newton less does not do
+    assert end.normal_force.mean() * (1 + 1e-6) >= 2.25 * G / (0.6 * 3)
+    assert not task["grasp"].replace(grip_force=grip - 1).follow().reached
+    assert max(task["motors"].values()) == pytest.approx(abs(end.torques).max())
+
+
+def test_the_stiffness_and_the_squeeze_keep_the_cube_within_a_millimetre():
+    task = ran("stiffness_and_squeeze")
+    hand = task["hand"].replace(joint_stiffness=task["stiffness"])
+    cube = task["cube"]
+    grasp = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=task["squeeze"])
+    loaded = grasp.follow((0, -5.0, 0, 0, 0, 0), steps=80)
+    assert loaded.reached
+    assert np.linalg.norm(loaded.displacement[:3]) < 1e-3
+    assert abs(loaded.solution.torques).max() == pytest.approx(task["torque"], rel=1e-3)
+
+
+def test_what_the_verdict_advises_holds():
+    task = ran("why_it_fails")
+    assert (task["verdict"].word, task["better"].word) == ("NOT HELD", "HELD")
+
+
+def test_an_stl_a_model_and_a_planned_posture_make_a_grasp():
+    grasp = ran("own_inputs")["grasp"]
+    volume = np.pi * 0.018**2 * (0.06 + 4 / 3 * 0.018)
+    assert grasp.target.mass == pytest.approx(1000.0 * volume, rel=0.03)  # of a capsule with flat facets
+    assert grasp.check().ok
+
+
+def test_the_table_has_a_row_for_each_of_500_variants():
+    task = ran("variants")
+    table = task["table"]
+    assert len(table) == 500
+    k = 337
+    mu, kg, squeeze = task["variants"][k]
+    one = task["grasp"].replace(friction=mu, mass=kg, squeeze=squeeze).solve(throw=False)
+    assert bool(table.held.iloc[k]) == one.held
+    if one.held:
+        assert table.utilisation.iloc[k] == pytest.approx(one.torque_check.utilisation.max(), rel=1e-9)
+    assert 0 < table.held.sum() < 500
+
+
+def test_the_page_is_one_file_without_addresses():
+    text = ran("page_to_share")["page"].read_text(encoding="utf-8")
+    assert "<html" in text
+    assert 'src="http' not in text
+
+
+def test_the_audit_of_an_unknown_hand_doubts_its_torque_limits():
+    task = ran("audit_a_hand")
+    assert task["hand"].fingertips == tuple(f"link_{k}.0_tip" for k in (3, 7, 11, 15))
+    assert "15 N·m" in str(task["audit"])
+
+
+def test_contacts_given_by_hand_bear_the_moment_in_equal_parts():
+    task = ran("contacts_by_hand")
+    s = task["solution"]
+    np.testing.assert_allclose(s.forces_world[:, 2], 0.5, rtol=1e-9)
+    np.testing.assert_allclose(abs(s.torsion), 0.0025, rtol=1e-9)
+    assert task["grasp"].required_friction().value == pytest.approx(0.5 * np.sqrt(0.01 + 0.025**2), rel=1e-3)

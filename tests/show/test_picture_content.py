@@ -1,0 +1,172 @@
+"""What pictures show beside forces: moments, motions, links without geometry, fingertips, links inside the object."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+import handlcp as hl
+from tests.show.picture_cases import bare_hand, case, ring
+from tests.support import patches
+from tests.support.show import Turn, draw, facing, hand_bodies, tip_shapes
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch):
+    patches.coarse_pictures(monkeypatch)
+
+
+def legend(name, **more):
+    grasp, solution, obj, title = case(name)
+    return " | ".join(t.get_text().replace("\N{NO-BREAK SPACE}", " ").replace("\n", " ")
+                      for t in draw(grasp, solution, obj, title, **more).legends[0].get_texts())  # fmt: skip
+
+
+# ---------------------------------------------------------------- moments
+@pytest.mark.parametrize("towards", [(0, 0, 1), (1, 0.3, 0.4), (1, 0, 0), (0.2, 1, -0.7)])
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.6, 0, -0.8)])
+def test_an_arc_turns_as_a_right_hand_screw_and_is_never_a_line(axis, towards):
+    camera = facing(np.array(towards, dtype=float), np.array([0.0, 1, 0]))
+    turn = Turn(np.array([0.1, 0.2, 0.3]), np.array(axis, dtype=float), 0.02)
+    points = turn.arc(camera) - camera.project(turn.centre)
+    area = 0.5 * float((points[:-1, 0] * points[1:, 1] - points[:-1, 1] * points[1:, 0]).sum())
+    along = float(np.array(axis, dtype=float) @ camera.axes[2])
+    assert abs(area) > 0.3 * 0.02**2, "the arc is open"
+    if abs(along) > 1e-9:
+        assert np.sign(area) == np.sign(along), "towards the viewer it turns to the left"
+    assert np.linalg.norm(points, axis=1).max() <= 0.02 * (1 + 1e-9)
+
+
+def test_an_arc_is_longer_for_a_larger_moment():
+    camera = facing(UP, np.array([0.0, 1, 0]))
+    lengths = [
+        np.linalg.norm(np.diff(Turn(np.zeros(3), UP, 1.0, share).arc(camera), axis=0), axis=1).sum()
+        for share in (0.1, 0.5, 1.0)
+    ]
+    assert lengths[0] < lengths[1] < lengths[2] < 2 * np.pi
+
+
+def test_the_legend_has_the_torque_of_the_load_and_the_moments_of_soft_fingers():
+    assert "torque on the object, 0.02 N·m" in legend("pure_torque")
+    said = legend("soft_pads")
+    assert "torque on the object, 0.03 N·m" in said
+    assert "moment of a finger about its normal" in said
+    assert "torque" not in legend("cube_three_fingers")
+
+
+def test_what_is_drawn_of_a_load_is_statically_the_load():
+    # A force whose line of action passes by the contacts, given about a point far away
+    offset = np.array([0.0, 4.0, 0.0])
+    force = np.array([0.0, 0.0, -1.0])
+    contacts = [hl.Contact(c.position, c.normal, c.friction) for c in ring(3).contacts]
+    near = hl.Grasp(contacts, (*force, 0, 0, 0), flexibility=1e-3, preload=3e-3)
+    about = np.cross(-offset, force)
+    far = hl.Grasp(contacts, (*force, *about), flexibility=1e-3, preload=3e-3, reference=offset)
+    words = [
+        " | ".join(t.get_text() for t in draw(g, g.solve()).legends[0].get_texts() if "object" in t.get_text())
+        for g in (near, far)
+    ]
+    assert words[0] == words[1]
+    assert "torque" not in words[1]
+
+
+def test_an_escape_that_turns_is_an_arc_and_one_that_slides_an_arrow():
+    assert "the way the object turns out" in legend("turned_off")
+    assert "the way the object escapes" not in legend("turned_off")
+    said = legend("frictionless")
+    assert "the way the object escapes" in said
+    assert "turns" not in said
+
+
+# ---------------------------------------------------------------- slips
+def test_every_slip_is_drawn_or_named_in_the_legend():
+    said = legend("unequal_slips")
+    assert "slip of the object, × 20 (up to 0.79 mm)" in said
+    assert "slip not drawn" not in said
+    assert slip_arrows("unequal_slips") == 2
+    said = legend("paper/planar_frictionless")
+    _, solution, *_ = case("paper/planar_frictionless")
+    sliding = [n for n, state in zip(solution.names, solution.contact_state, strict=True) if state == "sliding"]
+    drawn = slip_arrows("paper/planar_frictionless")
+    missing = [n for n in sliding if n in said.partition("slip not drawn")[2]]
+    assert drawn + len(missing) == len(sliding) == 3
+
+
+def slip_arrows(name):
+    grasp, solution, obj, title = case(name)
+    figure = draw(grasp, solution, obj, title)
+    purple = (0xA0 / 255, 0x30 / 255, 0x7A / 255)
+    return sum(np.allclose(p.get_facecolor()[:3], purple) for p in figure.axes[0].patches)
+
+
+# ---------------------------------------------------------------- hands
+def test_links_without_geometry_are_sticks_from_joint_to_joint():
+    given = case("cube_three_fingers")[0].state
+    whole = {b.link for b in hand_bodies(given) if not b.link.endswith("_tip")}
+    state = bare_hand().at(given.q)
+    sticks = hand_bodies(state)
+    assert {b.link for b in sticks} == whole, "every link is drawn, by its name"
+    ends = np.concatenate([b.triangles.reshape(-1, 3) for b in sticks])
+    for tip in state.tip_positions:
+        assert np.linalg.norm(ends - tip, axis=1).min() < 0.005, "a stick ends at each fingertip"
+    some = hand_bodies(bare_hand(lambda link: not link.startswith("finger_2")).at(given.q))
+    assert {b.link for b in some} >= whole
+    kept = [b for b in hand_bodies(given) if not b.link.startswith("finger_2")]
+    shown = [b for b in some if not b.link.startswith("finger_2")]
+    assert len(kept) == len(shown)
+    for a, b in zip(kept, shown, strict=True):
+        np.testing.assert_array_equal(a.triangles, b.triangles)
+
+
+def test_a_fingertip_is_drawn_where_its_contact_is_not_on_the_hand():
+    cube = case("cube_three_fingers")[0]
+    assert tip_shapes(cube, hand_bodies(cube.state)) == [], "its visual geometry is the ball that touches"
+    bare = case("bare_hand")[0]
+    shown = tip_shapes(bare, hand_bodies(bare.state))
+    assert len(shown) == 3
+    for triangles, tip, p in zip(shown, bare.state.tip_positions, [c.position for c in bare.contacts], strict=True):
+        np.testing.assert_allclose(np.linalg.norm(triangles.reshape(-1, 3) - tip, axis=1), 0.008, rtol=1e-9)
+        assert np.linalg.norm(triangles.reshape(-1, 3) - p, axis=1).min() < 1.5e-3, "the contact lies on it"
+    assert "fingertip shape that finds the contact" in legend("bare_hand")
+    assert "fingertip shape" not in legend("cube_three_fingers")
+
+
+def test_links_inside_the_object_are_named_as_the_verdict_names_them():
+    _, solution, *_ = case("links_inside")
+    reason, *_ = solution.verdict.about("link_inside")
+    first = reason.values["links"][0]
+    assert f"inside the object: {first['link']}, {first['depth_m'] * 1e3:.2g} mm" in legend("links_inside")
+    assert "inside" not in legend("cube_three_fingers")
+
+
+def test_stripes_mark_what_is_inside_the_object(monkeypatch):
+    monkeypatch.undo()
+    image = rendered("links_inside")
+    cube = rendered("cube_three_fingers")
+    near = [(abs(i - np.array([0xC6, 0x66, 0x14])).max(-1) < 26).sum() for i in (image, cube)]
+    assert near[0] > 800 > 50 > near[1]
+
+
+def rendered(name):
+    grasp, solution, obj, title = case(name)
+    figure = draw(grasp, solution, obj, title)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[80:, :700, :3].astype(int)
+
+
+# ---------------------------------------------------------------- the state that is drawn
+def test_a_line_says_which_state_is_drawn():
+    def second(name, **more):
+        grasp, solution, obj, _ = case(name)
+        return " ".join(t.get_text() for t in draw(grasp, solution, obj, "", **more).texts)
+
+    assert "one solve in the given posture, squeeze and load at once." in second("cube_three_fingers")
+    grasp, solution, *_ = case("cube_three_fingers")
+    assert "The verdict follows the loading in steps." in second(
+        "cube_three_fingers", verdict=grasp.check(solution=solution)
+    )
+    assert "without forces, as no equilibrium was found" in second("frictionless")

@@ -1,0 +1,119 @@
+"""In every picture of a grasp all words can be read: none leaves the page, or stands over another, an arrow or a
+contact; lines from labels do not cross.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.patches import Polygon
+from matplotlib.text import Text
+
+from tests.show.picture_cases import CASES, LONG, case
+from tests.support import patches
+from tests.support.show import draw, shortened
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch):
+    patches.coarse_pictures(monkeypatch)
+
+
+def drawn(name):
+    grasp, solution, obj, title = case(name)
+    figure = draw(grasp, solution, obj, title)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return figure, canvas.get_renderer()
+
+
+def boxes(figure, renderer):
+    """(words, box in pixels) of everything that is written."""
+    shown = [*figure.texts, *figure.legends[0].get_texts(), *(t for ax in figure.axes for t in ax.texts)]
+    return [(t.get_text(), Text.get_window_extent(t, renderer)) for t in shown if t.get_text()]
+
+
+def over(a, b):
+    """How far two boxes overlap [pixels]."""
+    return min(min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0))
+
+
+def lines_of_labels(ax):
+    """(3, 2) in pixels: where each begins, its bend, its contact."""
+    found = [line.get_xydata() for line in ax.lines if line.get_zorder() == 5]
+    return [ax.transData.transform(points) for points in found if len(points) == 3]
+
+
+def cross(a, b, c, d):
+    def side(p, q, r):
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    return side(a, b, c) * side(a, b, d) < -1e-6 and side(c, d, a) * side(c, d, b) < -1e-6
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_word_can_be_read_and_no_lines_cross(name):
+    figure, renderer = drawn(name)
+    words_stand_alone(figure, renderer)
+    lines_stand_alone(figure.axes[0], renderer)
+
+
+def words_stand_alone(figure, renderer):
+    """On the page, and over nothing."""
+    written, page = boxes(figure, renderer), figure.bbox
+    assert len(written) > 8
+    for words, box in written:
+        inside = page.x0 - 1 <= box.x0 and box.x1 <= page.x1 + 1 and page.y0 - 1 <= box.y0 and box.y1 <= page.y1 + 1
+        assert inside, f"{words!r} leaves the page"
+    for (words, a), (others, b) in combinations(written, 2):
+        assert over(a, b) < 3.0, f"{words!r} over {others!r}"
+    ax = figure.axes[0]
+    arrows = [p.get_transform().transform(p.get_xy()) for p in ax.patches if isinstance(p, Polygon) and p.zorder >= 6]
+    points = [ax.transData.transform(line.get_xydata())[0] for line in ax.lines if 7 <= line.get_zorder() < 8]
+    assert points
+    for words, box in written:
+        small = box.padded(-2.0)
+        assert not any(small.count_contains(arrow) for arrow in arrows), f"{words!r} over an arrow"
+        assert not small.count_contains(points), f"{words!r} over a contact"
+    legend, handles = figure.legends[0].get_window_extent(renderer), [box for _, box in written]
+    assert not any(over(legend, box) > 3.0 for box in handles[: len(figure.texts)]), "the panel covers the legend"
+
+
+def lines_stand_alone(ax, renderer):
+    """Lines from labels cross neither each other nor labels."""
+    lines = lines_of_labels(ax)
+    assert lines
+    for a, b in combinations(lines, 2):
+        same_side = (a[1, 0] - a[0, 0]) * (b[1, 0] - b[0, 0]) > 0
+        assert not (same_side and cross(a[1], a[2], b[1], b[2]))
+    for words, box in [(t.get_text(), Text.get_window_extent(t, renderer)) for t in ax.texts]:
+        for line in lines:
+            along = np.linspace(0.02, 1.0, 60)[:, None]
+            way = np.vstack([line[0] + along * (line[1] - line[0]), line[1] + along * (line[2] - line[1])])
+            assert not box.padded(-1.0).count_contains(way), f"a line crosses {words!r}"
+
+
+def test_labels_are_one_for_each_contact_until_there_are_too_many():
+    names = [t.get_text() for t in drawn("eight_on_table")[0].axes[0].texts]
+    assert {f"table {k}" for k in range(1, 9)} < set(names)
+    grouped = [t.get_text() for t in drawn("forty_on_table")[0].axes[0].texts]
+    assert "table: 40 contacts" in grouped
+    assert not any(name.startswith("table 1") for name in grouped)
+    solution = case("forty_on_table")[1]
+    forces = np.linalg.norm(solution.forces[2:], axis=1)
+    said = next(t for t in grouped if t.endswith("N, stick"))
+    low, high = (float(x) for x in said.removesuffix(" N, stick").split(" to "))
+    assert low == pytest.approx(forces.min(), rel=5e-3)
+    assert high == pytest.approx(forces.max(), rel=5e-3)
+
+
+def test_long_names_keep_what_tells_them_apart():
+    assert shortened(LONG, 24) == ["…index…", "…middle…", "…thumb…"]
+    assert shortened(["short", "as long as it may be"], 20) == ["short", "as long as it may be"]
+    alike = shortened(["a" * 40, "a" * 60, "b" * 50], 20)
+    assert len(set(alike)) == 3
+    assert all(len(name) <= 20 for name in alike)
+    assert shortened([], 10) == []
