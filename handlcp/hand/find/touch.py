@@ -51,7 +51,7 @@ class Touch:
 
 
 def brought_together(hand: HandModel, tips: tuple[int, ...], links: Links, home: Object, place: Place) -> Touch | None:
-    """The nearest place at which the fingertips numbered `tips` touch and no link is inside; None where none is reached.
+    """The nearest place at which the fingertips numbered `tips` touch and no link is inside; None: none is reached.
 
     home : the object with its frame at the origin.
     """
