@@ -25,8 +25,8 @@ class Candidate:
     """One grasp. Immutable.
 
     grasp : as `state.grasp` makes it. solution : its one solve.
-    friction_reserve : 1 - Σ |f_t| / Σ μ f_n over all fingers [-], what is left of all the friction there is. A finger that
-        slides has used up its own, and the others still hold.
+    friction_reserve : 1 - Σ |f_t| / Σ μ f_n over all fingers [-], what is left of all the friction there is. A finger
+        that slides has used up its own, and the others still hold.
     torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
     """
 
@@ -74,9 +74,10 @@ class Candidate:
         return judged(self.grasp.spec, self.grasp.scene, section, ("squeeze", "load"), self.solution)
 
     def __str__(self) -> str:
+        forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
         return (
             f"margin {100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
-            f"torque {100 * self.torque_reserve:.0f} %), forces {', '.join(f'{f:.2g}' for f in self.solution.normal_force)} N"
+            f"torque {100 * self.torque_reserve:.0f} %), forces {forces} N"
         )
 
     def __repr__(self) -> str:

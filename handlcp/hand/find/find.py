@@ -32,14 +32,14 @@ def find_grasp(
     """Place an object between the fingertips so that the hand holds it: grasps, the one with the largest margin first.
 
     Postures all over the joint ranges are compared, with the object between their fingertips in several orientations.
-    From the `tries` best, joints and object move together until all fingers touch and no link is inside the object. What
-    forces within friction can hold there is solved, and the best are varied. The first grasp of the result has passed
-    `grasp.check()`: it is HELD while the hand closes and is loaded. The margin of each is the smaller of its friction
-    reserve and its torque reserve, see `Candidate`.
+    From the best, up to `tries`, joints and object move together until all fingers touch and no link is inside the
+    object. Where forces within friction balance the load, the grasp is solved; the best ones are varied. The first grasp
+    of the result is HELD by `grasp.check()`, while the hand closes and is loaded. The margin of a grasp is the smaller
+    of its friction reserve and its torque reserve, see `Candidate`.
 
     obj : its shape and mass count, its placement does not.
-    friction, wrench, gravity, squeeze, grip_force : as in `state.grasp`. With neither squeeze nor grip_force each finger
-        presses with the normal force that balance needs, planned with 60 % of the friction.
+    friction, wrench, gravity, squeeze, grip_force : as in `state.grasp`. With neither squeeze nor grip_force each
+        finger presses with the normal force that balance needs, planned with 60 % of the friction.
     fingers : names of those that are to touch; None: all.
     tries : placements to begin with, ≥ 1. seed : the same seed finds the same grasps.
     throw : raise NoGraspFound, which says how far the search came, where nothing is found; False: an empty result.

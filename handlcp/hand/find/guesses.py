@@ -63,14 +63,14 @@ def _points(hand: HandModel, qs: Array, frames: list[int], within: Array) -> Arr
 
 
 def _laid(arms: Array, weights: Array, draws: Array) -> Array:
-    """(m, 3, 3) rotations whose axes are those of the tips' spread, arms (m, k, 3) with weights (m, k), in any order and
-    tilted a little, as draws (m, 4) in [0, 1) say.
+    """(m, 3, 3) rotations whose axes are those of the tips' spread, in any order and tilted a little, as draws (m, 4)
+    in [0, 1) say. arms (m, k, 3) of the tips, with weights (m, k).
     """
     spread = np.einsum("ki,kix,kiy->kxy", weights, arms, arms)
     axes = np.linalg.eigh(spread)[1]
     axes[:, :, 2] *= np.sign(np.linalg.det(axes))[:, None]
     ways = _TURNS[np.minimum((draws[:, 0] * len(_TURNS)).astype(int), len(_TURNS) - 1)]
-    return np.einsum("kxy,kyz,kzw->kxw", axes, _turned(_TILT * (2.0 * draws[:, 1:] - 1.0)), ways)
+    return np.asarray(axes @ _turned(_TILT * (2.0 * draws[:, 1:] - 1.0)) @ ways)
 
 
 def _turned(angles: Array) -> Array:

@@ -125,7 +125,7 @@ class Search:
         return self._limits
 
     def _effort(self, touch: Touch, forces: Array) -> float:
-        """What ranks places before they are solved: the largest share of a torque limit, or forces where none is known."""
+        """What ranks places before they are solved: the largest share of a torque limit, or forces without limits."""
         torque = abs(touch.levers.T @ forces) / self._hand.torque_limits
         weakest = float(torque.max(initial=0.0))
         return weakest if weakest > 0.0 else float(forces.sum())

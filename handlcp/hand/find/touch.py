@@ -32,6 +32,7 @@ __all__ = ["Touch", "brought_together"]
 CLOSE = 5e-7  # [m] gaps that count as closed; distances between some shapes are no better
 _STEPS, _LONGEST = 30, 0.3  # at most; of a step [rad], and as a share of the object's size
 _IDLE = 5  # steps without progress after which it is given up
+_DAMPING, _MUCH = 3e-3, 5e-3  # of the steps, where more than so much is left [m]
 _NEAR = 1e-4  # [m] below this, distances are confirmed ones
 _REQUEST = coal.DistanceRequest()
 _REQUEST.enable_signed_distance = True
@@ -50,7 +51,7 @@ class Touch:
 
 
 def brought_together(hand: HandModel, tips: tuple[int, ...], links: Links, home: Object, place: Place) -> Touch | None:
-    """The nearest place at which the fingertips numbered `tips` touch and no link is inside; None where none is reached.
+    """The nearest place at which the fingertips numbered `tips` touch and no link is inside; None: none is reached.
 
     home : the object with its frame at the origin.
     """
@@ -88,13 +89,19 @@ def brought_together(hand: HandModel, tips: tuple[int, ...], links: Links, home:
 
 
 def _smallest(rows: Array, wanted: Array, scale: Array, least: Array, most: Array) -> Array:
-    """The smallest step x / scale with rows x = wanted, its first entries within least and most, or nearest to that."""
+    """The smallest step x / scale with rows x = wanted, its first entries within least and most, or nearest to that.
+
+    Wishes that cannot all be met make long steps. They are damped (Levenberg and Marquardt), less where little is left.
+    """
+    damping = _DAMPING * min(1.0, float(abs(wanted).max()) / _MUCH) + 1e-10
     x, free = np.zeros(len(scale)), np.ones(len(scale), dtype=bool)
     joints = len(least)
     x[:joints] = np.clip(0.0, least, most)  # a joint outside its range comes back
     for _ in range(joints):
         A = rows * np.where(free, scale, 0.0)
-        y = A.T @ np.linalg.lstsq(A @ A.T, wanted - rows[:, ~free] @ x[~free], rcond=1e-9)[0]
+        square = A @ A.T
+        square[np.diag_indices(len(square))] += damping * float(np.trace(square)) / len(square)
+        y = A.T @ np.linalg.solve(square, wanted - rows[:, ~free] @ x[~free])
         x = np.where(free, scale * y, x)
         out = free[:joints] & ((x[:joints] < least) | (x[:joints] > most))
         if not out.any():
