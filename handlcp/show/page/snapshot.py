@@ -11,8 +11,8 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
-from handlcp.show.loading.series import friction_used
-from handlcp.show.tables import friction_share
+from handlcp.grasp.answer.friction_used import friction_used
+from handlcp.show.loading.series import friction_used as used_on_the_way
 
 __all__ = ["MOST", "Snapshot", "at_steps", "of_solution", "steps_shown"]
 
@@ -58,7 +58,7 @@ def of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snapshot:
     state = getattr(grasp, "state", None)
     return Snapshot(
         "all at once", scene.positions, grasp.frames, forces, torsion,
-        s.slip if held else np.zeros((n, 2)), s.gap if held else none, friction_share(grasp, forces, torsion),
+        s.slip if held else np.zeros((n, 2)), s.gap if held else none, friction_used(grasp.scene, forces, torsion),
         s.contact_state if held else ("",) * n, scene.force, scene.moment - np.cross(acts_at, scene.force), acts_at,
         getattr(s, "torques", None) if held else None, None if state is None else state.q, pin.SE3.Identity(),
         tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
@@ -75,7 +75,7 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
     """The steps shown. acts_at (3,) : where the load is drawn at the start. posture : the hand's, or None. Slips are
     those since the start.
     """
-    steps, used = loading.steps, friction_used(loading)
+    steps, used = loading.steps, used_on_the_way(loading)
     slid = np.cumsum(np.einsum("mnij,mnj->mni", steps.frames[..., :2], steps.slip), axis=0)
     along = np.einsum("mnij,mni->mnj", steps.frames[..., :2], slid)
     follows, hand = steps.geometry.follows, steps.grasp.spec.mechanism is not None
