@@ -58,7 +58,7 @@ class NotReached(InputError):
 
     def __init__(self, argument: str, expected: str, gaps: dict[str, float]) -> None:
         self.gaps = dict(gaps)
-        came = ", ".join(f"{name} {gap * 1e3:.3g} mm away" for name, gap in self.gaps.items())
+        came = ", ".join(f"{name} {_where(gap * 1e3)}" for name, gap in self.gaps.items())
         super().__init__(argument, expected, came)
 
 
@@ -75,6 +75,11 @@ class NoGraspFound(HandLCPError):
     def __str__(self) -> str:
         """The message."""
         return str(self.args[0])
+
+
+def _where(gap: float) -> str:
+    """Of a gap [mm]; below 0 it is an overlap."""
+    return f"overlaps by {-gap:.3g} mm" if gap < 0.0 else f"{gap:.3g} mm away"
 
 
 class Unsupported(HandLCPError, NotImplementedError):

@@ -8,11 +8,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.friction import FrictionLaw, laws_by_name
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.contact import Contact, frame
 from handlcp.grasp.model.environment import Environment, beside, joined, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 
@@ -139,8 +139,9 @@ def rubbed(contact: Contact, law: FrictionLaw) -> Contact:
     """The contact under another law, its axes kept unless the law says where x lies."""
     if law.x_axis is None:
         return contact.with_friction(law)
-    d = 2 if contact.planar else 3
-    return Contact(contact.position[:d], contact.normal[:d], law, None, contact.name)
+    if contact.planar:
+        return Contact(contact.position[:2], contact.normal[:2], law, None, contact.name)
+    return contact.with_friction(law).moved(contact.position, frame(contact.normal, array("tangent", law.x_axis, (3,))))
 
 
 def fastened(asked: Any) -> None:

@@ -110,9 +110,10 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
     offset, E = of_fingers_alone(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
     offset[:k] -= mechanism.stand_off
     own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
-    contacts = spec.contacts[:k]
+    contacts, target = spec.contacts[:k], mechanism.target
+    laws = None if target is None else {tip: c.friction for tip, c in zip(tips, contacts, strict=True)}
     return HandAsked(
-        mechanism.posture, mechanism.target or dict(zip(tips, contacts, strict=True)), gravity=mechanism.gravity,
+        mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
         offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
         finger_weight=False if weight is None else True if weight.sags else "torques",
         plane=None if contacts[0].planar else spec.plane, joint_offset=command, environment=environment_of(spec),
