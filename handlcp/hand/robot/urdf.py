@@ -20,11 +20,13 @@ import pinocchio as pin
 from handlcp.errors import InputError, UnknownName, URDFError
 
 __all__ = [
-    "LARGEST_NUMBER", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders", "resolve_meshes",
+    "LARGEST_NUMBER", "MOST_JOINTS", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders",
+    "resolve_meshes",
 ]  # fmt: skip
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
-MOST_ELEMENTS = 4000  # links, joints, materials of a robot: libraries below read them with one call inside another
+MOST_ELEMENTS = 1500  # links, joints, materials of a robot: libraries below read them with one call inside another
+MOST_JOINTS = 150  # that move: Pinocchio's data take 32 bytes times their cube
 
 # Element, attribute, how many numbers, least value. Pinocchio silently drops numbers that it cannot read.
 _NUMBERS = (
@@ -44,13 +46,17 @@ def check_robot(argument: str, root: ET.Element, base: str | None, shown: str) -
     if base is not None and not isinstance(base, str):
         raise InputError("base", "the name of a link, or None", repr(base))
     if len(root) > MOST_ELEMENTS:
-        expected = f"a robot of at most {MOST_ELEMENTS} links and joints; cut the hand out of a larger one"
+        expected = f"a robot of at most {MOST_ELEMENTS} links and joints"
         raise URDFError(argument, expected, f"{shown} with {len(root)}")
     try:
         ET.tostring(root)
     except RecursionError:
         raise URDFError(argument, "a URDF", f"{shown}, whose elements are nested thousands deep") from None
     root = root if base is None else _below(root, base)
+    moving = sum(joint.get("type") != "fixed" for joint in root.findall("joint"))
+    if moving > MOST_JOINTS:
+        expected = f"a hand of at most {MOST_JOINTS} movable joints (base= cuts it out of a larger robot)"
+        raise URDFError(argument, expected, f"{shown} with {moving}")
     _check_numbers(argument, root)
     return root
 

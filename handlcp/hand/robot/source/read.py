@@ -11,7 +11,7 @@ from handlcp.hand.robot.joints import joint_facts, model_facts
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, parts_of
 from handlcp.hand.robot.source.units import check_units
 from handlcp.hand.robot.source.xml import MJCF, URDF, robot_of
-from handlcp.hand.robot.urdf import build_model, package_folders
+from handlcp.hand.robot.urdf import MOST_JOINTS, build_model, package_folders
 
 __all__ = ["describe_model", "describe_xml"]
 
@@ -37,6 +37,8 @@ def describe_model(argument: str, source: Any) -> Description:
     model = getattr(source, "model", source)
     if not isinstance(model, pin.Model):
         raise InputError(argument, "a pinocchio.Model or a pinocchio.RobotWrapper", repr(source)[:80])
+    if model.nv > MOST_JOINTS:
+        raise InputError(argument, f"a model of at most {MOST_JOINTS} degrees of freedom", f"{model.nv}")
     model = pin.Model(model)
     check_units(argument, model)
     given = []
