@@ -91,8 +91,10 @@ def contacts_reason(
     return Reason("contacts", "note", text, values)
 
 
-def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str]) -> Iterator[Reason]:
-    """How near the contacts are to sliding; a warning where hardly any friction is left. used, states (n,)."""
+def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], when: str = "") -> Iterator[Reason]:
+    """How near the contacts are to sliding; a warning where hardly any friction is left. used, states (n,). when : such
+    as " at the end".
+    """
     every = list(zip(names, used.tolist(), states, strict=True))
     sticks = [(x, n) for n, x, state in every if state == "sticking" and x >= 0.0]
     slides = [n for n, x, state in every if state == "sliding" and x > 0.0]
@@ -103,7 +105,7 @@ def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str]) -
     elif sticks and (most := max(x for x, _ in sticks)) > _LITTLE:
         who = next(n for x, n in sticks if x >= (1.0 - 1e-6) * most)  # the first of equals
         others = "of the others " if slides else ""
-        text = f"friction {others}is used up to {words.percent(most)} ({who})"
+        text = f"friction {others}is used up to {words.percent(most)}{when} ({who})"
         if most >= HARDLY:
             warning = f"{who} uses {words.percent(most)} of its friction: a little more load makes it slide"
             yield Reason("friction", "warning", warning, values)

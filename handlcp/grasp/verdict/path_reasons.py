@@ -53,7 +53,9 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     apart = [n for n, kind in zip(spec.names, last.kinds, strict=True) if kind == "separated"]
     yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
     if end.held:
-        yield from friction_reasons(spec.names, end.friction_used, last.kinds)
+        # What slides so little that nobody is told sticks, at the limit of its friction
+        still = [k if k != "sliding" or n in slid else "sticking" for n, k in zip(spec.names, last.kinds, strict=True)]
+        yield from friction_reasons(spec.names, end.friction_used, still, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
     if end.held:
         yield from open_reasons(end.uniqueness)
