@@ -9,7 +9,7 @@ import coal
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.hull import hull
 
@@ -29,8 +29,8 @@ def load_mesh(path: Any, scale: Array) -> Solid:
         file = Path(path)
     except TypeError:
         raise InputError("path", "the path of a mesh file", repr(path)) from None
-    if not file.is_file():
-        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which does not exist")
+    if why := unreadable(file):
+        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which {why}")
     try:
         tree = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
     except (ValueError, RuntimeError) as error:
