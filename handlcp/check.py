@@ -190,5 +190,8 @@ def _names(shapes: Sequence[tuple[int, ...]]) -> str:
 
 
 def _show(value: Any) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
+        return f"a value of type {type(value).__name__} that is too long to print"
     return text if len(text) <= 80 else f"{text[:77]}..."

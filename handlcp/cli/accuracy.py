@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
-from handlcp.errors import InputError, NoSolutionFound
-from handlcp.show.file import checked
+from handlcp.errors import NoSolutionFound
+from handlcp.show.file import checked, writable
 
 __all__ = ["accuracy"]
 
@@ -35,8 +35,8 @@ def accuracy(
     file = scenes.load(scene)
     if plot is not None:
         checked(plot)
-    if csv is not None and (csv.is_dir() or not csv.absolute().parent.is_dir()):
-        raise InputError("csv", "a file in a folder that exists", repr(str(csv)))
+    if csv is not None:
+        writable("csv", csv)
     grasp = file.build()
     try:
         with progress_bar() as progress:

@@ -101,13 +101,14 @@ def hand_table(hands: Mapping[str, Hand]) -> Table:
     """Hands to use, by name: joints, fingertips, torque limits."""
     table = empty("Hands")
     table.add_column("name", no_wrap=True)
-    for heading in ("joints", "fingertips", "limits\nN·m"):
-        table.add_column(heading)
+    table.add_column("", no_wrap=True, style="dim")
+    table.add_column("", overflow="fold")
     for name, hand in hands.items():
         joints, tips = hand.joint_names, hand.fingertips
-        title = Text.assemble((name, "bold"), f"\n{len(joints)} joints\n{len(tips)} fingers")
         limits = ", ".join(f"{x:g}" for x in dict.fromkeys(hand.torque_limits.tolist()))
-        table.add_row(title, Text(", ".join(joints)), Text(", ".join(tips)), limits)
+        table.add_row(Text(name, style="bold"), f"{len(joints)} joints", Text(", ".join(joints)))
+        table.add_row("", f"{len(tips)} fingertips", Text(", ".join(tips)))
+        table.add_row("", "torque limits", Text(f"{limits} N·m"))
         table.add_section()
     return table
 
@@ -115,8 +116,8 @@ def hand_table(hands: Mapping[str, Hand]) -> Table:
 def key_table(keys: Sequence[Any]) -> Table:
     """The keys of scene files, from `handlcp.scene.Key`s."""
     table = empty("Keys of a scene file")
-    for heading in ("key", "what it holds", "meaning"):
-        table.add_column(heading, no_wrap=heading == "key")
+    table.add_column("key", no_wrap=True)
+    table.add_column("what it holds\nwhat it means", overflow="fold")
     last = ""
     for k in keys:
         if k.table != last:
@@ -126,7 +127,7 @@ def key_table(keys: Sequence[Any]) -> Table:
         only = f" (shape {k.shape})" if k.shape else ""
         left_out = "; needed" if k.required else f"; left out: {k.default}" if k.default not in ("", '""') else ""
         name = Text(k.key, style="bold" if k.required else "")
-        table.add_row(name, Text(k.expected), Text(f"{k.meaning}{only}{left_out}"))
+        table.add_row(name, Text.assemble((f"{k.expected}\n", "cyan"), f"{k.meaning}{only}{left_out}"))
     return table
 
 
@@ -134,7 +135,7 @@ def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | N
     """All effects. costs : `handlcp.study.catalogue.Cost`s by title; None: not measured."""
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
     table = empty("All effects", None if costs is None else note)
-    table.add_column("effect\nunknowns")
+    table.add_column("effect\nunknowns", max_width=26)
     table.add_column("when to use it\nin Python; in a scene file", overflow="fold")
     if costs is not None:
         numbers(table, "here", "time")

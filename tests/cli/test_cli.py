@@ -268,13 +268,13 @@ def test_version():
 
 def test_as_a_program_of_its_own():
     done = subprocess.run(
-        [sys.executable, "-m", "handlcp.cli", "solve", CUBE, "--json"], capture_output=True, text=True, cwd=ROOT
+        [sys.executable, "-m", "handlcp", "solve", CUBE, "--json"], capture_output=True, text=True, cwd=ROOT
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert strict(done.stdout)["verdict"]["ok"] is True
     bad = subprocess.run(
-        [sys.executable, "-m", "handlcp.cli", "solve", "no.toml"], capture_output=True, text=True, cwd=ROOT
+        [sys.executable, "-m", "handlcp", "solve", "no.toml"], capture_output=True, text=True, cwd=ROOT
     )
     assert (bad.returncode, bad.stdout) == (2, "")
     assert "Traceback" not in bad.stderr
@@ -297,7 +297,7 @@ def test_what_c_libraries_print_is_not_part_of_the_answer():
 
 
 def test_a_closed_stdout_is_no_crash():
-    command = f"'{sys.executable}' -m handlcp.cli solve '{CUBE}' >&-"
+    command = f"'{sys.executable}' -m handlcp solve '{CUBE}' >&-"
     done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, cwd=ROOT)
     assert "Traceback" not in done.stderr
 

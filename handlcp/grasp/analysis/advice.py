@@ -44,7 +44,7 @@ def _squeeze(spec: GraspSpec, section: Section) -> float | None:
     """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
     digits, as it is said, where that holds, too.
     """
-    least = required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears).value
+    least = required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears, sure=_bears).value
     if not least:
         return least
     step = 10.0 ** (math.floor(math.log10(least)) - 1)

@@ -9,7 +9,7 @@ import coal
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.hull import hull
 
@@ -97,8 +97,8 @@ def _read(path: Any, scale: Array) -> Any:
         file = Path(path)
     except TypeError:
         raise InputError("path", "the path of a mesh file, or a trimesh.Trimesh", repr(path)[:80]) from None
-    if not file.is_file():
-        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which does not exist")
+    if why := unreadable(file):
+        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which {why}")
     try:
         return coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
     except (ValueError, RuntimeError) as error:

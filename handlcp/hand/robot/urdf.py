@@ -17,7 +17,7 @@ from typing import Any
 
 import pinocchio as pin
 
-from handlcp.errors import InputError, UnknownName, URDFError
+from handlcp.errors import InputError, UnknownName, URDFError, unreadable
 
 __all__ = [
     "LARGEST_NUMBER", "MOST_JOINTS", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders",
@@ -113,7 +113,7 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
     except TypeError:
         raise InputError("package_dirs", "a folder or a sequence of folders", repr(package_dirs)) from None
     for folder in folders:
-        if not folder.is_dir():
+        if unreadable(folder) != "is a folder":
             raise InputError("package_dirs", "folders that exist", repr(str(folder)))
     if path is not None:
         folders += [path.parent, *path.parent.resolve().parents[:4]]
@@ -125,7 +125,9 @@ def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
     for mesh in element.iter("mesh"):
         address = mesh.get("filename", "")
         tail = address.split("://", 1)[-1]
-        found = next((p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and p.is_file()), None)
+        found = next(
+            (p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and not unreadable(p)), None
+        )
         if found is None:
             where = ", ".join(str(f) for f in folders) or "nowhere"
             raise URDFError("package_dirs", f"a folder that holds {address!r}", f"folders without it: {where}")
