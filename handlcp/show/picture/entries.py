@@ -26,6 +26,7 @@ class Unseen(NamedTuple):
 
 Said = tuple[tuple[int, ...], str, str]  # contacts that share a label, its name, and what stands below the name
 
+_NO_FRICTION = 5e-4  # of the normal force: less is not written
 _NUMBER = re.compile(r"[\s_]*\d+$")
 
 
@@ -62,7 +63,7 @@ def _together(shown: Content, members: Sequence[int], state: str) -> str:
     """What a label of several contacts says below its name."""
     if state in ("", "separated"):
         return "let go" if state else ""
-    forces = np.linalg.norm(shown.solution.forces[list(members)], axis=1)
+    forces = shown.solution.normal_force[list(members)]
     low, high = words.force(float(forces.min())), words.force(float(forces.max()))
     each = f"{low} each" if low == high else f"{low.removesuffix(' N')} to {high}"
     return f"{each}, {'stick' if state == 'sticking' else 'slide'}"
@@ -75,7 +76,10 @@ def _detail(shown: Content, i: int) -> str:
         return f"μ = {shown.grasp.contacts[i].mu:g}" if shown.grasp.contacts[i].mu else "frictionless"
     if s.contact_state[i] == "separated":
         return f"lets go, gap {words.length(float(s.gap[i]))}"
-    push = words.force(float(np.linalg.norm(s.forces[i])))
+    normal, friction = float(s.normal_force[i]), float(np.linalg.norm(s.tangential_force[i]))
+    push = words.force(normal)
+    if friction > _NO_FRICTION * normal:
+        push = f"{push.removesuffix(' N')} + {words.force(friction)}"
     # A moment is written in place of the state, which the colour shows: a longer line would shrink the picture
     if s.torsion is not None and abs(s.torsion[i]) > NO_MOMENT:
         return f"{push}, {words.torque(abs(float(s.torsion[i])))}"
@@ -117,6 +121,8 @@ def _contacts(shown: Content, hidden: bool) -> Iterator[Entry]:
         sense = "moments take their part of it" if s.torsion is not None else "an arrow at its rim slides"
         text = f"friction cone, to the forces' scale:\n{sense}" if s.held else "friction cone"
         yield "cone", STATE["sticking"] if s.held else UNKNOWN, text
+    if s.held and scene.frictional:
+        yield "none", UNKNOWN, "labels: normal force + friction"
     if shown.turns:
         yield "turn", STATE["sticking"], f"moment of a {who} about its normal, longer for larger"
 
