@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from handlcp.show.page.meshes import Meshes
 from handlcp.show.page.parts import FIXED, Part, notes_of, parts_of
 from handlcp.show.page.snapshot import Snapshot, steps_shown
 from handlcp.show.picture import shapes
-from handlcp.show.picture.bodies import Body
+from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 
@@ -124,7 +125,8 @@ def _view(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | Non
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
     hulls = [(_hull(p.triangles), p) for p in parts if p.layer != "object"]  # what may hide the object
     placed = [(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p) for h, p in hulls]
-    camera = camera_for(drawn.grasp, [Body(h, p.colour) for h, p in placed], drawn.glass, drawn.marks())
+    glass = None if drawn.glass is None else replace(drawn.glass, triangles=_hull(drawn.glass.triangles))
+    camera = camera_for(drawn.grasp, [Body(h, p.colour) for h, p in placed], glass, drawn.marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
 
@@ -148,9 +150,9 @@ def _legend(
     grasp = drawn.grasp
     who = "contact" if grasp.scene.environment else "finger"
     states = {state for s in shown for state in s.states}
-    layers = {p.layer: p.colour for p in parts}
-    deep = words.length(max(drawn.inside.values(), default=0.0))
-    inside = f"inside the object: {words.listed(list(drawn.inside))}, up to {deep}"
+    layers = {p.layer: HAND if p.layer == "hand" else p.colour for p in parts}
+    deep, links = words.length(max(drawn.inside.values(), default=0.0)), list(drawn.inside)
+    inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
     names = {
         "hand": "hand" if hasattr(grasp, "state") else "fingers", "environment": "environment", "inside": inside,
         "object": "object" if drawn.glass is None else drawn.glass.label, "tips": "fingertip that finds the contact",
