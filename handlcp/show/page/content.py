@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -123,10 +122,11 @@ def _joints(shown: Sequence[Snapshot], hand: Any) -> list[dict[str, Any]]:
 def _view(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | None) -> dict[str, Any]:
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
-    hulls = [(_hull(p.triangles), p) for p in parts if p.layer != "object"]  # what may hide the object
-    placed = [(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p) for h, p in hulls]
-    glass = None if drawn.glass is None else replace(drawn.glass, triangles=_hull(drawn.glass.triangles))
-    camera = camera_for(drawn.grasp, [Body(h, p.colour) for h, p in placed], glass, drawn.marks())
+    hulls = [(p, _hull(p.triangles)) for p in parts]
+    placed = [(p, Body(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p.colour)) for p, h in hulls]
+    hiding = [body for p, body in placed if p.layer != "object"]
+    glass = next((body for p, body in placed if p.layer == "object"), None)
+    camera = camera_for(drawn.grasp, hiding, glass, drawn.marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
 
@@ -136,7 +136,7 @@ def _hull(triangles: Array) -> Array:
     points, k = triangles.reshape(-1, 3), np.arange(60) + 0.5
     z, around = 1.0 - k / 30.0, np.pi * (3.0 - np.sqrt(5.0)) * k
     ways = np.stack([np.sqrt(1.0 - z**2) * np.cos(around), np.sqrt(1.0 - z**2) * np.sin(around), z])
-    outer = points[np.unique((points @ ways).argmax(axis=0))]
+    outer = points[np.unique((ways.T @ points.T).argmax(axis=1))]
     try:
         return np.asarray(outer[ConvexHull(outer).simplices])
     except QhullError:
