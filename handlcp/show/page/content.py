@@ -18,7 +18,7 @@ from handlcp.show.page.meshes import Meshes
 from handlcp.show.page.parts import FIXED, Part, notes_of, parts_of
 from handlcp.show.page.snapshot import Snapshot, steps_shown
 from handlcp.show.picture import shapes
-from handlcp.show.picture.bodies import Body
+from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 
@@ -122,9 +122,11 @@ def _joints(shown: Sequence[Snapshot], hand: Any) -> list[dict[str, Any]]:
 def _view(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | None) -> dict[str, Any]:
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
-    hulls = [(_hull(p.triangles), p) for p in parts if p.layer != "object"]  # what may hide the object
-    placed = [(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p) for h, p in hulls]
-    camera = camera_for(drawn.grasp, [Body(h, p.colour) for h, p in placed], drawn.glass, drawn.marks())
+    hulls = [(p, _hull(p.triangles)) for p in parts]
+    placed = [(p, Body(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p.colour)) for p, h in hulls]
+    hiding = [body for p, body in placed if p.layer != "object"]
+    glass = next((body for p, body in placed if p.layer == "object"), None)
+    camera = camera_for(drawn.grasp, hiding, glass, drawn.marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
 
@@ -134,7 +136,7 @@ def _hull(triangles: Array) -> Array:
     points, k = triangles.reshape(-1, 3), np.arange(60) + 0.5
     z, around = 1.0 - k / 30.0, np.pi * (3.0 - np.sqrt(5.0)) * k
     ways = np.stack([np.sqrt(1.0 - z**2) * np.cos(around), np.sqrt(1.0 - z**2) * np.sin(around), z])
-    outer = points[np.unique((points @ ways).argmax(axis=0))]
+    outer = points[np.unique((ways.T @ points.T).argmax(axis=1))]
     try:
         return np.asarray(outer[ConvexHull(outer).simplices])
     except QhullError:
@@ -148,9 +150,9 @@ def _legend(
     grasp = drawn.grasp
     who = "contact" if grasp.scene.environment else "finger"
     states = {state for s in shown for state in s.states}
-    layers = {p.layer: p.colour for p in parts}
-    deep = words.length(max(drawn.inside.values(), default=0.0))
-    inside = f"inside the object: {words.listed(list(drawn.inside))}, up to {deep}"
+    layers = {p.layer: HAND if p.layer == "hand" else p.colour for p in parts}
+    deep, links = words.length(max(drawn.inside.values(), default=0.0)), list(drawn.inside)
+    inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
     names = {
         "hand": "hand" if hasattr(grasp, "state") else "fingers", "environment": "environment", "inside": inside,
         "object": "object" if drawn.glass is None else drawn.glass.label, "tips": "fingertip that finds the contact",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import zipfile
-from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -16,7 +15,6 @@ _BUNDLE = ("resources", "templates", "viewer.zip")  # within trimesh
 _LIBRARY = re.compile(r"/\*\*\s+\* @license\s+\* Copyright[^*]*Three\.js.*?\"__esModule\",\{value:!0\}\)\}\)\);", re.S)
 
 
-@cache
 def three_js() -> str:
     """Its code, with its licence on top. Raises Unsupported where trimesh is not installed, or comes without it."""
     spec = find_spec("trimesh")
