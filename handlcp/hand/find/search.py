@@ -121,7 +121,8 @@ class Search:
             grasp = HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **bare)
             mu = grasp.scene.mu * (1.0 if grasp.scene.scale is None else float(np.min(grasp.scene.scale)))
             heavy = max(float(np.linalg.norm(grasp.spec.wrench[:3])), _FIRM)
-            self._limits = Asked(grasp.spec.wrench, mu, self._size, _LEAST * heavy / len(mu))
+            levers = np.array([contact.friction.lever for contact in grasp.spec.contacts])
+            self._limits = Asked(grasp.spec.wrench, mu, levers, self._size, _LEAST * heavy / len(mu))
         return self._limits
 
     def _effort(self, touch: Touch, forces: Array) -> float:
