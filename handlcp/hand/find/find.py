@@ -33,9 +33,9 @@ def find_grasp(
 
     Postures all over the joint ranges are compared, with the object between their fingertips in several orientations.
     From the best, up to `tries`, joints and object move together until all fingers touch and no link is inside the
-    object. Where forces within friction balance the load, the grasp is solved; the best ones are varied. The first grasp
-    of the result is HELD by `grasp.check()`, while the hand closes and is loaded. The margin of a grasp is the smaller
-    of its friction reserve and its torque reserve, see `Candidate`.
+    object. Where forces within friction balance the load, the grasp is solved; the best ones are varied. The first
+    grasp of the result is HELD by `grasp.check()`, while the hand closes and is loaded. The margin of a grasp is the
+    smaller of its friction reserve and its torque reserve, see `Candidate`.
 
     obj : its shape and mass count, its placement does not.
     friction, wrench, gravity, squeeze, grip_force : as in `state.grasp`. With neither squeeze nor grip_force each

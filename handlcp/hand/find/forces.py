@@ -27,11 +27,13 @@ _MISSED = 0.02  # of the forces: what may be missing from balance
 @dataclass(frozen=True, slots=True, eq=False)
 class Asked:
     """What the contacts are to hold. load (6,): the wrench on the object about its centre of mass, without turning with
-    it [N, N·m]; mu (k,): coefficients of friction; size [m] of the object; least [N] of the normal forces.
+    it [N, N·m]; mu (k,): coefficients of friction; levers (k,) [m]: of soft fingers, moment about
+    the normal for each newton of friction; size [m] of the object; least [N] of the normal forces.
     """
 
     load: Array
     mu: Array
+    levers: Array
     size: float
     least: float
 
@@ -46,9 +48,13 @@ def normal_forces(touch: Touch, centre: Array, asked: Asked) -> Array | None:
     turn = np.cos(_EDGES)[:, None, None] * x + np.sin(_EDGES)[:, None, None] * y
     edges = (n + RESERVE * asked.mu[:, None] * turn).transpose(1, 0, 2)  # (k, 8, 3)
     arms = (touch.positions - centre)[:, None, :]
-    W = np.concatenate([edges, np.cross(arms, edges) / asked.size], axis=2).reshape(-1, 6).T
+    moments, pressed = np.cross(arms, edges), np.cross(arms[:, 0], n)
+    torsion = RESERVE * (asked.mu * asked.levers)[:, None] * n
+    edges = np.concatenate([edges, n[:, None], n[:, None]], axis=1)  # the last two bear moments about the normal
+    moments = np.concatenate([moments, (pressed + torsion)[:, None], (pressed - torsion)[:, None]], axis=1)
+    W = np.concatenate([edges, moments / asked.size], axis=2).reshape(-1, 6).T
     load = asked.load / np.repeat([1.0, asked.size], 3)
-    base = np.full(W.shape[1], asked.least / len(_EDGES))
+    base = np.full(W.shape[1], asked.least / edges.shape[1])
     A = np.vstack([_HEAVY * W, np.eye(W.shape[1])])
     try:
         more, _ = nnls(A, np.append(-_HEAVY * (load + W @ base), -base))

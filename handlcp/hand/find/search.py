@@ -119,9 +119,10 @@ class Search:
         if self._limits is None:
             bare = dict(self._asked, squeeze=None, grip_force=None)
             grasp = HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **bare)
-            mu = grasp.scene.mu * (1.0 if grasp.scene.scale is None else float(np.min(grasp.scene.scale)))
+            laws = [contact.friction for contact in grasp.spec.contacts]
+            mu, levers = np.array([[law.mu * min(law.scale), law.lever] for law in laws]).T
             heavy = max(float(np.linalg.norm(grasp.spec.wrench[:3])), _FIRM)
-            self._limits = Asked(grasp.spec.wrench, mu, self._size, _LEAST * heavy / len(mu))
+            self._limits = Asked(grasp.spec.wrench, mu, levers, self._size, _LEAST * heavy / len(mu))
         return self._limits
 
     def _effort(self, touch: Touch, forces: Array) -> float:
