@@ -19,6 +19,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
 from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
@@ -40,7 +41,7 @@ from handlcp.views import view
 
 __all__ = ["Equilibria", "equilibria", "seeded"]
 
-_COARSER = (12, 8, 6, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
+_COARSER = (6, 8, 12, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
 _RUNS = 8  # other seeds and starts
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
@@ -101,8 +102,18 @@ class Equilibria(Data):
             return f"{wrapped(f'{head} ({proof})', '  ')}\n{wrapped(_line(self.found[0]), '    ', '  ')}"
         head = f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"
         lines = [wrapped(head, "  "), *(wrapped(_line(s), "     ", f"  {i}. ") for i, s in enumerate(self.found, 1))]
-        last = "in which of them the hand ends up depends on how it gets there: friction remembers the way"
-        return "\n".join([*lines, wrapped(last, "    ", "  ")])
+        return "\n".join([*lines, *(wrapped(line, "    ", "  ") for line in self._which())])
+
+    def _which(self) -> Iterator[str]:
+        """Which of several are to be reckoned with."""
+        within = [str(i) for i, s in enumerate(self.found, 1) if not motions(s).too_large]
+        if len(within) < len(self.found):
+            which = (
+                f"numbers {words.listed(within)}" if len(within) > 1 else f"number {within[0]} alone" if within else ""
+            )
+            yield f"the equations of small motions describe {which or 'none of them'}"
+        if len(within) > 1:
+            yield "in which of them the hand ends up depends on how it gets there: friction remembers the way"
 
 
 def _line(s: GraspSolution) -> str:
@@ -221,10 +232,11 @@ def _open(problem: GraspContactProblem, table: Table | None) -> str:
 
 def _starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
     """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
-    for faces in _COARSER if only_limits_move(problem) and problem.faces != 2 else ():
-        if faces != problem.faces:
-            near = coarse(problem, faces, 0.5 * (end - time.monotonic()))
-            yield from (c for c in _until(end, near) if c is not None)
+    several = only_limits_move(problem) and problem.faces != 2
+    for k, faces in enumerate([m for m in _COARSER if m != problem.faces] if several else ()):
+        left = end - time.monotonic()
+        near = coarse(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
+        yield from (c for c in (_until(end, near) if k else near) if c is not None)
     yield from _until(end, seeded(problem, _RUNS))
 
 
