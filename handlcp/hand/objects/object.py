@@ -139,7 +139,7 @@ def read_placement(value: Any) -> Any:
     """
     if value is None:
         return pin.SE3.Identity()
-    expected = "a pin.SE3, a (4, 4) homogeneous matrix or a position (3,): finite numbers"
+    expected = "a pin.SE3, a homogeneous matrix or a position: finite numbers"
     a = (
         value.homogeneous.copy()
         if isinstance(value, pin.SE3)
