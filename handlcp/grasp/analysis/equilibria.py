@@ -11,12 +11,13 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.grasp.analysis.starts import RUNS, starts, until
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.small_motions import motions
@@ -26,27 +27,19 @@ from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table
+from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
-from handlcp.lcp import NSNGRK, Auto, Status, proposals
-from handlcp.lcp.kernels.lemke import lemke
-from handlcp.lcp.multipliers import WithMultipliers
-from handlcp.lcp.reduce import reduce
+from handlcp.lcp import Auto, Status, proposals
 from handlcp.text_table import wrapped
-from handlcp.tolerances import ACTIVE, PIVOT
+from handlcp.tolerances import ACTIVE
 from handlcp.views import view
 
-__all__ = ["Equilibria", "equilibria", "seeded"]
+__all__ = ["Equilibria", "equilibria"]
 
-_COARSER = (6, 8, 12, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
-_RUNS = 8  # other seeds and starts
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
-
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +135,7 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
     if table is not None and table.choices <= PER_SECOND * seconds:
         candidates, every = table.visit()
         end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
-        tried = [first_certified(run.problem, [c]) for c in _until(end, candidates) if c is not None]
+        tried = [first_certified(run.problem, [c]) for c in until(end, candidates) if c is not None]
         late, known = time.monotonic() > end, [c for c in tried if c is not None]
         complete = every and not late and len(known) == len(tried) and run.has_the_first(known)
         why = f"all {table.choices:,.0f} choices of contact modes were solved"
@@ -150,8 +143,7 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
             why = "the time was too short" if late else "some are degenerate"
         run.add(known)
     if not complete:
-        starts = _starts(run.problem, end)
-        run.add(c for start in starts if (c := first_certified(run.problem, [start])) is not None)
+        run.add(c for start in starts(run.problem, end) if (c := first_certified(run.problem, [start])) is not None)
     return run.result(complete, why)
 
 
@@ -166,7 +158,7 @@ class _Listing:
 
     def from_other_seeds(self, end: float) -> None:
         """What the chain of stages ends at with other seeds."""
-        for seed in range(1, _RUNS + 1):
+        for seed in range(1, RUNS + 1):
             if time.monotonic() > end:
                 return
             ended = (self.problem.candidate(p.z) for _, p in proposals(self.problem, Auto(seed=seed)))
@@ -228,35 +220,3 @@ def _open(problem: GraspContactProblem, table: Table | None) -> str:
     if table is None:
         return "forces of rigid fingers are not determined where they stick"
     return f"{table.choices:.2g} choices of contact modes are too many for the time"
-
-
-def _starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
-    """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
-    several = only_limits_move(problem) and problem.faces != 2
-    for k, faces in enumerate([m for m in _COARSER if m != problem.faces] if several else ()):
-        left = end - time.monotonic()
-        near = coarse(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
-        yield from (c for c in (_until(end, near) if k else near) if c is not None)
-    yield from _until(end, seeded(problem, _RUNS))
-
-
-def _until(end: float, candidates: Iterator[T]) -> Iterator[T]:
-    for candidate in candidates:
-        yield candidate
-        if time.monotonic() > end:
-            return
-
-
-def seeded(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
-    """Candidates of NSNGRK from other starts with other seeds, and of Lemke's method with other covering vectors (on
-    the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
-    """
-    rng, method = np.random.default_rng(seed), NSNGRK(max_iterations=16 * problem.n)
-    lcp = WithMultipliers(problem, problem.flat(8) if problem.flat and not problem.faces else None)
-    r = reduce(lcp.scaled)
-    for k in range(runs):
-        start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
-        start[problem.role == 1] = abs(start[problem.role == 1])
-        yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
-        _, _, v = lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
-        yield problem.candidate(method.propose_contact(problem, lcp.back(r.restore(v))).z)
