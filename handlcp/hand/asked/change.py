@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.asked import environment_of, of_fingers_alone, rubbed, said, under
+from handlcp.grasp.assembly.asked import again, environment_of, of_fingers_alone, rubbed, said, under
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import laws_by_name
@@ -42,9 +42,8 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
         changes["found"] = None
     changes["target"] = _target(asked, spec, mechanism, given)
     changes |= _friction(asked, spec, mechanism, changes)
-    changes = {name: value for name, value in changes.items() if name not in ("object", "mass")}
-    again = replace(asked, **changes)
-    return under(spec, again.load, again) if set(given) == {"wrench"} else again.spec()
+    made: HandAsked = again(asked, {name: x for name, x in changes.items() if name not in ("object", "mass")})
+    return under(spec, made.load, made) if set(given) == {"wrench"} else made.spec()
 
 
 def _load(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, given: dict[str, Any]) -> dict[str, Any]:
