@@ -84,6 +84,17 @@ def test_what_is_no_model_is_refused(source: object) -> None:
     assert caught.value.argument == "model"
 
 
+def test_mimic_joints_of_a_model_are_refused() -> None:
+    """Pinocchio gives them no column of the Jacobian; the URDF itself says more."""
+    text = re.sub(r'(<joint name="finger_1_distal".*?)</joint>', r'\1<mimic joint="finger_1_proximal"/></joint>',
+                  urdf("three_finger").read_text(), flags=re.S)  # fmt: skip
+    assert hl.Hand.from_urdf(text, joint_stiffness=1.0).nv == 5
+    model = pin.buildModelFromXML(text, mimic=True)
+    with pytest.raises(hl.InputError, match="mimic=False") as caught:
+        hl.Hand.from_model(model, joint_stiffness=1.0)
+    assert "finger_1_distal" in str(caught.value)
+
+
 # ---------------------------------------------------------------- other units
 def test_a_hand_in_millimetres_is_asked_about() -> None:
     text = urdf("three_finger").read_text()

@@ -94,7 +94,7 @@ def _are_numbers(text: str, count: int, least: float) -> bool:
     return len(values) == count and all(max(least, -LARGEST_NUMBER) <= v <= LARGEST_NUMBER for v in values)
 
 
-def build_model(root: ET.Element, label: str) -> Any:
+def build_model(argument: str, root: ET.Element, label: str) -> Any:
     """Pinocchio's model, which ignores mimic tags. Raises URDFError with the parser's own message."""
     with captured_stderr() as messages:
         try:
@@ -102,7 +102,7 @@ def build_model(root: ET.Element, label: str) -> Any:
         except ValueError as error:
             failure = str(error)
     details = [line.strip() for line in "".join(messages).splitlines() if not line.strip().startswith("at line")]
-    raise URDFError("source", "a URDF that describes a robot", f"{label}: {'; '.join(details) or failure}")
+    raise URDFError(argument, "a URDF that describes a robot", f"{label}: {'; '.join(details) or failure}")
 
 
 def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
