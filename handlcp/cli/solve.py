@@ -20,7 +20,7 @@ from handlcp.grasp.verdict.suggested import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
 from handlcp.show.file import checked
-from handlcp.show.loading.end import grasp_at_end, solution_at_end
+from handlcp.show.loading.end import solution_at_end
 from handlcp.show.loading.report import solution_tables
 from handlcp.show.page.file import checked as checked_page
 from handlcp.show.record import record
@@ -69,11 +69,11 @@ def solve(
     explanation = grasp.explain(sides, measure=explain)
     solution = grasp.solve(sides, solver, throw=False, accuracy=accuracy)
     judged = grasp.check(faces=sides, solution=solution)
-    shown = _shown(grasp, solution, judged)
+    shown = _shown(solution, judged)
     if plot is not None:
-        from handlcp.show.picture import save
+        from handlcp.show.doors import plot as draw
 
-        save(shown.grasp, shown.solution, plot, obj=shown.obj or file.shape(), title=file.title, verdict=judged)
+        draw(solution, plot, file.shape(), file.title, judged)
     if page is not None:
         _write_page(page, file, grasp, solution, judged, sides)
     left_out = _suggested(grasp, solution, sides, judged) if suggest else None
@@ -124,25 +124,21 @@ def _suggested(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdic
 
 
 class _Shown(NamedTuple):
-    """What tables and picture are of. when : for titles. whole : whether slips are of the whole way. obj : the object
-    where it is then; None: as in the file.
-    """
+    """What tables are of. when : for their titles. whole : whether slips are of the whole way."""
 
-    grasp: Grasp
     solution: GraspSolution
     when: str = ""
     whole: bool = False
-    obj: Any = None
 
 
-def _shown(grasp: Grasp, solution: GraspSolution, judged: Verdict) -> _Shown:
+def _shown(solution: GraspSolution, judged: Verdict) -> _Shown:
     """The end of the loading that the verdict is about, where it is reached; else the one solve."""
     path = judged.loading
     if path is None:
-        return _Shown(grasp, solution)
+        return _Shown(solution)
     if path.reached and solution.accuracy is None and (end := solution_at_end(path)).held:
-        return _Shown(grasp_at_end(path), end, ", squeezed and loaded", True, path.object)
-    return _Shown(grasp, solution, ", one solve: squeeze and load at once")
+        return _Shown(end, ", squeezed and loaded", True)
+    return _Shown(solution, ", one solve: squeeze and load at once")
 
 
 def _print(out: Console, solution: GraspSolution, judged: Verdict, shown: _Shown, without: Sequence[str]) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import HandGrasp
+from handlcp.show.file import checked, write
 from handlcp.show.frame import data_frame, solution_frame
 from handlcp.show.html import html
 from handlcp.show.record import record
@@ -21,12 +22,17 @@ def plot(
     solution: GraspSolution, path: Any = None, obj: Any = None, title: str = "", verdict: Verdict | None = None
 ) -> Any:
     """See `GraspSolution.plot`."""
-    from handlcp.show.picture import draw, save  # pictures alone need matplotlib
+    from handlcp.show.loading.ending import verdict_picture
+    from handlcp.show.picture import draw  # pictures alone need matplotlib
+    from handlcp.show.picture.figure import DPI
 
-    grasp = grasp_of(solution)
-    if path is None:
-        return draw(grasp, solution, obj, title, verdict)
-    return save(grasp, solution, path, obj, title, verdict)
+    file = None if path is None else checked(path)
+    followed = None if verdict is None else verdict.loading
+    if verdict is not None and followed is not None and followed.reached and followed.solution.held:
+        figure = verdict_picture(followed, verdict, title, obj)
+    else:
+        figure = draw(grasp_of(solution), solution, obj, title, verdict)
+    return figure if file is None else write(figure, file, DPI)
 
 
 def page(

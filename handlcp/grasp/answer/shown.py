@@ -34,7 +34,8 @@ class Shown(Data):
         """The picture of the grasp: a matplotlib figure, or the file that it was written to.
 
         path : of a png, svg or pdf file; None: the figure itself, which a notebook shows. obj : what to draw as the
-        object where the grasp knows none. verdict : of `grasp.check()`; None: what this solution alone says.
+        object where the grasp knows none. verdict : of `grasp.check()`, and drawn is the end of the loading that it
+        is about, where that is reached; None: what this solution alone says.
         Raises InputError for an unknown format or a missing folder, Unsupported without matplotlib.
         """
         return view("plot")(self, path, obj, title, verdict)
