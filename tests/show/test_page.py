@@ -212,6 +212,16 @@ def test_without_the_package_that_brings_the_viewer_the_error_says_what_to_insta
         s.page(tmp_path / "a.html")
 
 
+def test_an_older_package_without_that_viewer_is_told(tmp_path, monkeypatch):
+    s = contacts_only(hl.Coulomb(0.5), (0, 0, -1, 0, 0, 0)).solve()
+    (tmp_path / "trimesh").mkdir()
+    (tmp_path / "trimesh" / "__init__.py").touch()
+    monkeypatch.delitem(sys.modules, "trimesh", raising=False)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(Unsupported, match=r"newer trimesh .* pip install --upgrade 'handlcp\[page\]'"):
+        s.page(tmp_path / "a.html")
+
+
 def test_a_loading_of_another_grasp_is_refused(tmp_path):
     s = contacts_only(hl.Coulomb(0.5), (0, 0, -1, 0, 0, 0)).solve()
     other = contacts_only(hl.Coulomb(0.5), (0, 0, -1, 0, 0, 0), ("x", "y", "z")).follow(steps=2)

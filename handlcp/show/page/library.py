@@ -28,5 +28,5 @@ def three_js() -> str:
         texts = []
     found = next((m.group() for text in texts if (m := _LIBRARY.search(text))), "")
     if not found or "</script" in found.lower():
-        raise Unsupported("pages need three.js, which this trimesh does not bring: pip install 'handlcp[page]'")
+        raise Unsupported("pages need three.js as a newer trimesh brings it: pip install --upgrade 'handlcp[page]'")
     return found

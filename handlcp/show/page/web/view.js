@@ -17,7 +17,7 @@ class View {
   }
 
   light() {
-    this.sky = new THREE.HemisphereLight(0xffffff, 0xa8a6a2, 0.68);
+    this.sky = new THREE.HemisphereLight(0xffffff, 0xc4c2be, 0.68);
     this.lamp = new THREE.DirectionalLight(0xffffff, 0.4);
     this.scene.add(this.sky, this.lamp, this.lamp.target);
   }
