@@ -15,7 +15,7 @@ from handlcp.show.picture.painter import paint
 
 __all__ = ["contact_sheet"]
 
-COLUMNS, CELL, CAPTION, DPI = 5, 4.0, 0.45, 60  # pictures in a row; inches of each and of its caption; dots an inch
+COLUMNS, CELL, CAPTION, DPI = 5, 4.0, 0.3, 60  # pictures in a row; inches of each, to its name; dots an inch
 _COLOURS = 96  # of the file: half the size, and no difference to the eye
 
 
@@ -25,15 +25,15 @@ def contact_sheet(grasps: list[tuple[str, Candidate | None]], file: Path) -> Non
     Raises InputError for a file that cannot be written; Unsupported without matplotlib.
     """
     rows = -(-len(grasps) // COLUMNS)
-    wide, high = COLUMNS * CELL, rows * (CELL + CAPTION)
+    wide, high = COLUMNS * CELL, rows * CELL
     figure = new_figure(figsize=(wide, high))
     for k, (name, candidate) in enumerate(grasps):
-        x, y = (k % COLUMNS) * CELL, high - (k // COLUMNS + 1) * (CELL + CAPTION)
-        ax = figure.add_axes((x / wide, (y + CAPTION) / high, CELL / wide, CELL / high))
+        x, y = (k % COLUMNS) * CELL, high - (k // COLUMNS + 1) * CELL
+        ax = figure.add_axes((x / wide, y / high, CELL / wide, CELL / high))
         ax.axis("off")
         if candidate is not None:
             _picture(ax, candidate)
-        where = (x + 0.5 * CELL) / wide, (y + 0.4 * CAPTION) / high
+        where = (x + 0.5 * CELL) / wide, (y + CAPTION) / high
         figure.text(*where, name if candidate else f"{name}: none found", ha="center", va="center", fontsize=22)
     _write(figure, file)
 

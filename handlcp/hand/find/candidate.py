@@ -47,7 +47,7 @@ class Candidate:
 
     @property
     def rank(self) -> float:
-        """What grasps are sorted by, the smallest first: minus the margin, times the share of the fingers that press."""
+        """What grasps are sorted by, the smallest first: minus the margin, times the share of fingers that press."""
         return -self.margin * (self.pressing / self.grasp.spec.of_fingers if self.margin > 0.0 else 1.0)
 
     @property
