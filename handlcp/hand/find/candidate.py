@@ -46,9 +46,9 @@ class Candidate:
         return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_fingers])
 
     @property
-    def rank(self) -> tuple[int, float]:
-        """What grasps are sorted by: those in which more fingers press come first, then those with a larger margin."""
-        return -self.pressing, -self.margin
+    def rank(self) -> float:
+        """What grasps are sorted by, the smallest first: minus the margin, times the share of fingers that press."""
+        return -self.margin * (self.pressing / self.grasp.spec.of_fingers if self.margin > 0.0 else 1.0)
 
     @property
     def state(self) -> Posture:

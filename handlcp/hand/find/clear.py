@@ -14,12 +14,13 @@ from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand.find.place import Place
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.link_surface import LinkSurface
 from handlcp.hand.robot.model import HandModel
 
 __all__ = ["Links"]
 
 _POINTS = 150  # of a link, at most, that are looked at
-_DEPTH, _DEPTH_AT_TIP = 2e-4, 2e-3  # [m] how deep a link may be in the object, and one that carries a fingertip
+_DEPTH, _MOST = 2e-4, 3e-3  # [m] how deep a link may be in the object, and at most one that carries a fingertip
 _BESIDE = 2e-4  # [m] how much less deep a link is pushed that is too deep
 
 
@@ -37,14 +38,14 @@ class Links:
             self._links = ()  # nothing is known of them
         self._frames = [link.frame for link in self._links]
         model = hand.kinematics.model
-        carry = {model.frames[hand.tips.frames[i]].parentJoint for i in tips}
+        carried = {model.frames[hand.tips.frames[i]].parentJoint: i for i in tips}
         nets = [link.net for link in self._links]
         steps = [max(1, -(-len(points) // _POINTS)) for points, _ in nets]
         points = [points[::step] for (points, _), step in zip(nets, steps, strict=True)]
         self._points = np.concatenate([*points, np.zeros((0, 3))])
         self._of = np.repeat(np.arange(len(points)), [len(p) for p in points])
         self._starts = np.cumsum([0, *map(len, points)])[:-1]
-        allowed = [_DEPTH_AT_TIP if link.joint in carry else _DEPTH for link in self._links]
+        allowed = [_allowed(hand, link, carried.get(link.joint)) for link in self._links]
         slack = [r[::step] - a for (_, r), step, a in zip(nets, steps, allowed, strict=True)]
         self._slack = np.concatenate([*slack, np.zeros(0)])
         self._moved_by = np.zeros((len(self._links), model.nv))
@@ -117,3 +118,19 @@ class Links:
                 if coal.collide(a, first, b, second, request, result):
                     return True
         return False
+
+
+def _allowed(hand: HandModel, link: LinkSurface, tip: int | None) -> float:
+    """How deep a link may be in the object [m]: where a ball stands for the fingertip that it carries, by as much as it
+    reaches out of that ball, away from the finger.
+    """
+    shapes = () if tip is None else hand.tip_shapes(tip)
+    if tip is None or len(shapes) != 1 or shapes[0].radius is None:
+        return _DEPTH
+    model, (points, radii) = hand.kinematics.model, link.net
+    at, to = model.frames[link.frame].placement, model.frames[hand.tips.frames[tip]].placement
+    centre = at.actInv(to).act(np.array(shapes[0].translation))
+    away = centre - at.inverse().translation  # from the finger's last joint
+    arms = points - centre
+    out = np.linalg.norm(arms, axis=1) + radii - shapes[0].radius
+    return float(np.clip(out[arms @ away > 0.0].max(initial=0.0), _DEPTH, _MOST))

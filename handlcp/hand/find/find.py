@@ -29,13 +29,14 @@ def find_grasp(
     seed: int = 0,
     throw: bool = True,
 ) -> Found:
-    """Place an object between the fingertips so that the hand holds it: grasps, the one with the largest margin first.
+    """Place an object between the fingertips so that the hand holds it: grasps, the best first.
 
     Postures all over the joint ranges are compared, with the object between their fingertips in several orientations.
     From the best, up to `tries`, joints and object move together until all fingers touch and no link is inside the
     object. Where forces within friction balance the load, the grasp is solved; the best ones are varied. The first
     grasp of the result is HELD by `grasp.check()`, while the hand closes and is loaded. The margin of a grasp is the
-    smaller of its friction reserve and its torque reserve, see `Candidate`.
+    smaller of its friction reserve and its torque reserve. Grasps are sorted by their margin, times the share of the
+    fingers that press under the load. See `Candidate`.
 
     obj : its shape and mass count, its placement does not.
     friction, wrench, gravity, squeeze, grip_force : as in `state.grasp`. With neither squeeze nor grip_force each

@@ -17,7 +17,7 @@ _STEPS = {
 
 
 class Found(Sequence[Candidate]):
-    """Grasps, the one with the largest margin first. The first is checked: its verdict is HELD.
+    """Grasps, sorted by `Candidate.rank`, the best first. That one is checked: its verdict is HELD.
 
     tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked".
     why : what became of the search in one sentence.
