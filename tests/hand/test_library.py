@@ -119,6 +119,6 @@ def test_unknown_hands_list_those_that_exist() -> None:
     with pytest.raises(UnknownName, match="planar_ring"):
         urdf("four_finger")
     with pytest.raises(UnknownName, match="psyonic"):
-        example_hand("shadow")
+        example_hand("atlas")
     with pytest.raises(UnknownName, match="right"):
         allegro("both")
