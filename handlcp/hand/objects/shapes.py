@@ -95,7 +95,7 @@ class Mesh(Object):
         super().__init__(solid, placement, mass, density, (self.path, self.scale))
 
     def beyond(self, points: Array) -> Array | None:
-        """(m,) how far points (m, 3) in the mesh's axes are beyond a convex mesh's faces [m]; None: it is not convex."""
+        """(m,) how far points (m, 3) in the mesh's axes are beyond the faces of a convex mesh [m]; None: not convex."""
         return self._surface.beyond(points) if isinstance(self._surface, Surface) else None
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:

@@ -27,7 +27,7 @@ class Surface:
         self._size = float(np.ptp(self._triangles, axis=(0, 1)).max())
 
     def beyond(self, points: Array) -> Array:
-        """(m,) how far points (m, 3) are beyond the plane that they are furthest beyond [m]: inside, minus the depth."""
+        """(m,) how far points (m, 3) are beyond the face that they are furthest beyond [m]: inside, minus the depth."""
         return np.asarray((points @ self._normals.T - self._offsets).max(axis=1))
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
