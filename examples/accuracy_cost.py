@@ -62,7 +62,7 @@ def write(
         out.print(title, style="bold", end="\n\n")
         for table in accuracy_table.all_tables(cost):
             out.print(table)
-        out.print(f"{cost}.", end="\n\n", highlight=False)
+        out.print(f"{cost.summary}.", end="\n\n", highlight=False)
     i = found.disputed
     out.print(
         f"Example 3, {FACES} faces: in metres and newtons seeds disagree about the normal force of {found.names[i]} by "

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from handlcp.errors import InputError, UnknownName
-from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY, UNIT_NORMAL
+from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY
 
 __all__ = [
     "Array",
@@ -31,6 +31,7 @@ __all__ = [
 ]
 
 _FLOAT = np.dtype(float)
+_NEARLY_UNIT = 1e-3  # a normal off by less was rounded or computed, and is normalised; by more, it is a mistake
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -141,11 +142,12 @@ def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kin
 
 
 def unit(argument: str, value: Any, *shapes: tuple[int, ...]) -> Array:
-    """A unit vector, normalised to the last bit."""
+    """A unit vector, normalised to the last bit; its length may differ from one by less than 1e-3."""
     a = array(argument, value, *shapes)
     norm = float(np.linalg.norm(a))
-    if abs(norm - 1) > UNIT_NORMAL:
-        raise InputError(argument, "a unit vector (divide it by its norm)", f"{a.tolist()} of norm {norm:.9g}")
+    if not abs(norm - 1) < _NEARLY_UNIT:
+        meant = "" if norm == 0.0 else f"; is {[round(x, 6) for x in (a / norm).tolist()]} meant?"
+        raise InputError(argument, "a unit vector", f"{a.tolist()} of length {norm:.6g}{meant}")
     return read_only(a / norm)
 
 
@@ -188,5 +190,8 @@ def _names(shapes: Sequence[tuple[int, ...]]) -> str:
 
 
 def _show(value: Any) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
+        return f"a value of type {type(value).__name__} that is too long to print"
     return text if len(text) <= 80 else f"{text[:77]}..."

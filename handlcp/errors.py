@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any
 
 __all__ = [
@@ -19,7 +20,30 @@ __all__ = [
     "URDFError",
     "UnknownName",
     "Unsupported",
+    "brief",
+    "unreadable",
 ]
+
+_LONGEST = 600  # characters of what came in a message
+
+
+def brief(value: object) -> str:
+    """The value's text, without its middle where it is very long; its type where it has no text."""
+    try:
+        text = str(value)
+    except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
+        return f"a value of type {type(value).__name__} that is too long to print"
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 100]} [...] {text[-80:]}"
+
+
+def unreadable(path: Path) -> str:
+    """Why a path is no file: "does not exist", "is a folder" …; "" where it is one."""
+    try:
+        if path.is_file():
+            return ""
+        return "is a folder" if path.is_dir() else "is no file" if path.exists() else "does not exist"
+    except (OSError, ValueError) as error:  # names that no file can have
+        return f"no file can be: {getattr(error, 'strerror', None) or error}"
 
 
 class HandLCPError(Exception):
@@ -31,7 +55,7 @@ class InputError(HandLCPError, ValueError):
 
     def __init__(self, argument: str, expected: str, got: object) -> None:
         self.argument, self.expected, self.got = argument, expected, got
-        super().__init__(f"{argument}: expected {expected}, got {got}")
+        super().__init__(f"{argument}: expected {expected}, got {brief(got)}")
 
 
 class UnknownName(InputError):
@@ -58,7 +82,7 @@ class NotReached(InputError):
 
     def __init__(self, argument: str, expected: str, gaps: dict[str, float]) -> None:
         self.gaps = dict(gaps)
-        came = ", ".join(f"{name} {gap * 1e3:.3g} mm away" for name, gap in self.gaps.items())
+        came = ", ".join(f"{name} {_where(gap * 1e3)}" for name, gap in self.gaps.items())
         super().__init__(argument, expected, came)
 
 
@@ -75,6 +99,11 @@ class NoGraspFound(HandLCPError):
     def __str__(self) -> str:
         """The message."""
         return str(self.args[0])
+
+
+def _where(gap: float) -> str:
+    """Of a gap [mm]; below 0 it is an overlap."""
+    return f"overlaps by {-gap:.3g} mm" if gap < 0.0 else f"{gap:.3g} mm away"
 
 
 class Unsupported(HandLCPError, NotImplementedError):

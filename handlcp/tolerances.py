@@ -14,10 +14,12 @@ __all__ = [
     "GROWTH",
     "LARGEST",
     "LARGEST_RAW",
+    "LEVER",
     "PIVOT",
     "RANK",
     "SEMIDEFINITE",
     "SOLVE",
+    "STEEPEST",
     "SYMMETRY",
     "UNIT_NORMAL",
 ]
@@ -57,6 +59,14 @@ SEMIDEFINITE = 1e-9
 # unit of length or force could make of a hand. Raw complementarity problems are scaled first and may be larger.
 LARGEST = 1e60
 LARGEST_RAW = 1e150
+
+# A soft finger's moment is worked with as a force at the lever μ_τ/μ, and its flexibility grows as the lever squared.
+# Beyond this many sizes of the grasp rounding alone is more than a solver aims for: 2e-16 · LEVER² > SOLVE.
+LEVER = 1e3
+
+# Friction coefficients of soft fingers: beyond it, where the moment matters at all, the lever is so short that it falls
+# below what counts as zero (RANK), and a proof would overlook the moment.
+STEEPEST = 1e4
 
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
 UNIT_NORMAL = 1e-6

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["NOTHING", "LengthUnit", "angle", "either", "force", "length", "length_unit", "listed", "percent", "torque"]
+__all__ = [
+    "NOTHING", "LengthUnit", "angle", "column", "distinct", "either", "force", "length", "length_unit", "lengths",
+    "listed", "percent", "torque", "torques",
+]  # fmt: skip
 
 NOTHING = 1e-10  # [m] motions below this are rounding
 _MOST = 4  # names in a list
@@ -43,6 +46,14 @@ def length(metres: float) -> str:
     return _text(metres * 1e6, " µm", 2) if NOTHING <= abs(metres) < 1e-4 else _text(metres * 1e3, " mm", 2)
 
 
+def lengths(metres: Iterable[float]) -> list[str]:
+    """Such as ["0.014 mm", "0.17 mm"]: what stands in one sentence has one unit."""
+    values = list(metres)
+    largest = max((abs(m) for m in values if np.isfinite(m)), default=0.0)
+    name, size = ("m", 1.0) if largest >= 1.0 else ("µm", 1e-6) if NOTHING <= largest < 1e-4 else ("mm", 1e-3)
+    return [_text(m / size if abs(m) >= NOTHING else 0.0, f" {name}", 2) for m in values]
+
+
 def force(newtons: float) -> str:
     """Such as "1.53 N"."""
     return _text(newtons, " N")
@@ -52,6 +63,22 @@ def torque(newton_metres: float) -> str:
     """Such as "0.142 N·m", "3.1 mN·m"."""
     small = 0 < abs(newton_metres) < 0.01
     return _text(newton_metres * 1e3, " mN·m") if small else _text(newton_metres, " N·m")
+
+
+def torques(newton_metres: Iterable[float]) -> list[str]:
+    """Such as ["0.21 N·m", "0.2 N·m"], with one unit; a limit that is infinite is "∞"."""
+    values = list(newton_metres)
+    small = 0 < max((abs(t) for t in values if np.isfinite(t)), default=0.0) < 0.01
+    size, unit = (1e-3, " mN·m") if small else (1.0, " N·m")
+    return ["∞" if np.isinf(t) else _text(t / size, unit) for t in values]
+
+
+def column(values: Iterable[float]) -> list[str]:
+    """Numbers with as many decimals as give the largest of them four digits, three at most; "–" for no number."""
+    numbers = list(values)
+    largest = max((abs(x) for x in numbers if np.isfinite(x)), default=0.0)
+    decimals = 3 if largest < 9.9995 else 2 if largest < 99.995 else 1
+    return [f"{round(x, decimals) + 0.0:.{decimals}f}" if np.isfinite(x) else "–" for x in numbers]
 
 
 def angle(radians: float) -> str:
@@ -71,6 +98,11 @@ def listed(names: Sequence[str]) -> str:
     """At most four names, and how many more there are."""
     names = list(names)
     return ", ".join(names[:_MOST]) + (f" and {len(names) - _MOST} more" if len(names) > _MOST else "")
+
+
+def distinct(names: Sequence[str]) -> list[str]:
+    """The names, a number behind those that came before."""
+    return [name if name not in names[:i] else f"{name} ({i + 1})" for i, name in enumerate(names)]
 
 
 def either(parts: Sequence[str]) -> str:

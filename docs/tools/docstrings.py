@@ -23,9 +23,10 @@ _PUBLIC = set(handlcp.__all__)
 _BARE = re.compile(r"\b[A-Z][a-zA-Z]*(?:Error|Found|Reached|Name|Unsupported)\b|\bUnsupported\b")
 # Values that the package makes: how they are made says nothing to those who read them
 _RESULTS = {
-    "Accuracy", "AccuracyCost", "Audit", "Doubt", "Equilibria", "Explanation", "GraspProblem", "GraspSolution",
-    "GraspUpdate", "HandGrasp", "HandGraspSolution", "HandState", "LCPSolution", "Loading", "Reason", "Required",
-    "Residuals", "Solutions", "Suggestions", "TorqueCheck", "Uniqueness", "Verdict", "Hand", "Status",
+    "Accuracy", "AccuracyCost", "Audit", "Candidate", "Doubt", "Equilibria", "Explanation", "Found", "GraspProblem",
+    "GraspSolution", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandState",
+    "LCPSolution", "Loading", "Reason", "Required", "Residuals", "Solutions", "Status", "Suggestions", "TorqueCheck",
+    "Uniqueness", "Verdict",
 }  # fmt: skip
 
 

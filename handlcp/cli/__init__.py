@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 from handlcp.cli.app import app
+from handlcp.cli.streams import lost, open_streams
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
 from handlcp.cli.follow import follow  # isort: skip
@@ -22,15 +22,18 @@ __all__ = [
 
 
 def main() -> None:
-    """The entry point of the `handlcp` command."""
-    if sys.stdout is not None and sys.stdout is sys.__stdout__:
-        _keep_stdout()
-    app()
-
-
-def _keep_stdout() -> None:
-    """Discard what C code prints on stdout, such as a stray line of HiGHS; what Python prints still arrives."""
-    ours, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.close(nowhere)
-    sys.stdout = open(ours, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115
+    """The command line without what `handlcp.__main__` does against Ctrl-C."""
+    open_streams()
+    status: object = 0
+    try:
+        app()
+    except SystemExit as done:
+        status = done.code
+    if sys.stdout is not None:
+        try:
+            sys.stdout.flush()
+        except OSError as error:
+            if status != 2:  # else it has been said
+                lost(error.strerror or str(error))
+            status = 2
+    sys.exit(status)  # type: ignore[arg-type]

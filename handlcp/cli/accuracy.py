@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
-from handlcp.errors import InputError, NoSolutionFound
-from handlcp.show.file import checked
+from handlcp.errors import NoSolutionFound
+from handlcp.show.file import checked, writable
 
 __all__ = ["accuracy"]
 
@@ -35,8 +35,8 @@ def accuracy(
     file = scenes.load(scene)
     if plot is not None:
         checked(plot)
-    if csv is not None and (csv.is_dir() or not csv.absolute().parent.is_dir()):
-        raise InputError("csv", "a file in a folder that exists", repr(str(csv)))
+    if csv is not None:
+        writable("csv", csv)
     grasp = file.build()
     try:
         with progress_bar() as progress:
@@ -53,12 +53,12 @@ def accuracy(
     if plot is not None:
         work_precision.save((file.title, cost), plot)
     if json:
-        print_json({"title": file.title} | cost.as_dict())
+        print_json({"title": file.title} | cost.to_dict())
         return
     out = titled(file.title)
     for table in accuracy_table.all_tables(cost):
         out.print(table)
-    out.print(Text(f"{cost}."))
+    out.print(Text(f"{cost.summary}."))
     for note in cost.notes:
         say(out, "Note", "yellow", note)
     for path in (csv, plot):

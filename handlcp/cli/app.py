@@ -1,36 +1,68 @@
 """The app that commands join, and what they share.
 
-Exit status: 0 for the verdict HELD; 1 for any other; 2 bad input, with one message on stderr.
+Exit status: 0 for the verdict HELD; 1 for any other; 2 bad input, or output that cannot be written, with one message on
+stderr; 130 after Ctrl-C; 141 where the reader of the output closed it, as `head` does.
 """
 
 from __future__ import annotations
 
+import errno
 import json as jsonlib
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
+from rich.table import Table
 from rich.text import Text
 from typer.core import TyperGroup
 
-from handlcp.errors import HandLCPError, InputError
+from handlcp.errors import HandLCPError, InputError, brief
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["Json", "app", "print_json", "progress_bar", "say", "sides_of", "titled"]
+__all__ = ["Json", "app", "print_json", "print_tables", "progress_bar", "say", "sides_of", "titled"]
 
 
 class _Commands(TyperGroup):
-    """Any HandLCPError becomes one message on stderr and exit status 2."""
+    """Bad input, be it an option or a file, becomes one message on stderr and exit status 2."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if not args:  # the help
+            return super().parse_args(ctx, args)
+        with _refusals():
+            return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
-        try:
+        with _refusals():
             return super().invoke(ctx)
-        except HandLCPError as error:
-            Console(stderr=True, soft_wrap=True).print(Text.assemble(("Error: ", "bold red"), str(error)))
-            raise typer.Exit(2) from None
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    try:
+        yield
+    except HandLCPError as error:
+        _refuse(str(error))
+    except OSError as error:
+        if error.errno == errno.EPIPE:
+            raise
+        what = "output" if error.filename is None else brief(repr(error.filename))
+        _refuse(f"{what}: {error.strerror or error}")
+    except Exception as error:
+        # Typer's own refusals of options; which class they have differs with its version
+        if (message := getattr(error, "format_message", None)) is None:
+            raise
+        path = getattr(getattr(error, "ctx", None), "command_path", "handlcp")
+        _refuse(f"{brief(message().strip().rstrip('.'))}; `{path} --help` says what it takes")
+
+
+def _refuse(message: str) -> NoReturn:
+    """One message on stderr, exit status 2."""
+    Console(stderr=True, soft_wrap=True).print(Text.assemble(("Error: ", "bold red"), message))
+    raise typer.Exit(2) from None
 
 
 app = typer.Typer(
@@ -77,7 +109,18 @@ def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
 
 def print_json(value: dict[str, Any]) -> None:
     """One object on stdout; numbers that are not finite become null."""
-    typer.echo(jsonlib.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False))
+    typer.echo(json_text(value))
+
+
+def json_text(value: dict[str, Any]) -> str:
+    """Its text, in ASCII where stdout has no other characters."""
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    text = jsonlib.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return jsonlib.dumps(plain(value), indent=2, allow_nan=False)
+    return text
 
 
 def titled(title: str) -> Console:
@@ -88,11 +131,17 @@ def titled(title: str) -> Console:
     return out
 
 
+def print_tables(out: Console, tables: Iterable[Table]) -> None:
+    """One below the other, with an empty line after each, which a table without a caption brings itself."""
+    for table in tables:
+        out.print(table, end="\n\n" if table.caption else "\n")
+
+
 def sides_of(own: Any, faces: str | None) -> Any:
     """Faces of the friction pyramids, or "cone", from --faces over the scene file's own. Raises InputError."""
     if faces is None or faces == "cone":
         return own if faces is None else faces
-    if not faces.isdecimal() or int(faces) < 3:
+    if not (faces.isascii() and faces.isdecimal()) or len(faces) > 9 or int(faces) < 3:
         raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
     return int(faces)
 

@@ -8,9 +8,10 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
+from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
 from handlcp.grasp import Loading
 from handlcp.show.file import checked
+from handlcp.show.page.file import checked as checked_page
 
 __all__ = ["follow"]
 
@@ -23,6 +24,9 @@ def follow(
         Path | None, typer.Option(help="Draw forces, motion and torques over the load into this file (png, svg, pdf).")
     ] = None,
     picture: Annotated[Path | None, typer.Option(help="Draw the hand where it ends into this file.")] = None,
+    page: Annotated[
+        Path | None, typer.Option(help="Write a page to turn, with a slider through the steps, into this HTML file.")
+    ] = None,
     order: Annotated[
         str, typer.Option(help="Stages, one after the other: squeeze, load; or together.")
     ] = "squeeze,load",
@@ -43,17 +47,21 @@ def follow(
     for file in (plot, picture):
         if file is not None:
             checked(file)
+    if page is not None:
+        checked_page(page)
     read = scenes.load(scene)
     sides = sides_of(read.solve_with.faces, faces)
     stages = tuple([name.strip() for name in order.split(",")])
     found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
     drawn = _draw(found, read, plot, picture)
+    if page is not None:
+        found.page(page, obj=read.shape(), title=read.title)
     if json:
         from handlcp.show.loading.report import record
 
         print_json(record(found, read.title))
     else:
-        _print(found, read.title, sides, drawn)
+        _print(found, read.title, drawn, page)
     raise typer.Exit(0 if found.reached else 1)
 
 
@@ -68,17 +76,19 @@ def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) ->
     return [file for file in (plot, picture) if file is not None]
 
 
-def _print(found: Loading, title: str, sides: Any, drawn: list[Path]) -> None:
-    """What happens on the way, contacts and joints at the end, the object's motion, the outcome."""
+def _print(found: Loading, title: str, drawn: list[Path], page: Path | None) -> None:
+    """The outcome, the object's motion, what happens on the way, contacts and joints at the end."""
     from handlcp.show.loading import report
 
     out = titled(title)
-    if (happens := report.event_table(found)) is not None:
-        out.print(happens)
-    for table in report.end_tables(found, sides):
-        out.print(table)
     word, style = ("REACHED", "green") if found.reached else ("LOST", "red")
     say(out, word, f"bold {style}", found.why.removeprefix("reached ").removeprefix("lost "))
     say(out, "Motion", "bold", report.motion(found))
+    out.print()
+    if (happens := report.event_table(found)) is not None:
+        out.print(happens)
+    print_tables(out, report.end_tables(found))
     for file in drawn:
         out.print(Text(f"Picture: {file}", style="dim"))
+    if page is not None:
+        out.print(Text(f"Page: {page}", style="dim"))

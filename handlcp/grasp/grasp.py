@@ -13,7 +13,7 @@ from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
 from handlcp.grasp.analysis.explanation import Explanation, explain
 from handlcp.grasp.analysis.required import Required, required_friction, required_preload
 from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
-from handlcp.grasp.analysis.suggestions import Suggestions, suggest
+from handlcp.grasp.analysis.suggestions import Suggestions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.assembly.asked import Asked, alone, remade
@@ -27,6 +27,7 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.grasp.verdict.check import check
+from handlcp.grasp.verdict.suggested import suggested
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
@@ -178,17 +179,17 @@ class Grasp:
     def suggest(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", least: float = 0.05
     ) -> Suggestions:
-        """Which effects that are left out would change the answer by more than `least` of its largest force: the exact
-        cone, and of a hand its torque limits, its fingers' weight and geometric stiffness, each evaluated once.
+        """Which effects that are left out would change the answer by more than `least` of its largest force, each
+        evaluated once; of a grasp that fails, also changes that were tried and hold it, the least of each kind.
 
-        solution : of this grasp, solved with `faces`; None: solved now. Raises InputError, NoSolutionFound.
+        solution : of this grasp, solved with `faces`; None: solved now. Raises InputError.
         """
-        least = number("least", least, minimum=0.0)
-        solution = self.solve(faces) if solution is None else solution
-        if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n or not solution.held:
-            got = repr(getattr(solution, "status", solution))
-            raise InputError("solution", "an answer of this grasp, or None", got)
-        return suggest(self.spec, self._section(faces), solution, least)
+        solution = self.solve(faces, throw=False) if solution is None else solution
+        if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
+            raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
+        number("least", least, minimum=0.0)
+        verdict = solution.verdict if solution.verdict.ok else self.check(faces=faces, solution=solution)
+        return suggested(self.spec, self._section(faces), solution, least, verdict)
 
     def required_preload(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""

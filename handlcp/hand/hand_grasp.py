@@ -143,7 +143,7 @@ class HandGrasp(Grasp):
         friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs. flexibility : in place
         of the hand's own; 0, or at least what the joints have where they also turn soft fingertips or bend under
         forces. squeeze, grip_force, joint_offset : at most one, in place of the earlier command. effects, environment :
-        () takes them away; 0 does so with preload, squeeze and mass, False with finger_weight.
+        () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
         Raises NotReached, UnknownName, InputError.
         """
         given = dict(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from handlcp.check import Array
+from handlcp.grasp.answer.printed import printed
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.torques import TorqueCheck
@@ -56,6 +57,17 @@ class HandGraspSolution(GraspSolution):
         """(k,) η = Sᵀ τ [N·m where S has no unit] that each synergy's actuator holds; None without `Synergies`."""
         return self.effort.values if self.effort is not None and self.effort.kind == "actuator force" else None
 
+    @property
+    def utilisation(self) -> Array:
+        """(nv,) |torque| / limit of each joint, 0 where there is no limit or none is known; as in `torque_check`."""
+        return self.torque_check.utilisation
+
+    @property
+    def torque_margin(self) -> Array:
+        """(nv,) N·m, how much more torque each joint has, below 0 where it would need more than it has; inf where there
+        is no limit or none is known.
+        """
+        return self.torque_check.margin
+
     def __str__(self) -> str:
-        parts = [super().__str__(), *([self.torque_check, self.effort] if self.held else [])]
-        return "\n".join(str(part) for part in parts if part is not None)
+        return printed(self, [self.torque_check.table, *([] if self.effort is None else [self.effort])])

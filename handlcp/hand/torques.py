@@ -12,6 +12,7 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["TorqueCheck", "TorqueRow", "torque_check", "torque_reasons"]
 
@@ -78,26 +79,48 @@ class TorqueCheck:
             raise UnknownName("joint", "a joint", [str(joint)], self.joints)
         return next(row for row in self if row.joint == joint)
 
+    @property
+    def margin(self) -> Array:
+        """(nv,) N·m, how much more torque each joint has: limit - |torque|, below 0 where it would need more than it
+        has; inf where there is no limit or none is known.
+        """
+        return read_only(self.limit - abs(self.torque))
+
+    @property
+    def table(self) -> TextTable:
+        """Joint by joint, with a remark in the last column."""
+        columns = ([r.joint for r in self], _torques(self.torque), [_limit(r) for r in self],
+                   [_share(r) for r in self], [self.remark(r) for r in self])  # fmt: skip
+        heads = ("joint", "torque\nN·m", "limit\nN·m", "of limit", "")
+        return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
+
+    def remark(self, row: TorqueRow) -> str:
+        """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others."""
+        if row.utilisation > 1.0 and row.known:
+            return "over limit"
+        if row.joint in self.yielding:
+            return "yields"
+        return "closest" if row.joint == self.binding and np.isfinite(row.limit) else ""
+
     def __str__(self) -> str:
-        width = max(5, *(len(name) for name in self.joints))
-        lines = [f"{'joint':<{width}}  torque [N·m]  limit [N·m]  utilisation"]
-        for r in self:
-            mark = "  ← yields" if r.joint in self.yielding else "  ← binding" if r.joint == self.binding else ""
-            lines.append(f"{r.joint:<{width}}  {r.torque:12.4f}  {_limit(r):>11}  {_share(r):>11}{mark}")
-        return "\n".join([*lines, self.verdict])
+        return f"{self.table}\n{wrapped(self.verdict)}"
 
     @property
     def verdict(self) -> str:
         """One sentence."""
         if over := self.over:
-            return f"Too weak: {', '.join(r.joint for r in over)}."
+            return f"Too weak: {words.listed([r.joint for r in over])}."
         if np.isnan(self.torque).any():
             return "No torques: the grasp was not solved."
         if self.unknown:
-            return f"Not known: {', '.join(self.unknown)} without a torque limit (pass torque_limits)."
+            return f"Without a torque limit: {words.listed(self.unknown)}. Pass torque_limits."
         if self.yielding:
-            return f"All joints hold; at the limit, giving way: {', '.join(self.yielding)}."
-        return f"All joints hold; {self.binding} is nearest to its limit."
+            one = len(self.yielding) == 1
+            gives = "gives way at its limit" if one else "give way at their limits"
+            return f"All joints hold; {words.listed(self.yielding)} {gives}."
+        if self.binding is None or not np.isfinite(self[self.binding].limit):
+            return "No joint has a torque limit."
+        return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:
         from rich.table import Table
@@ -108,7 +131,7 @@ class TorqueCheck:
             table.add_column(heading, justify="right")
         for r in self:
             style = "red" if r.utilisation > 1.0 else "bold" if r.joint == self.binding else None
-            table.add_row(r.joint, f"{r.torque:.4f}", _limit(r), _share(r), style=style)
+            table.add_row(r.joint, f"{r.torque + 0.0:.4f}", _limit(r), _share(r), style=style)
         return table
 
 
@@ -122,13 +145,14 @@ def torque_check(
 def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
     if check.over:
-        needs = (f"{r.joint} needs {words.torque(abs(r.torque))} of {words.torque(r.limit)}" for r in check.over)
-        text = f"the contacts could hold the object, the motors cannot: {', '.join(needs)}"
+        needs = [f"{r.joint} needs {' of '.join(words.torques((abs(r.torque), r.limit)))}" for r in check.over]
+        text = f"the contacts could hold the object, the motors cannot: {words.listed(needs)}"
         yield Reason("torque_over_limit", "decides", text, {"joints": [_values(r) for r in check.over]})
     elif check.binding is not None:
         r = check[check.binding]
         share = f"{words.percent(r.utilisation)} of {words.torque(r.limit)}"
-        text = f"the binding joint is {r.joint} at {share}" if np.isfinite(r.limit) else "no joint has a limit"
+        text = f"the joint closest to its limit is {r.joint} at {share}"
+        text = text if np.isfinite(r.limit) else "no joint has a torque limit"
         yield Reason("torque", "note", text, _values(r))
     if check.yielding:
         text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
@@ -147,4 +171,11 @@ def _limit(row: TorqueRow) -> str:
 
 
 def _share(row: TorqueRow) -> str:
-    return "–" if not row.known or np.isinf(row.limit) else f"{100 * row.utilisation:.1f} %"
+    return "–" if not row.known or np.isinf(row.limit) else words.percent(row.utilisation)
+
+
+def _torques(values: Array) -> list[str]:
+    """Four decimals, fewer where the largest torque has more than one digit before them."""
+    largest = float(np.nanmax(abs(values), initial=0.0))
+    decimals = 4 if largest < 9.99995 else 3 if largest < 99.9995 else 2
+    return [f"{round(t, decimals) + 0.0:.{decimals}f}" if np.isfinite(t) else "–" for t in values.tolist()]

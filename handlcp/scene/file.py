@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from handlcp.errors import InputError, SceneFileError
+from handlcp.errors import InputError, SceneFileError, unreadable
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.hand import Object
 from handlcp.lcp import Auto
@@ -17,6 +18,10 @@ from handlcp.scene.refusals import refused
 from handlcp.scene.scene_tables import SceneTables
 
 __all__ = ["SceneFile", "load", "read"]
+
+
+_DEEPEST = 32  # what a scene file needs is six: a matrix in a law in a table by finger
+_NESTED = f"at most {_DEEPEST} arrays or tables in each other"
 
 
 class SceneFile(SceneTables):
@@ -41,9 +46,8 @@ def load(path: Any) -> SceneFile:
         file = Path(path)
     except TypeError:
         raise InputError("path", "the path of a scene file", repr(path)) from None
-    if not file.is_file():
-        what = "is no file" if file.exists() else "does not exist"
-        raise SceneFileError("path", "the path of a scene file", f"{str(file)!r}, which {what}")
+    if why := unreadable(file):
+        raise SceneFileError("path", "the path of a scene file", f"{str(file)!r}, which {why}")
     try:
         text = file.read_bytes().decode()
     except (OSError, UnicodeDecodeError) as error:
@@ -59,9 +63,30 @@ def read(text: str, folder: Any = ".", label: str = "scene") -> SceneFile:
         raw = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SceneFileError(label, "TOML", str(error)) from None
+    except ValueError:  # Python reads no longer integers
+        raise SceneFileError(label, "integers of 64 bits", "one of more than 4300 digits") from None
+    except RecursionError:
+        raise SceneFileError(label, _NESTED, "more") from None
+    _check(raw, label)
     try:
         scene = SceneFile.model_validate(raw)
     except ValidationError as error:
         raise refused(label, error) from None
     scene._folder = Path(folder)
     return scene
+
+
+def _check(raw: Any, label: str) -> None:
+    """Raises SceneFileError for what is nested too deeply to be read, and integers that TOML does not have."""
+    level, depth = [raw], 0
+    while level:
+        if depth > _DEEPEST:
+            raise SceneFileError(label, _NESTED, "more")
+        if any(isinstance(value, int) and not -(2**63) <= value < 2**63 for value in level):
+            raise SceneFileError(label, "integers of 64 bits", "a larger one")
+        level, depth = [inner for value in level for inner in _within(value)], depth + 1
+
+
+def _within(value: Any) -> Iterable[Any]:
+    """What an array or a table holds."""
+    return value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()

@@ -135,8 +135,8 @@ class MeshTable(_Body):
     """decides which further keys there are"""
     file: k.Text
     """STL, OBJ, DAE or PLY, relative to the scene file"""
-    scale: k.Size = 1.0
-    """turns the file's unit into metres; three numbers: along each axis"""
+    scale: k.Size | None = None
+    """turns the file's unit into metres; three numbers: along each axis; left out: 1, for a mesh no wider than 5 m"""
 
 
 ObjectTable = Annotated[

@@ -7,24 +7,49 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError
-from handlcp.grasp import Grasp, GraspSolution, Verdict
+from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import HandGrasp
+from handlcp.show.file import checked, write
+from handlcp.show.frame import data_frame, solution_frame
+from handlcp.show.html import html
 from handlcp.show.record import record
 from handlcp.study.plain import plain
 
-__all__ = ["plot", "to_dict", "to_json"]
+__all__ = ["data_frame", "html", "loading_dict", "loading_page", "page", "plot", "solution_frame", "to_dict", "to_json"]
 
 
 def plot(
     solution: GraspSolution, path: Any = None, obj: Any = None, title: str = "", verdict: Verdict | None = None
 ) -> Any:
     """See `GraspSolution.plot`."""
-    from handlcp.show.picture import draw, save  # pictures alone need matplotlib
+    from handlcp.show.loading.ending import verdict_picture
+    from handlcp.show.picture import draw  # pictures alone need matplotlib
+    from handlcp.show.picture.figure import DPI
 
-    grasp = grasp_of(solution)
-    if path is None:
-        return draw(grasp, solution, obj, title, verdict)
-    return save(grasp, solution, path, obj, title, verdict)
+    file = None if path is None else checked(path)
+    followed = None if verdict is None else verdict.loading
+    if verdict is not None and followed is not None and followed.reached and followed.solution.held:
+        figure = verdict_picture(followed, verdict, title, obj)
+    else:
+        figure = draw(grasp_of(solution), solution, obj, title, verdict)
+    return figure if file is None else write(figure, file, DPI)
+
+
+def page(
+    solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None,
+    loading: Loading | None = None,
+) -> Path:  # fmt: skip
+    """See `GraspSolution.page`."""
+    from handlcp.show.page.document import save  # pages alone need the viewer
+
+    return save(grasp_of(solution), solution, path, obj, title, verdict, loading)
+
+
+def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:
+    """See `Loading.page`."""
+    from handlcp.show.page.document import save_loading
+
+    return save_loading(loading, path, title, obj, verdict)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:
@@ -33,9 +58,16 @@ def to_dict(solution: GraspSolution) -> dict[str, Any]:
     return record(grasp, solution, grasp.explain())
 
 
-def to_json(solution: GraspSolution, path: Any = None) -> str | Path:
-    """See `GraspSolution.to_json`. Raises InputError for a file that cannot be written."""
-    text = json.dumps(plain(to_dict(solution)), indent=2, ensure_ascii=False, allow_nan=False)
+def loading_dict(loading: Loading) -> dict[str, Any]:
+    """See `Loading.to_dict`."""
+    from handlcp.show.loading.report import record as record_of_path
+
+    return record_of_path(loading)
+
+
+def to_json(value: dict[str, Any], path: Any = None) -> str | Path:
+    """Plain data as JSON: the text, or the file. Raises InputError for a file that cannot be written."""
+    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
     if path is None:
         return text
     file = Path(path)

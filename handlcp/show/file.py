@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError, Unsupported
 
-__all__ = ["Figure", "checked", "new_figure", "write"]
+__all__ = ["Figure", "checked", "new_figure", "writable", "write"]
 
 Figure = Any  # matplotlib's, which is imported only when something is drawn
 
@@ -17,14 +19,34 @@ _FORMATS = (".png", ".svg", ".pdf", ".jpg")
 def checked(path: Any) -> Path:
     """The file to draw into, checked before a long computation.
 
-    Raises InputError for an unknown format or a folder that does not exist; Unsupported without matplotlib.
+    Raises InputError for an unknown format or a file that cannot be written; Unsupported without matplotlib.
     """
     new_figure()
     file = Path(path)
     if file.suffix.lower() not in _FORMATS:
         raise InputError("plot", "a file name that ends in " + ", ".join(_FORMATS), repr(str(path)))
-    if not file.absolute().parent.is_dir():
-        raise InputError("plot", "a file in a folder that exists", repr(str(path)))
+    return writable("plot", file)
+
+
+def writable(argument: str, file: Path) -> Path:
+    """The same file, checked before a long computation. Raises InputError where it cannot be written.
+
+    What it holds stays as it is, and a file that did not exist does not exist afterwards.
+    """
+    try:
+        if not file.absolute().parent.is_dir():
+            raise InputError(argument, "a file in a folder that exists", repr(str(file)))
+        is_new = not file.exists()
+        with file.open("ab") as out:
+            if stat.S_ISCHR(os.fstat(out.fileno()).st_mode) and not out.isatty():
+                out.write(b"\n")  # /dev/full takes nothing, and such devices keep nothing
+        if is_new:
+            file.unlink()
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        why = getattr(error, "strerror", None) or error
+        raise InputError(argument, "a file that can be written", f"{str(file)!r}: {why}") from None
     return file
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
-from handlcp.show.tables import friction_used
+from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
+from handlcp.show.loading.end import grasp_at_end, solution_at_end
 from handlcp.study.plain import pick, plain
 from handlcp.version import VERSION
 
@@ -24,38 +24,56 @@ def record(
     left_out: Suggestions | None = None,
     verdict: Verdict | None = None,
 ) -> dict[str, Any]:
-    """Everything `handlcp solve` prints, and the residuals behind it. verdict : of `check`; None: the solution's."""
+    """Everything `handlcp solve` prints, and the residuals behind it. verdict : of `check`; None: the solution's.
+
+    "contacts", "torques" and "object_displacement" are the solution's; those at the end of the loading that `check`
+    followed stand under "loading".
+    """
     s, scene, reached = solution, grasp.scene, solution.accuracy
-    used = friction_used(grasp, solution)
+    verdict = s.verdict if verdict is None else verdict
     torque = scene.moment - np.cross(grasp.reference, scene.force)
     line = {"unknowns": "cost", "share_of_solve": "share"}
     packages = {name: _version(name) for name in ("numpy", "scipy", "numba", "pin")}
     found = {
         "title": title,
         "status": s.status.name,
-        "verdict": (solution.verdict if verdict is None else verdict).to_dict(),
+        "diagnosis": s.diagnosis,
+        "verdict": verdict.to_dict(),
         "load": {"force_N": scene.force, "torque_Nm": torque, "reference_m": grasp.reference},
         "effects": [pick(e, "title", "on", "why", "equation", **line) for e in explanation.effects],
         "problem": pick(explanation, "unknowns", "eliminated", "rcond", solved="size", solve_s="seconds"),
-        "contacts": [_contact(grasp, s, i) | {"friction_used": used[i]} for i in range(scene.n)],
+        "contacts": [_contact(grasp, s, i) for i in range(scene.n)],
         "object_displacement": _twist(s.object_displacement),
         "torques": _torques(s),
         "actuators": _actuators(s),
         "residuals": asdict(s.residuals) | {"worst": s.residuals.worst},
         "uniqueness": None if s.uniqueness is None else asdict(s.uniqueness),
         "certificate": None if s.certificate is None else _twist(s.certificate),
-        "cause": s.cause,
+        "cause": None if s.held else s.cause or s.diagnosis,
         "yielding": s.yielding,
         "required_preload_m": s.required_preload,
         "proven_within": None if s.bounds is None else {"force_N": s.bounds[0], "motion_m": s.bounds[1]},
         "extra": s.extra,
         "accuracy": None if reached is None else pick(reached, "asked", "error", "met", "setting", "solves", "seconds"),
-        "left_out": None if left_out is None else asdict(left_out),
+        "loading": None if verdict.loading is None else _followed(verdict.loading),
+        "left_out": None if left_out is None else left_out.to_dict(),
         "iterations": s.iterations,
         "trace": s.trace,
         "versions": {"handlcp": VERSION, "python": platform.python_version()} | packages,
     }
     return dict(plain(found))
+
+
+def _followed(loading: Loading) -> dict[str, Any]:
+    """How a followed loading ends; the contacts and torques at its last step, where that is an answer."""
+    end = solution_at_end(loading)
+    told = pick(loading, "reached", "lost_at", "lost_stage", "why") | {
+        "object_displacement": _twist(loading.displacement), "contacts": None, "torques": None,
+    }  # fmt: skip
+    if not end.held:
+        return told
+    there = grasp_at_end(loading)
+    return told | {"contacts": [_contact(there, end, i) for i in range(there.scene.n)], "torques": _torques(end)}
 
 
 def _twist(twist: Any) -> dict[str, Any]:
@@ -74,6 +92,8 @@ def _contact(grasp: Grasp, s: GraspSolution, i: int) -> dict[str, Any]:
         "state": s.contact_state[i],
         "force_N": s.forces[i],
         "force_world_N": s.forces_world[i],
+        "friction_used": s.friction_used[i],
+        "friction_margin_N": s.friction_margin[i],
         "slip_m": s.slip[i][:1] if planar else s.slip[i],
         "gap_m": s.gap[i],
     }
@@ -89,8 +109,9 @@ def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
         return None
     return [
         pick(row, "joint", torque_Nm="torque", limit_Nm="limit", limit_known="known")
-        | {"utilisation": row.utilisation if row.known else None, "binding": row.joint == check.binding, "yield_rad": y}
-        for row, y in zip(check, yielded, strict=True)
+        | {"utilisation": row.utilisation if row.known else None, "margin_Nm": margin}
+        | {"binding": row.joint == check.binding, "yield_rad": y}
+        for row, margin, y in zip(check, check.margin, yielded, strict=True)
     ]
 
 

@@ -11,15 +11,16 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
-from handlcp.check import Array
-from handlcp.grasp import Explanation, Grasp, GraspSolution
+from handlcp.grasp import Explanation, GraspSolution
 from handlcp.grasp.analysis.explanation import Description, EffectLine
+from handlcp.grasp.answer.printed import contact_columns
 from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
+from handlcp.text_table import TextTable
 
 __all__ = [
-    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "friction_share", "friction_used",
-    "hand_table", "key_table", "numbers", "torque_table",
+    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "hand_table", "key_table", "numbers",
+    "torque_table",
 ]  # fmt: skip
 
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
@@ -47,60 +48,41 @@ def effect_table(explanation: Explanation) -> Table:
     return table
 
 
-def contact_table(grasp: Grasp, solution: GraspSolution, faces: Any = "cone") -> Table:
-    """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap."""
-    slips, moments = np.hypot(*solution.slip.T), solution.torsion
-    slip, gap = words.length_unit(slips.tolist()), words.length_unit(solution.gap.tolist())
-    table = empty("Contacts", _limit_note(grasp, faces))
-    table.add_column("contact" if grasp.scene.environment else "finger", overflow="fold")
-    table.add_column("state", no_wrap=True)
-    numbers(table, "normal\nN", "friction\nN", *([] if moments is None else ["moment\nmN·m"]))
-    numbers(table, "of limit\n", f"slip\n{slip.name}", f"gap\n{gap.name}")
-    used = friction_used(grasp, solution)
-    for i, (name, state) in enumerate(zip(solution.names, solution.contact_state, strict=True)):
-        f = solution.forces[i]
-        cells = [_number(f[2]), _number(float(np.hypot(f[0], f[1])))]
-        if moments is not None:
-            cells.append(_number(1e3 * float(moments[i])))
-        cells += [words.percent(used[i]), slip(float(slips[i])), gap(float(solution.gap[i]))]
-        table.add_row(Text(name), Text(state, style=STATE.get(state, "dim")), *cells)
+def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = "") -> Table:
+    """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap.
+
+    note : stands under the table, beside what pyramids in place of the friction cones do.
+    """
+    columns, notes = contact_columns(solution), [_limit_note(solution), note]
+    table = _filled(columns, title, "; ".join(n for n in notes if n))
+    for row, state in zip(columns.rows, solution.contact_state, strict=True):
+        name, _, *values = row
+        table.add_row(Text(name), Text(state, style=STATE.get(state, "dim")), *values)
     return table
 
 
-def friction_used(grasp: Grasp, solution: GraspSolution) -> list[float]:
-    """(n) |r_T| / (μ r_N), in units of the half-axes of an elliptic limit; NaN without friction or without a force."""
-    return list(friction_share(grasp, solution.forces, solution.torsion).tolist())
-
-
-def friction_share(grasp: Grasp, contact_forces: Array, torsion: Array | None) -> Array:
-    """(n,) the same from forces (n, 3) in contact axes [N] and moments (n,) about the normals [N·m]."""
-    scene, soft = grasp.scene, list(grasp.scene.soft)
-    moments = np.zeros(scene.n) if torsion is None else torsion
-    forces, turning = np.split(scene.lawful(np.append(contact_forces, moments[soft])), [3 * scene.n])
-    moment = np.zeros(scene.n)
-    moment[soft] = turning
-    x, y, z = forces.reshape(-1, 3).T
-    limit = np.where(scene.mu * z > 0, scene.mu * z, np.nan)
-    return np.asarray(np.hypot(np.hypot(x, y), moment) / limit)
-
-
-def torque_table(check: Any) -> Table:
+def torque_table(check: Any, title: str = "Joint torques") -> Table:
     """Joint by joint, from a `TorqueCheck`."""
-    table = empty("Joint torques")
-    table.add_column("joint", overflow="fold")
-    numbers(table, "torque\nN·m", "limit\nN·m", "of limit\n")
-    table.add_column("", no_wrap=True)
-    for r in check:
+    table = _filled(check.table, title)
+    for row, r in zip(check.table.rows, check, strict=True):
         finite = r.known and np.isfinite(r.limit)
-        over, binding = finite and r.utilisation > 1.0, r.joint == check.binding
-        style = "bold red" if over else "bold" if binding else None
-        limit = f"{r.limit:.3g}" if finite else "none" if r.known else "unknown"
-        share = words.percent(r.utilisation) if finite else "–"
-        mark = " over limit" if over else " binding" if binding and finite else ""
+        over = finite and r.utilisation > 1.0
+        style = "bold red" if over else "bold" if row[-1] else None
         filled = round(min(r.utilisation, 1.0) * BAR) if finite else 0
-        cells = "█" * filled + "·" * (BAR - filled) if finite else ""
-        bar = Text(cells, style="red" if over else "cyan") + Text(mark)
-        table.add_row(Text(r.joint), _number(r.torque, 4), limit, share, bar, style=style)
+        bar = Text("█" * filled + "·" * (BAR - filled) if finite else "", style="red" if over else "cyan")
+        mark = Text(f" {row[-1]}" if row[-1] else "")
+        table.add_row(Text(row[0]), *row[1:-1], bar + mark, style=style)
+    return table
+
+
+def _filled(columns: TextTable, title: str, note: str = "") -> Table:
+    """The heads of a text table."""
+    table = empty(title, note or None)
+    for k, (head, way) in enumerate(zip(columns.heads, columns.align, strict=True)):
+        if way == ">":
+            numbers(table, head if "\n" in head else f"{head}\n")
+        else:
+            table.add_column(head, overflow="fold", no_wrap=k > 0)
     return table
 
 
@@ -110,8 +92,8 @@ def effort_table(effort: Any) -> Table:
     who, what = effort.kind.split()[:2]
     table.add_column(who, overflow="fold")
     numbers(table, f"{what}\n{effort.unit}")
-    for name, value in zip(effort.names, effort.values.tolist(), strict=True):
-        table.add_row(Text(name), _number(value, 4))
+    for name, value in zip(effort.names, words.column(effort.values.tolist()), strict=True):
+        table.add_row(Text(name), value)
     return table
 
 
@@ -119,13 +101,14 @@ def hand_table(hands: Mapping[str, Hand]) -> Table:
     """Hands to use, by name: joints, fingertips, torque limits."""
     table = empty("Hands")
     table.add_column("name", no_wrap=True)
-    for heading in ("joints", "fingertips", "limits\nN·m"):
-        table.add_column(heading)
+    table.add_column("", no_wrap=True, style="dim")
+    table.add_column("", overflow="fold")
     for name, hand in hands.items():
         joints, tips = hand.joint_names, hand.fingertips
-        title = Text.assemble((name, "bold"), f"\n{len(joints)} joints\n{len(tips)} fingers")
         limits = ", ".join(f"{x:g}" for x in dict.fromkeys(hand.torque_limits.tolist()))
-        table.add_row(title, Text(", ".join(joints)), Text(", ".join(tips)), limits)
+        table.add_row(Text(name, style="bold"), f"{len(joints)} joints", Text(", ".join(joints)))
+        table.add_row("", f"{len(tips)} fingertips", Text(", ".join(tips)))
+        table.add_row("", "torque limits", Text(f"{limits} N·m"))
         table.add_section()
     return table
 
@@ -133,8 +116,8 @@ def hand_table(hands: Mapping[str, Hand]) -> Table:
 def key_table(keys: Sequence[Any]) -> Table:
     """The keys of scene files, from `handlcp.scene.Key`s."""
     table = empty("Keys of a scene file")
-    for heading in ("key", "what it holds", "meaning"):
-        table.add_column(heading, no_wrap=heading == "key")
+    table.add_column("key", no_wrap=True)
+    table.add_column("what it holds\nwhat it means", overflow="fold")
     last = ""
     for k in keys:
         if k.table != last:
@@ -144,7 +127,7 @@ def key_table(keys: Sequence[Any]) -> Table:
         only = f" (shape {k.shape})" if k.shape else ""
         left_out = "; needed" if k.required else f"; left out: {k.default}" if k.default not in ("", '""') else ""
         name = Text(k.key, style="bold" if k.required else "")
-        table.add_row(name, Text(k.expected), Text(f"{k.meaning}{only}{left_out}"))
+        table.add_row(name, Text.assemble((f"{k.expected}\n", "cyan"), f"{k.meaning}{only}{left_out}"))
     return table
 
 
@@ -152,7 +135,7 @@ def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | N
     """All effects. costs : `handlcp.study.catalogue.Cost`s by title; None: not measured."""
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
     table = empty("All effects", None if costs is None else note)
-    table.add_column("effect\nunknowns")
+    table.add_column("effect\nunknowns", max_width=26)
     table.add_column("when to use it\nin Python; in a scene file", overflow="fold")
     if costs is not None:
         numbers(table, "here", "time")
@@ -186,19 +169,13 @@ def _share(line: EffectLine) -> str:
     return f"{round(100 * max(line.share, 0.0))} %" if line.share > SAVES else "saves"
 
 
-def _number(value: float, digits: int = 3) -> str:
-    if not np.isfinite(value):
-        return "–"
-    return f"{round(value, digits) + 0.0:.{digits}f}" if abs(value) < 100 else f"{value:.1f}"
-
-
-def _limit_note(grasp: Grasp, faces: Any) -> str | None:
-    """The share of the friction limit at which a contact in a pyramid may slide; None without pyramids."""
-    if grasp.scene.plane is not None or not grasp.scene.frictional or not isinstance(faces, int):
-        return None
-    sticks = float(np.cos(np.pi / faces))
-    if grasp.scene.soft:
-        least = words.percent(min(sticks, limit_set(Pyramid(faces), 3).share))
+def _limit_note(solution: GraspSolution) -> str:
+    """The share of the friction limit at which a contact in a pyramid may slide; "" without pyramids."""
+    scene, section = solution.scene, solution.section
+    if scene is None or not scene.frictional or not isinstance(section, Pyramid) or not section.inscribed:
+        return ""
+    if scene.soft:
+        least = words.percent(min(section.share, limit_set(section, 3).share))
         return f"of limit: friction and moment within the limit surface; a contact slides from {least} on"
-    least, who = words.percent(sticks), "contact" if grasp.scene.environment else "finger"
-    return f"of limit: friction / (μ · normal); {faces} faces inside the cone let a {who} slide from {least} on"
+    least, who = words.percent(section.share), "contact" if scene.environment else "finger"
+    return f"of limit: friction / (μ · normal); {section.faces} faces inside the cone let a {who} slide from {least} on"

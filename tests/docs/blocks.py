@@ -6,7 +6,9 @@
     ```toml       written to the file that its first line names: `# my_scene.toml`
 
 What is shown may leave out anything with "…": a line of its own stands for any lines. Blank lines and blanks at the end
-of a line do not count.
+of a line do not count. What is shown in full and is no longer what is printed is written anew into the pages by
+
+    HANDLCP_WRITE_TEXTS=1 python -m pytest tests/docs && git diff
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import io
+import os
 import pathlib
 import re
 import shlex
@@ -23,6 +26,7 @@ from typing import NamedTuple
 from typer.testing import CliRunner
 
 from handlcp.cli import app
+from tests.support.texts import WRITE
 
 __all__ = ["Block", "Page", "blocks_of"]
 
@@ -50,11 +54,15 @@ class Page:
 
     def __init__(self, name: str) -> None:
         self.name, self.namespace, self.printed = name, {"__name__": "__main__"}, ""
+        self.written: list[tuple[str, str]] = []  # what was shown, and what is to be shown in its place
 
-    def run_all(self, text: str) -> None:
-        """Every block of a page, in order."""
+    def run_all(self, text: str) -> str:
+        """Every block of a page, in order; the page as it should be."""
         for block in blocks_of(text):
             self.run(block)
+        for shown, printed in self.written:
+            text = text.replace(f"\n{shown}```", f"\n{printed}```", 1)
+        return text
 
     def run(self, block: Block) -> None:
         """Run it, or compare it with what the block before it printed. Raises AssertionError, or what it raises."""
@@ -62,7 +70,7 @@ class Page:
         if block.language == "python":
             self.printed = self._python(block, where)
         elif block.language == "text":
-            compare(block.text, self.printed, where)
+            self._compare(block.text, where)
         elif block.language == "toml":
             first = re.match(r"# (\w+\.toml)\n", block.text)
             assert first, f"{where}: which file is it?"
@@ -88,13 +96,17 @@ class Page:
         for command, shown in zip(parts[1::2], parts[2::2], strict=True):
             self.printed = shell(command, where)
             if shown.strip():
-                compare(shown, self.printed, where)
+                self._compare(shown, where)
 
-
-def compare(shown: str, printed: str, where: str) -> None:
-    """What is shown is what is printed."""
-    kept = [r"(?:.*\n)*?" if s.strip() == "…" else re.escape(s).replace("…", ".*?") + r"\n" for s in lines(shown)]
-    assert re.fullmatch("".join(kept), "".join(f"{s}\n" for s in lines(printed))), f"{where}: it prints\n{printed}"
+    def _compare(self, shown: str, where: str) -> None:
+        """What is shown is what is printed."""
+        kept = [r"(?:.*\n)*?" if s.strip() == "…" else re.escape(s).replace("…", ".*?") + r"\n" for s in lines(shown)]
+        printed = "".join(f"{line}\n" for line in lines(self.printed))
+        same = re.fullmatch("".join(kept), printed)
+        if not same and os.environ.get(WRITE) == "1" and "…" not in shown:
+            self.written.append((shown, printed))
+        else:
+            assert same, f"{where}: it prints\n{printed}"
 
 
 def lines(text: str) -> list[str]:

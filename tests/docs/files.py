@@ -21,6 +21,21 @@ def hand(file: pathlib.Path) -> None:
     file.write_text(text, encoding="utf-8")
 
 
+def mjcf(file: pathlib.Path) -> None:
+    """The same hand for MuJoCo, with a site at the end of each finger."""
+    fingers = []
+    for name, angle in zip(FINGERS.values(), (0, 120, 240), strict=True):
+        hinge = 'type="hinge" axis="0 -1 0" damping="0.1"'
+        fingers.append(
+            f'<body name="{name}_base" euler="0 0 {angle}"><geom type="sphere" size="0.001" pos="0.045 0 0"/>'
+            f'<body name="{name}_1" pos="0.045 0 0"><joint name="{name}_proximal" {hinge} range="-28 92"/>'
+            f'<geom type="capsule" size="0.007" fromto="0 0 0 0 0 0.05"/><body name="{name}_2" pos="0 0 0.05">'
+            f'<joint name="{name}_distal" {hinge} range="0 109"/><site name="{name}_tip" pos="0 0 0.04"/>'
+            '<geom type="capsule" size="0.006" fromto="0 0 0 0 0 0.04"/></body></body></body>'
+        )
+    file.write_text(f"<mujoco><worldbody>{''.join(fingers)}</worldbody></mujoco>", encoding="utf-8")
+
+
 def mug(file: pathlib.Path) -> None:
     """A can in millimetres, as CAD programs write it: 50 mm wide, 90 mm high."""
     import trimesh
@@ -38,7 +53,9 @@ def planner(file: pathlib.Path) -> None:
     file.write_text(json.dumps(dict(zip(names, map(float, q), strict=True))), encoding="utf-8")
 
 
-WRITERS: dict[str, Callable[[pathlib.Path], None]] = {"my_hand.urdf": hand, "mug.stl": mug, "planner.json": planner}
+WRITERS: dict[str, Callable[[pathlib.Path], None]] = {
+    "my_hand.urdf": hand, "my_hand.xml": mjcf, "mug.stl": mug, "planner.json": planner,
+}  # fmt: skip
 
 
 def write_all(folder: pathlib.Path) -> None:

@@ -48,6 +48,13 @@ def test_every_effect_that_is_asked_for_by_name_has_a_place_in_how_to_choose_or_
     assert len(entries()) == text(DOCS.parent / "handlcp" / "grasp" / "effects" / "README.md").count("\n### ")
 
 
+def test_every_task_of_the_examples_is_named_on_a_page_of_the_tour():
+    pages = "".join(text(p) for p in (DOCS / "tour").glob("*.md"))
+    tasks = [p.name for p in (ROOT / "examples" / "tasks").glob("*.py")]
+    assert len(tasks) > 5
+    assert [name for name in tasks if f"`examples/tasks/{name}`" not in pages] == []
+
+
 def test_every_page_is_in_the_contents():
     listed = {"index"}
     for index in (DOCS / "index.md", DOCS / "api" / "index.md"):

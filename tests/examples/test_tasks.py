@@ -89,7 +89,7 @@ def test_the_page_is_one_file_without_addresses():
 
 def test_the_audit_of_an_unknown_hand_doubts_its_torque_limits():
     task = ran("audit_a_hand")
-    assert task["hand"].fingertips == tuple(f"link_{k}.0_tip" for k in (3, 7, 11, 15))
+    assert set(task["hand"].fingertips) == {f"link_{k}.0_tip" for k in (3, 7, 11, 15)}
     assert "15 N·m" in str(task["audit"])
 
 

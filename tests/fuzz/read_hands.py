@@ -18,8 +18,9 @@ import handlcp as hl
 
 def read(path: Path) -> str:
     """A typed error by its name, "hand" for a hand that can be used, or what went wrong."""
-    with contextlib.suppress(hl.HandLCPError):
-        hl.audit_urdf(path)
+    for look in (hl.audit_urdf, hl.describe_urdf):
+        with contextlib.suppress(hl.HandLCPError):
+            str(look(path))
     hand = hl.Hand.from_urdf(path, joint_stiffness=2.0, tip_radius=0.01)
     state = hand.at(hand.neutral)
     numbers = [state.jacobian, state.flexibility, state.tip_positions]
@@ -28,6 +29,7 @@ def read(path: Path) -> str:
     if np.isnan(hand.torque_limits).any() or np.isnan(hand.lower).any() or np.isnan(hand.upper).any():
         return "NAN in limits"
     str(hand.audit())
+    str(hand.describe().to_dict())
     tips = state.tip_positions
     contacts = [hl.Contact(p, (1.0, 0, 0)) for p in tips[:3]]
     s = state.grasp(contacts, wrench=(-1, 0, 0, 0, 0, 0), gravity=(0, 0, -9.81)).solve(4, throw=False)

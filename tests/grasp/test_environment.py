@@ -111,7 +111,8 @@ def test_a_box_pushed_sideways_sticks_below_the_limit_and_nothing_holds_it_above
     np.testing.assert_allclose(s.object_displacement[0], 0.999 * limit * flexibility / 4, **EXACT)
     assert under(1.001 * limit).status is hl.Status.NOT_HOLDABLE
     assert under(1.001 * limit).certificate[0] > 0
-    same("grasp/test_environment: a push beyond friction", without_numbers(under(1.001 * limit).diagnosis))
+    said = without_numbers(under(1.001 * limit).diagnosis)
+    same(f"grasp/test_environment: a push beyond friction, {faces}", said)
 
 
 def test_a_finger_that_pushes_a_box_against_its_friction_slides_it_until_its_spring_is_spent():

@@ -31,7 +31,8 @@ def test_a_batch_asks_for_no_advice_and_its_solutions_know_where_to_ask(monkeypa
     solutions = hl.solve_many([pinch(squeeze=0.0)] * 3)
     assert solutions.statuses == (hl.Status.NO_EQUILIBRIUM,) * 3
     assert not asked
-    assert solutions[1].required_preload == pinch(squeeze=0.0).required_preload().value
+    least = pinch(squeeze=0.0).required_preload().value
+    assert least <= solutions[1].required_preload <= 1.1 * least, "rounded up to two digits"
 
 
 def test_the_error_travels_with_its_message_and_solution():

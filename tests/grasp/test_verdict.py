@@ -109,7 +109,7 @@ def test_other_ways_to_hold_are_mentioned():
 def test_slips_and_motion_are_told_with_a_fitting_unit():
     grasp = load(EXAMPLES / "psyonic_grasp.toml").build()
     text = grasp.solve().verdict.text
-    same("grasp/test_verdict: slips and motion", text, "Left_ring_anchor", "0.11 mm", "Left_middle_anchor", "29 µm")
+    same("grasp/test_verdict: slips and motion", text, "Left_ring_anchor", "0.11 mm", "Left_middle_anchor", "0.029 mm")
     assert all(length in text for length in ("0.91 mm", "0.42 mm", "1.2°")), "the object's motion, part of it, its turn"
 
 
@@ -135,7 +135,7 @@ def test_a_displacement_beyond_reason_is_named_in_python_too():
     (found,) = v.about("large_motion")
     same("grasp/test_verdict: motions of metres", found.sentence)
     assert found.sentence in s.diagnosis
-    assert found.sentence in str(s)
+    assert found.sentence in " ".join(str(s).split())
 
 
 def test_it_prints_in_80_columns_and_goes_to_json():
@@ -146,7 +146,7 @@ def test_it_prints_in_80_columns_and_goes_to_json():
     assert [line.partition(":")[0] for line in lines if line.startswith(("HELD", "Warning"))] == ["HELD", "Warning"]
     found = json.loads(json.dumps(v.to_dict()))
     assert (found["word"], found["ok"]) == ("HELD", True)
-    assert [r["severity"] for r in found["reasons"]] == ["note", "note", "warning"]
+    assert [r["severity"] for r in found["reasons"]] == ["note", "note", "note", "warning"]
     assert {"code", "severity", "sentence", "values"} == set(found["reasons"][0])
 
 

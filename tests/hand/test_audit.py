@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 
 from handlcp import Contact, Coulomb
 from handlcp.errors import UnknownName, URDFError
-from handlcp.hand import Audit, Hand, audit_urdf, example_hand
+from handlcp.hand import Audit, Hand, Sphere, audit_urdf, example_hand
 from tests.support.hand import SHIPPED, allegro, psyonic, urdf
 from tests.support.texts import same
 
@@ -88,10 +89,11 @@ def test_finger_edu_has_a_thousand_newton_metres() -> None:
 def test_mimic_tags_are_reported_with_how_they_are_read() -> None:
     """The psyonic's tags name joints that do not exist; the audit says what they are taken for."""
     file, _ = psyonic()
-    text = str(audit_urdf(file, base="LeftPsyonicAbilityBaseLink"))
-    (line,) = (x for x in text.splitlines() if "Left_index_q2" in x and "1.05851" in x)
-    same("hand/test_audit: a mimic tag", line.strip(), "'index_q1'", "1.05851", "Left_index_q1", "0.723498")
-    assert "Right_" not in text
+    found = audit_urdf(file, base="LeftPsyonicAbilityBaseLink")
+    (tag,) = found.about("Left_index_q2")
+    same("hand/test_audit: a mimic tag", str(tag), "'index_q1'", "1.05851", "Left_index_q1", "0.723498")
+    assert tag.severity == "minor"
+    assert "Right_" not in str(found)
     with pytest.raises(UnknownName, match="LeftPsyonicAbilityBaseLink"):
         audit_urdf(file, base="Hand")
 
@@ -140,17 +142,23 @@ def test_each_kind_of_doubt(write: Callable[[str], Path]) -> None:
 
 
 def test_placeholders_are_equal_and_round(write: Callable[[str], Path]) -> None:
-    """100 on every joint is a placeholder; 100 and 90, or 3.7 twice, are not; nor is one joint alone."""
+    """100 on every joint is a placeholder; 3.7 on every joint is a small doubt; 100 and 90, or one joint, are none."""
 
     def limit(effort: float) -> str:
         return f'<limit lower="-1" upper="1" effort="{effort}" velocity="1"/>'
 
-    def doubts(*values: float) -> list[str]:
-        return [d.what for d in audit(write, *(joint(f"j{i}", limit(v)) for i, v in enumerate(values)))]
+    def doubts(*values: float) -> list[tuple[str, str]]:
+        found = audit(write, *(joint(f"j{i}", limit(v)) for i, v in enumerate(values)))
+        return [(d.what, d.severity) for d in found if d.about == "torque limit" and "every" in d.what]
 
-    same("hand/test_audit: two equal round efforts", doubts(100, 100)[0], "100 N·m")
-    for others in ((100, 90), (3.7, 3.7), (100,)):
-        assert not any("N·m" in what for what in doubts(*others)), others
+    ((what, severity),) = doubts(100, 100)
+    same("hand/test_audit: two equal round efforts", what, "100 N·m")
+    assert severity == "serious"
+    ((what, severity),) = doubts(3.7, 3.7)
+    same("hand/test_audit: two equal efforts", what, "3.7 N·m")
+    assert severity == "minor"
+    for others in ((100, 90), (3.7, 3.8), (100,)):
+        assert not doubts(*others), others
 
 
 def test_audit_of_a_hand_from_a_model(write: Callable[[str], Path]) -> None:
@@ -160,8 +168,8 @@ def test_audit_of_a_hand_from_a_model(write: Callable[[str], Path]) -> None:
     same("hand/test_audit: a limit that a model does not have", about(found, "w"))
 
 
-def test_audit_prints_as_a_table() -> None:
-    """A rich table, and one line when there is nothing to say."""
+def test_an_audit_prints_the_same_everywhere() -> None:
+    """On a rich console too, and one line when there is nothing to say."""
     from io import StringIO
 
     from rich.console import Console
@@ -169,7 +177,7 @@ def test_audit_prints_as_a_table() -> None:
     out = StringIO()
     Console(file=out, width=120).print(audit_urdf(allegro()[0]))
     assert "torque_limits" in out.getvalue()
-    same("hand/test_audit: the table's headings", " ".join(out.getvalue().splitlines()[2].split()))
+    assert out.getvalue().strip() == str(audit_urdf(allegro()[0]))
     same("hand/test_audit: no doubts", str(Audit("some.urdf", ())), "some.urdf")
 
 
@@ -200,3 +208,94 @@ def test_a_verdict_warns_of_limits_that_no_motor_of_a_finger_has(
     assert all(r.severity == "warning" for r in v.about("limit_doubtful"))
     if doubtful:
         same(f"hand/test_audit: a limit of {max(efforts):g}, {doubtful}", v.about("limit_doubtful")[0].sentence)
+
+
+# ---------------------------------------------------------------- how much a doubt weighs
+LEAD = '<limit lower="-1" upper="1" effort="0.5" velocity="1"/>'
+AFTER = '<limit lower="-0.5" upper="0.5" effort="0.2" velocity="1"/><mimic joint="lead" multiplier="2"/>'
+
+
+def test_the_most_serious_doubts_come_first(write: Callable[[str], Path]) -> None:
+    """Severities in order, in the sequence and in print, which says each heading once."""
+    wide = joint("wide", '<limit lower="-4" upper="4" effort="0.3" velocity="1"/>')
+    zero = joint("zero", '<limit lower="-1" upper="1" effort="0" velocity="1"/>')
+    found = audit(write, wide, joint("lead", LEAD), joint("after", AFTER), zero)
+    order = [d.severity for d in found]
+    assert order == sorted(order, key=("serious", "minor", "information").index)
+    assert set(order) == {"serious", "minor", "information"}
+    text = str(found)
+    assert text.index("Serious") < text.index("Minor") < text.index("Information")
+    assert max(map(len, text.splitlines())) <= 80
+    assert found.serious == tuple(d for d in found if d.severity == "serious")
+    same("hand/test_audit: the summary", found.summary)
+
+
+def test_a_mimic_tag_that_is_right_is_no_doubt(write: Callable[[str], Path]) -> None:
+    """It is read as it is written: information. One that leads nowhere is serious."""
+    (right,) = audit(write, joint("lead", LEAD), joint("after", AFTER)).about("after")
+    assert right.severity == "information"
+    same("hand/test_audit: a mimic tag that is right", right.what)
+    (wrong,) = (d for d in audit(write, joint("after", AFTER)).about("after") if d.about == "coupling")
+    assert wrong.severity == "serious"
+
+
+@pytest.mark.parametrize(("own", "severity"), [("-3 3", None), ("-0.5 0.5", "minor"), ("4 5", "serious")])
+def test_ranges_that_a_follower_narrows_are_doubts(
+    write: Callable[[str], Path], own: str, severity: str | None
+) -> None:
+    """q_after = 2 q_lead in its own limits: they leave q_lead all of its range, half of it, or none."""
+    lower, upper = own.split()
+    after = AFTER.replace('"-0.5"', f'"{lower}"').replace('"0.5"', f'"{upper}"')
+    hand = Hand.from_urdf(
+        write(f'<robot name="r"><link name="palm"/>{joint("lead", LEAD)}{joint("after", after)}</robot>'),
+        ["lead_link"],
+        joint_stiffness=1.0,
+    )
+    found = [d for d in hand.audit().about("lead") if d.about == "range"]
+    assert [d.severity for d in found] == ([severity] if severity else [])
+    if severity == "minor":
+        same("hand/test_audit: a range narrowed by a mimic joint", found[0].what, "after", "-0.25, 0.25")
+
+
+def test_what_geometry_lacks_is_a_doubt(tmp_path: Path) -> None:
+    """None at all: nobody sees links in the object. Of one link: that one. A mesh that is not there: which."""
+    text = urdf("three_finger").read_text()
+    collision = re.compile(r"<collision.*?</collision>", re.S)
+
+    def doubts(changed: str) -> dict[str, list[str]]:
+        file = tmp_path / "changed.urdf"
+        file.write_text(changed)
+        found = [d for d in audit_urdf(file) if d.about == "geometry"]
+        return {severity: [d.what for d in found if d.severity == severity] for severity in ("serious", "minor")}
+
+    assert doubts(text) == {"serious": [], "minor": []}
+    none = doubts(collision.sub("", text))
+    same("hand/test_audit: no collision geometry", none["serious"][0])
+    one = doubts(collision.sub("", text, count=1))
+    same("hand/test_audit: a link without collision geometry", one["minor"][0])
+    mesh = '<collision><geometry><mesh filename="package://no/where.stl"/></geometry></collision>'
+    lost = doubts(collision.sub(mesh, text, count=1))
+    same("hand/test_audit: a mesh that is missing", lost["serious"][0], "package://no/where.stl")
+
+
+def test_serious_doubts_stand_beside_the_verdict(write: Callable[[str], Path]) -> None:
+    """A range that is written the wrong way round, and links that nothing is known of; small doubts stay away."""
+    text = re.sub(r"<collision.*?</collision>", "", urdf("two_finger").read_text(), flags=re.S)
+    text = text.replace('lower="-0.5" upper="1.6"', 'lower="1.6" upper="-0.5"', 1)
+    hand = Hand.from_urdf(write(text), joint_stiffness=6.0, pad_flexibility=1e-4, tip_radius=0.008)
+    assert [d.about for d in hand.audit().serious] == ["range", "geometry"]
+    tips = hand.at(np.zeros(4)).tip_positions
+    ball = Sphere(0.5 * np.ptp(tips[:, 0]) - 0.008, (0, 0, tips[0, 2]))
+    v = hand.at(np.zeros(4)).grasp(ball, preload=1e-3).solve(throw=False).verdict
+    (doubtful,) = v.about("hand_doubtful")
+    same("hand/test_audit: a serious doubt beside a verdict", doubtful.sentence, "1.6")
+    (blind,) = v.about("link_inside")
+    assert {doubtful.severity, blind.severity} == {"warning"}
+    same("hand/test_audit: links that nobody sees", blind.sentence)
+
+
+def test_a_shipped_hand_s_verdict_has_no_doubts() -> None:
+    hand = example_hand("three_finger")
+    ball = Sphere(0.03, (0, 0, 0.09))
+    v = hand.at(hand.close_on(ball)).grasp(ball, preload=1e-3).solve(throw=False).verdict
+    assert not [r for r in v.reasons if r.code in ("limit_doubtful", "hand_doubtful")]

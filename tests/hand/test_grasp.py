@@ -216,7 +216,7 @@ def test_torque_check_names_the_binding_joint(held: HandGrasp) -> None:
     (marked,) = (line for line in text.splitlines() if line.strip().startswith("finger_3_distal") and "%" in line)
     same("hand/test_grasp: the row of the joint that binds", without_numbers(marked))
     same("hand/test_grasp: a joint that is too weak", check.verdict, "finger_3_distal")
-    assert check.verdict in text
+    assert check.verdict in str(check)
     assert held.solve().torque_check.ok
     with pytest.raises(UnknownName, match="finger_1_distal"):
         check["thumb"]

@@ -41,10 +41,10 @@ def test_every_change_is_that_of_the_grasp_with_the_effect():
 def test_a_joint_beyond_its_limit_is_named_with_what_yielding_changes():
     g = held(limits=0.27)
     s = g.solve()
-    (first, *_) = g.suggest(s)
+    found = g.suggest(s)
+    (first,) = (each for each in found if each.effect == "torque saturation")
     worst = max(s.torque_check, key=lambda r: r.utilisation)
     yielding = held(limits=0.27, effects=[hl.TorqueSaturation()]).solve(start=s)
-    assert first.effect == "torque saturation"
     assert first.change == pytest.approx(max(change(s, yielding), worst.utilisation - 1.0), rel=1e-6)
     assert worst.joint in first.words or first.words.startswith("finger_")
     assert "TorqueSaturation" in first.ask
@@ -71,7 +71,7 @@ def test_fingers_that_buckle_are_an_endless_change():
     assert judged(g.suggest())["geometric stiffness"] == np.inf
     (bent,) = (s for s in g.suggest() if s.effect == "geometric stiffness")
     same("hand/test_suggest: fingers that buckle", without_numbers(bent.words))
-    assert bent.words in str(g.suggest())
+    assert bent.words in " ".join(str(g.suggest()).split())
 
 
 def test_a_grasp_without_a_hand_is_told_of_the_cone_alone():
@@ -81,6 +81,38 @@ def test_a_grasp_without_a_hand_is_told_of_the_cone_alone():
     assert not judged(g.suggest(least=0.0)), "solved on the cone already"
     assert not len(g.suggest(faces=8))
     same("hand/test_suggest: nothing to suggest", without_numbers(str(g.suggest(faces=8))))
+
+
+def test_a_grasp_that_fails_is_told_what_was_tried_and_holds_it():
+    """Without a squeeze nothing presses; what is advised holds when it is done."""
+    g = held(preload=0.0)
+    s = g.solve(throw=False)
+    assert not s.held
+    found = g.suggest(s)
+    assert found.word == "NOT HELD"
+    (squeeze,) = (each for each in found if each.effect == "squeeze")
+    assert squeeze.change == np.inf
+    depth = float(squeeze.ask.split()[-3])
+    assert f"{1e3 * depth:g} mm" in squeeze.words, "as printed"
+    assert g.replace(squeeze=depth).check().word == "HELD"
+    assert found.to_dict()["found"][0]["change"] is None
+
+
+def test_what_nothing_helps_says_what_was_tried_in_vain():
+    contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), hl.Frictionless()) for s in (-1.0, 1.0)]
+    lost = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=1e-3, preload=1e-3).suggest()
+    assert (len(lost), lost.word) == (0, "NOT HELD")
+    same("hand/test_suggest: nothing helps", str(lost))
+    beyond = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), hl.Coulomb(0.1)) for s in (-1.0, 1.0)]
+    some = hl.Grasp(beyond, (0, 0, -1e4, 0, 0, 0), flexibility=1e-3, preload=1e-3).suggest()
+    assert some.tried
+    assert all(text in " ".join(str(some).split()) for text in some.tried)
+
+
+def test_too_weak_motors_are_told_both_what_to_change_and_which_effect_matters():
+    found = held(limits=0.25).suggest()
+    assert found.word == "OVER LIMIT"
+    assert {"less squeeze", "torque saturation"} <= {s.effect for s in found}
 
 
 @pytest.mark.parametrize("bad", [1.0, "answer"])

@@ -56,8 +56,9 @@ def test_the_joint_that_yields_holds_its_limit_and_the_other_carries_the_rest(wr
     assert (row.utilisation, s.torque_check.binding, s.torque_check.yielding) == (1.0, "right_joint", ("right_joint",))
     assert s.torque_check.ok
     same("hand/test_torque_saturation: a joint that yields", s.torque_check.verdict, "right_joint")
-    assert s.torque_check.verdict in str(s)
-    (row,) = (line for line in str(s).splitlines() if "right_joint" in line and s.torque_check.verdict not in line)
+    table = str(s.torque_check).removesuffix(s.torque_check.verdict)
+    assert table != str(s.torque_check)
+    (row,) = (line for line in table.splitlines() if "right_joint" in line)
     same("hand/test_torque_saturation: its row", without_numbers(row))
     assert s.uniqueness.forces_determined  # type: ignore[union-attr]
     # virtual work, nothing slides: w·u = r·(E r + d) + τ_max s

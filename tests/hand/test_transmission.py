@@ -179,7 +179,7 @@ def test_a_stream_follows_such_a_hand(behind: object, pads: object) -> None:
 
 def test_explanation_audit_and_record_say_it(write: Writer) -> None:
     hand = one_tendon(write, left_root=P1, left_end=P2)
-    assert not any(d.joint == "hand" for d in hand.audit()), "nobody asks for a spring at every joint"
+    assert not any(d.about == "stiffness" for d in hand.audit()), "nobody asks for a spring at every joint"
     lines = {line.title: line for line in example_hand("five_finger").at(np.zeros(10)).grasp(
         BALL, max_gap=1.0).explain().effects}  # fmt: skip
     assert not lines["transmission"].on

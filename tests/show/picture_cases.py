@@ -14,7 +14,7 @@ import pinocchio as pin
 import handlcp as hl
 from handlcp.scene import load
 
-__all__ = ["CASES", "EXAMPLES", "bare_hand", "case", "ring"]
+__all__ = ["CASES", "EXAMPLES", "bare_hand", "case", "on_table", "ring"]
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import handlcp as hl
@@ -18,11 +19,45 @@ def test_an_answer_draws_itself(solution, tmp_path):
     assert solution.plot(tmp_path / "grasp.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_under_the_verdict_of_check_the_end_of_its_loading_is_drawn():
+    """The labels' forces are those at the end: friction remembers the squeeze, and they differ from one solve's."""
+    hand, can = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+    grasp = hand.at(hand.close_on(can)).grasp(can, hl.Coulomb(0.8), squeeze=5e-3, wrench=(1.0, 1.5, 0, 0, 0, 0))
+    s, v = grasp.solve(), grasp.check()
+    assert v.loading.reached
+
+    def labels(solution):
+        return {f"{np.linalg.norm(f):.3g} N" for f in solution.forces}
+
+    def told(figure):
+        return " ".join(t.get_text() for t in [*figure.texts, *(t for ax in figure.axes for t in ax.texts)])
+
+    one, end = told(s.plot()), told(s.plot(verdict=v))
+    assert labels(s) != labels(v.loading.solution)
+    assert all(label in one for label in labels(s))
+    assert all(label in end for label in labels(v.loading.solution))
+    assert "squeezed and loaded" in end
+    assert "squeezed and loaded" not in one
+
+
 def test_an_answer_is_plain_data_that_json_brings_back(solution, tmp_path):
     found = solution.to_dict()
     assert found["contacts"][0]["force_N"] == pytest.approx(list(solution.forces[0]))
     assert json.loads(solution.to_json()) == found
     assert json.loads(solution.to_json(tmp_path / "grasp.json").read_text(encoding="utf-8")) == found
+
+
+def test_everything_that_is_found_is_plain_data():
+    contacts = [hl.Contact((0.02 * x, 0, 0), (-x, 0, 0), hl.Coulomb(0.5)) for x in (-1.0, 1.0)]
+    grasp = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
+    for found in (
+        grasp.check(), grasp.follow(steps=2), grasp.equilibria(faces=4), grasp.explain(), grasp.suggest(),
+        grasp.required_friction(tolerance=0.1),
+    ):  # fmt: skip
+        assert json.loads(found.to_json()), type(found).__name__
+    assert grasp.check().loading.reached
+    assert grasp.follow(steps=2).to_dict()["reached"] is True
+    assert len(grasp.equilibria(faces=4).to_dict()["found"]) == len(grasp.equilibria(faces=4))
 
 
 def test_a_file_that_cannot_be_written_is_named(solution, tmp_path):

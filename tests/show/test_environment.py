@@ -43,13 +43,13 @@ def below(table):
 
 def test_the_tables_heading_is_contact_where_not_all_are_fingers(box):
     grasp, _ = box
-    text = printed(tables.contact_table(grasp, grasp.solve(8), 8))
+    text = printed(tables.contact_table(grasp.solve(8)))
     same("show/test_environment: under the table of contacts", below(text))
     assert "contact  " in text
     assert "table 4" in text
     assert "finger " not in text
     grasp = contacts_only()
-    text = printed(tables.contact_table(grasp, grasp.solve(8), 8))
+    text = printed(tables.contact_table(grasp.solve(8)))
     same("show/test_environment: under the table of fingers", below(text))
     assert "finger  " in text
     assert "contact " not in text

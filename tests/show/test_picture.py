@@ -113,6 +113,16 @@ def test_shapes_are_closed_wind_outwards_and_have_their_volume():
     assert shapes.hull(np.array([[0, 0, 0], [1, 0, 0]]), 0.1) is None
 
 
+def test_a_fine_surface_is_made_coarse_and_stays_where_it_is():
+    plain = shapes.box((1, 2, 3))
+    assert shapes.coarse(plain, 0.1) is plain
+    fine = shapes.revolved([(np.sin(a), -np.cos(a)) for a in np.linspace(0, np.pi, 120)], 200)
+    few = shapes.coarse(fine, 0.1)
+    assert 200 < len(few) < 0.2 * len(fine)
+    np.testing.assert_allclose(np.linalg.norm(few.reshape(-1, 3), axis=1), 1.0, atol=0.1)
+    assert volume(few) == pytest.approx(4 / 3 * np.pi, rel=0.1)
+
+
 def test_the_nearer_triangle_wins_a_pixel():
     colour, depth = np.zeros((4, 4, 3)), np.full((4, 4), -np.inf)
     whole = np.array([[-9.0, -9, 0], [20, -9, 0], [-9, 20, 0]])

@@ -102,6 +102,13 @@ def slip_arrows(name):
     return sum(np.allclose(p.get_facecolor()[:3], purple) for p in figure.axes[0].patches)
 
 
+def test_a_load_too_small_to_draw_is_said_to_be():
+    grasp = ring(3, load=(0, 0, -1e-3, 0, 0, 0))
+    said = [t.get_text() for t in draw(grasp, grasp.solve()).legends[0].get_texts()]
+    assert any("too small to draw" in t.replace("\n", " ") for t in said)
+    assert "too small" not in legend("cube_three_fingers")
+
+
 # ---------------------------------------------------------------- hands
 def test_links_without_geometry_are_sticks_from_joint_to_joint():
     given = case("cube_three_fingers")[0].state

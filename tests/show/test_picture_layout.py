@@ -61,6 +61,13 @@ def test_every_word_can_be_read_and_no_lines_cross(name):
     lines_stand_alone(figure.axes[0], renderer)
 
 
+def test_no_words_are_too_small():
+    for name in ("long_names", "psyonic_grasp", "allegro_pinch"):
+        figure, _ = drawn(name)
+        sizes = [t.get_fontsize() for ax in figure.axes for t in ax.texts] + [t.get_fontsize() for t in figure.texts]
+        assert min(sizes) >= 7.5
+
+
 def words_stand_alone(figure, renderer):
     """On the page, and over nothing."""
     written, page = boxes(figure, renderer), figure.bbox
@@ -103,11 +110,23 @@ def test_labels_are_one_for_each_contact_until_there_are_too_many():
     assert "table: 40 contacts" in grouped
     assert not any(name.startswith("table 1") for name in grouped)
     solution = case("forty_on_table")[1]
-    forces = np.linalg.norm(solution.forces[2:], axis=1)
+    forces = solution.normal_force[2:]
     said = next(t for t in grouped if t.endswith("N, stick"))
     low, high = (float(x) for x in said.removesuffix(" N, stick").split(" to "))
     assert low == pytest.approx(forces.min(), rel=5e-3)
     assert high == pytest.approx(forces.max(), rel=5e-3)
+
+
+def test_a_label_has_the_normal_force_and_the_friction_of_its_contact():
+    _, solution, *_ = case("psyonic_grasp")
+    written = [t.get_text() for t in drawn("psyonic_grasp")[0].axes[0].texts]
+    for name, f, state in zip(solution.names, solution.forces, solution.contact_state, strict=True):
+        said = written[written.index(name) + 1]
+        numbers, _, verb = said.partition(" N, ")
+        normal, friction = (float(x) for x in numbers.split(" + "))
+        assert normal == pytest.approx(f[2], rel=5e-3)
+        assert friction == pytest.approx(np.hypot(f[0], f[1]), rel=5e-3)
+        assert verb == {"sticking": "sticks", "sliding": "slides"}[state]
 
 
 def test_long_names_keep_what_tells_them_apart():

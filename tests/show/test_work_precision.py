@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,6 +65,18 @@ def test_no_text_leaves_the_page_or_covers_another(several, cube, planar):
             across = min(box.x1, other.x1) - max(box.x0, other.x0)
             along = min(box.y1, other.y1) - max(box.y0, other.y0)
             assert min(across, along) < 4.0, f"{a.get_text()!r} over {b.get_text()!r}"
+
+
+def test_the_legend_of_the_faces_covers_no_curve(cube):
+    figure = draw(cube)
+    figure.canvas.draw()
+    faces = next(ax for ax in figure.axes if "faces" in ax.get_title("left"))
+    box = faces.get_legend().get_window_extent()
+    for line in faces.lines:
+        if len(line.get_xdata()):
+            points = faces.transData.transform(line.get_xydata())
+            along = [a + s * (b - a) for a, b in pairwise(points) for s in np.linspace(0, 1, 40)]
+            assert not box.count_contains(np.array([*points, *along])), line.get_label()
 
 
 def test_no_text_is_too_small_to_read(cube):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from dataclasses import replace
 from io import StringIO
 
@@ -48,6 +49,16 @@ def test_every_table_is_rendered_with_every_printed_number(report: PaperReport) 
             assert row.printed.text in block
     assert len(re.findall(r"^verdict: ", out, re.MULTILINE)) == 10
     same("study/test_paper_report: all reproduced", closing(out))
+
+
+def test_no_digit_is_lost_at_80_columns(report: PaperReport) -> None:
+    """Words and numbers, without rules, are those of a screen without end."""
+    narrow, roomy = wide(80), wide(1000)
+    for console in (narrow, roomy):
+        render(report, console)
+    found = [Counter(w for w in text(c).split() if set(w) != {"─"}) for c in (narrow, roomy)]
+    assert found[0] == found[1]
+    assert max(map(len, text(narrow).splitlines())) <= 80
 
 
 def test_json_is_strict_and_complete(report: PaperReport) -> None:

@@ -270,5 +270,5 @@ def required_friction(
 
 
 def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
-    test = _required.holds if check is None else lambda spec, section: check(type(grasp)(spec))
-    return find(grasp.spec, section_of(grasp, faces), tolerance, limit, test)
+    tests = () if check is None else [lambda spec, section: check(type(grasp)(spec))] * 2
+    return find(grasp.spec, section_of(grasp, faces), tolerance, limit, *tests)

@@ -127,7 +127,9 @@ def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
     """`grasp.equilibria` looks at its clock after every candidate, and that takes so long [s]: its two seconds are
     enough for a thousand, however busy the machine is.
     """
-    patch.setattr("handlcp.grasp.analysis.equilibria.time", Ticking(tick))
+    clock = Ticking(tick)
+    for module in ("equilibria", "starts"):
+        patch.setattr(f"handlcp.grasp.analysis.{module}.time", clock)
 
 
 # ---------------------------------------------------------------- studies

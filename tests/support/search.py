@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.analysis.equilibria import seeded
+from handlcp.grasp.analysis.starts import seeded
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.search.mode_table import mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move

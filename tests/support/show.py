@@ -38,6 +38,7 @@ __all__ = [
     "facing",
     "fill",
     "hand_bodies",
+    "html",
     "loading_figure",
     "nice",
     "record",
@@ -57,6 +58,11 @@ __all__ = [
 def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:
     """What happens, in the order and words of `Loading`: events of several fingers at one place in one line."""
     return [str(s) for s in summary(events, grasp.spec)]
+
+
+def html(solution: hl.GraspSolution) -> str:
+    """What a notebook shows of it."""
+    return solution._repr_html_()
 
 
 draw, save = _picture.draw, _picture.save

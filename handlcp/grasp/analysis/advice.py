@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 
@@ -40,8 +41,15 @@ def advised(solution: GraspSolution, spec: GraspSpec, section: Section) -> Grasp
 
 
 def _squeeze(spec: GraspSpec, section: Section) -> float | None:
-    """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]."""
-    return required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears).value
+    """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
+    digits, as it is said, where that holds, too.
+    """
+    least = required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears, sure=_bears).value
+    if not least:
+        return least
+    step = 10.0 ** (math.floor(math.log10(least)) - 1)
+    said = float(f"{math.ceil(least / step * (1 - 1e-12)) * step:.2g}")
+    return said if _bears(spec.squeezed(said), section) else least
 
 
 def _bears(spec: GraspSpec, section: Section) -> bool:

@@ -11,41 +11,39 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array
+from handlcp.grasp.analysis.starts import RUNS, starts, until
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table
+from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
 from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.judge import judge
 from handlcp.grasp.verify.limit_load import overload
-from handlcp.lcp import NSNGRK, Auto, Status, proposals
-from handlcp.lcp.kernels.lemke import lemke
-from handlcp.lcp.multipliers import WithMultipliers
-from handlcp.lcp.reduce import reduce
-from handlcp.tolerances import ACTIVE, PIVOT
+from handlcp.lcp import Auto, Status, proposals
+from handlcp.text_table import wrapped
+from handlcp.tolerances import ACTIVE
+from handlcp.views import view
 
-__all__ = ["Equilibria", "equilibria", "seeded"]
+__all__ = ["Equilibria", "equilibria"]
 
-_COARSER = (12, 8, 6, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
-_RUNS = 8  # other seeds and starts
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 
-T = TypeVar("T")
-
-
 @dataclass(frozen=True, slots=True)
-class Equilibria:
+class Equilibria(Data):
     """The equilibria of a grasp, every one certified: `for solution in equilibria`, `len(equilibria)`.
 
     found : smallest forces first; their `uniqueness.others` says whether others exist. Members of one family of
@@ -68,23 +66,52 @@ class Equilibria:
         """Smallest forces first."""
         return iter(self.found)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: complete, why, seconds, and the solutions in `found`, each as its own `to_dict` has it."""
+        return {"complete": self.complete, "why": self.why, "seconds": self.seconds,
+                "found": [s.to_dict() for s in self.found]}  # fmt: skip
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each contact of each equilibrium: "equilibrium", from 1 on, "contact", "state",
+        normal_N, friction_N, friction_used, slip_m, gap_m. Raises Unsupported without pandas.
+        """
+        each = [(k, i, s) for k, s in enumerate(self.found, 1) for i in range(len(s.names))]
+        columns = {
+            "equilibrium": [k for k, _, _ in each], "contact": [s.names[i] for _, i, s in each],
+            "state": [s.contact_state[i] for _, i, s in each], "normal_N": [s.forces[i, 2] for _, i, s in each],
+            "friction_N": [np.hypot(*s.forces[i, :2]) for _, i, s in each],
+            "friction_used": [s.friction_used[i] for _, i, s in each],
+            "slip_m": [np.hypot(*s.slip[i]) for _, i, s in each], "gap_m": [s.gap[i] for _, i, s in each],
+        }  # fmt: skip
+        return view("data_frame")(columns)
+
     def __str__(self) -> str:
         k = len(self.found)
         if not k:
-            return f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}"
+            return wrapped(f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}", "  ")
         proof = f"{'proven' if self.complete else 'not proven'}: {self.why}"
         if k == 1:
             head = "one equilibrium and no other" if self.complete else "one equilibrium found; others may exist"
-            return f"{head} ({proof})\n  {_line(self.found[0])}"
-        lines = [f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"]
-        lines += [f"  {i}. {_line(s)}" for i, s in enumerate(self.found, 1)]
-        lines.append("  in which of them the hand ends up depends on how it gets there: friction remembers the way")
-        return "\n".join(lines)
+            return f"{wrapped(f'{head} ({proof})', '  ')}\n{wrapped(_line(self.found[0]), '    ', '  ')}"
+        head = f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"
+        lines = [wrapped(head, "  "), *(wrapped(_line(s), "     ", f"  {i}. ") for i, s in enumerate(self.found, 1))]
+        return "\n".join([*lines, *(wrapped(line, "    ", "  ") for line in self._which())])
+
+    def _which(self) -> Iterator[str]:
+        """Which of several are to be reckoned with."""
+        within = [str(i) for i, s in enumerate(self.found, 1) if not motions(s).too_large]
+        if len(within) < len(self.found):
+            which = (
+                f"numbers {words.listed(within)}" if len(within) > 1 else f"number {within[0]} alone" if within else ""
+            )
+            yield f"the equations of small motions describe {which or 'none of them'}"
+        if len(within) > 1:
+            yield "in which of them the hand ends up depends on how it gets there: friction remembers the way"
 
 
 def _line(s: GraspSolution) -> str:
     noise = ACTIVE * s.residuals.force_scale  # below this a contact is said not to push
-    forces = ", ".join("0" if abs(f) <= noise else f"{f:.3g}" for f in s.normal_force)
+    forces = ", ".join(words.column([0.0 if abs(f) <= noise else f for f in s.normal_force.tolist()]))
     return f"normal forces ({forces}) N, {replace(s, uniqueness=None).diagnosis}"
 
 
@@ -108,7 +135,7 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
     if table is not None and table.choices <= PER_SECOND * seconds:
         candidates, every = table.visit()
         end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
-        tried = [first_certified(run.problem, [c]) for c in _until(end, candidates) if c is not None]
+        tried = [first_certified(run.problem, [c]) for c in until(end, candidates) if c is not None]
         late, known = time.monotonic() > end, [c for c in tried if c is not None]
         complete = every and not late and len(known) == len(tried) and run.has_the_first(known)
         why = f"all {table.choices:,.0f} choices of contact modes were solved"
@@ -116,8 +143,7 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
             why = "the time was too short" if late else "some are degenerate"
         run.add(known)
     if not complete:
-        starts = _starts(run.problem, end)
-        run.add(c for start in starts if (c := first_certified(run.problem, [start])) is not None)
+        run.add(c for start in starts(run.problem, end) if (c := first_certified(run.problem, [start])) is not None)
     return run.result(complete, why)
 
 
@@ -132,7 +158,7 @@ class _Listing:
 
     def from_other_seeds(self, end: float) -> None:
         """What the chain of stages ends at with other seeds."""
-        for seed in range(1, _RUNS + 1):
+        for seed in range(1, RUNS + 1):
             if time.monotonic() > end:
                 return
             ended = (self.problem.candidate(p.z) for _, p in proposals(self.problem, Auto(seed=seed)))
@@ -194,34 +220,3 @@ def _open(problem: GraspContactProblem, table: Table | None) -> str:
     if table is None:
         return "forces of rigid fingers are not determined where they stick"
     return f"{table.choices:.2g} choices of contact modes are too many for the time"
-
-
-def _starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
-    """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
-    for faces in _COARSER if only_limits_move(problem) and problem.faces != 2 else ():
-        if faces != problem.faces:
-            near = coarse(problem, faces, 0.5 * (end - time.monotonic()))
-            yield from (c for c in _until(end, near) if c is not None)
-    yield from _until(end, seeded(problem, _RUNS))
-
-
-def _until(end: float, candidates: Iterator[T]) -> Iterator[T]:
-    for candidate in candidates:
-        yield candidate
-        if time.monotonic() > end:
-            return
-
-
-def seeded(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
-    """Candidates of NSNGRK from other starts with other seeds, and of Lemke's method with other covering vectors (on
-    the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
-    """
-    rng, method = np.random.default_rng(seed), NSNGRK(max_iterations=16 * problem.n)
-    lcp = WithMultipliers(problem, problem.flat(8) if problem.flat and not problem.faces else None)
-    r = reduce(lcp.scaled)
-    for k in range(runs):
-        start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
-        start[problem.role == 1] = abs(start[problem.role == 1])
-        yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
-        _, _, v = lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
-        yield problem.candidate(method.propose_contact(problem, lcp.back(r.restore(v))).z)

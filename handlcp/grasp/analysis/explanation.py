@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.assembly.contact_form import called_for, stamped
 from handlcp.grasp.assembly.problem import MULTIPLIERS, GraspProblem, assemble
 from handlcp.grasp.effects import Effect, effect_kinds
@@ -12,7 +14,8 @@ from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.words import listed
+from handlcp.text_table import wrapped
+from handlcp.words import length, listed
 
 __all__ = ["ENVIRONMENT", "Description", "EffectLine", "Explanation", "describe_effect", "effects_on", "explain"]
 
@@ -89,7 +92,7 @@ class EffectLine:
 
 
 @dataclass(frozen=True, slots=True)
-class Explanation:
+class Explanation(Data):
     """All effects, on and off, and the size of the problem that comes of them.
 
     unknowns : of all effects together. eliminated : how many of them never reach the solver.
@@ -109,19 +112,24 @@ class Explanation:
         """Unknowns the solver sees."""
         return self.unknowns - self.eliminated
 
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, each effect with its unknowns as (name, count, whether they are free)."""
+        return asdict(self) | {"size": self.size}
+
     def __str__(self) -> str:
         lines = []
         for e in self.effects:
             brings = ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
             takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
             cost = f" [{brings or 'no unknowns'}{takes}]" if e.on else ""
-            lines.append(f"{'on ' if e.on else 'off'}  {e.title}: {e.why}{cost}")
+            lines.append(wrapped(f"{e.title}: {e.why}{cost}", "     ", "on   " if e.on else "off  "))
         what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
         if self.rcond is not None:
-            what += f" (rcond of their block {self.rcond:.1e})"
-        lines.append(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}")
+            what += f" (condition of their block {1.0 / self.rcond:.1e})" if self.rcond > 0.0 else " (singular block)"
+        lines.append(wrapped(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}", "  "))
         if self.seconds is not None:
-            lines.append(f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer")
+            time = f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
+            lines.append(wrapped(time, "  "))
         return "\n".join(lines)
 
 
@@ -141,7 +149,7 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
         brought = tuple([(name, counted[name].count, counted[name].free) for name in names if name in counted])
         line = EffectLine(e.title, e.equation, True, e.why(scene), brought)
         if e.title == FingerFlexibility.title:  # told apart from what compliances asked for add to E
-            line = replace(line, why=f"E is not zero (mean {own.trace() / k:.3g} m/N)")
+            line = replace(line, why=f"E is not zero ({length(own.trace() / k)}/N in the mean)")
             if not own.any():
                 line = replace(line, on=False, why="E of the fingers is zero: rigid fingers", unknowns=())
         lines.append(line)
@@ -162,5 +170,5 @@ def _surroundings(spec: GraspSpec, m: int) -> str:
     if not m:
         return "none given"
     block = spec.flexibility[-3 * m :, -3 * m :]
-    soft = f"{block.trace() / (3 * m):.3g} m/N in the mean" if block.any() else "rigid"
+    soft = f"{length(block.trace() / (3 * m))}/N in the mean" if block.any() else "rigid"
     return f"{m} of the {spec.n} contacts: {listed(spec.names[-m:])}; {soft}"

@@ -2,18 +2,20 @@
 
 Whether a grasp holds need not be monotone in either: more squeeze can push a finger off, more friction can let an
 equilibrium vanish. So the search goes upwards from the least that could hold, doubling its steps, stops at the first
-value that holds and closes in on it from below. What comes back holds; the value a tolerance below it does not. A
-narrower window further down may have been stepped over.
+value that holds and closes in on it from below. What comes back holds; the value a tolerance below it does not, as
+`Grasp.solve` says. A narrower window further down may have been stepped over.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
 
 from handlcp.check import number
 from handlcp.errors import InputError
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
@@ -22,10 +24,13 @@ from handlcp.grasp.solve.stages import BRIEF
 from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp import Auto
+from handlcp.text_table import wrapped
+from handlcp.views import view
 
 __all__ = ["CHAIN", "Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
 
 Holds = Callable[[GraspSpec, Section], bool]
+Test = Callable[[float], bool]
 
 CHAIN = Auto(search_work=BRIEF)
 _FIRST = 2.0**-10  # of the natural size: the first step upwards
@@ -33,7 +38,7 @@ _FRICTION = 10.0  # the largest coefficient that is tried
 
 
 @dataclass(frozen=True, slots=True)
-class Required:
+class Required(Data):
     """The smallest common value that holds.
 
     value : it holds (certified); 0 when nothing more is needed; None when nothing up to `limit` was found to hold.
@@ -55,16 +60,32 @@ class Required:
     checked: tuple[tuple[float, bool], ...] = field(repr=False)
     hint: str = ""
 
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, SI units."""
+        return asdict(self)
+
+    def to_frame(self) -> Any:
+        """A pandas table of the values tried, in their order: "value", "holds". Raises Unsupported without pandas."""
+        values, held = zip(*self.checked, strict=True) if self.checked else ((), ())
+        return view("data_frame")({"value": values, "holds": held})
+
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
         if self.value is None:
             if self.proven:
                 return "no value found that holds: no force within friction and limits balances the load"
-            return f"no value up to {self.limit:.3g}{unit} found that holds" + (f": {self.hint}" if self.hint else "")
+            none = f"no value up to {self._said(self.limit)} found that holds"
+            return wrapped(f"{none}: {self.hint}" if self.hint else none, "  ")
         if self.value == 0.0:
             return "holds with nothing added" if self.unit else "holds without friction"
-        less = "" if self.fails is None else f", {self.fails:.4g}{unit} does not"
-        return f"{self.value:.4g}{unit} holds{less}"
+        less = "" if self.fails is None else f", {self._said(self.fails)} does not"
+        return f"{self._said(self.value)} holds{less}"
+
+    def _said(self, value: float) -> str:
+        """A coefficient, or a squeeze in millimetres, with digits enough to tell what holds from what does not."""
+        if not self.unit:
+            return f"{value:.4g}"
+        size, unit = (1e6, "µm") if 0.0 < value < 1e-4 else (1e3, "mm")
+        return f"{size * value:.4g} {unit}"
 
 
 def holds(spec: GraspSpec, section: Section) -> bool:
@@ -72,13 +93,19 @@ def holds(spec: GraspSpec, section: Section) -> bool:
     return solve_spec(spec, section, CHAIN).held
 
 
+def surely(spec: GraspSpec, section: Section) -> bool:
+    """The same with all the time that `Grasp.solve` takes."""
+    return solve_spec(spec, section).held
+
+
 def required_preload(
-    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: Holds = holds
-) -> Required:
+    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: Holds = holds,
+    sure: Holds = surely,
+) -> Required:  # fmt: skip
     """The smallest squeeze [m] that, added to every finger whose force is not prescribed, makes the grasp hold.
 
     limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean deflection under the load (rigid
-        fingers: the size of the grasp). test : whether a grasp holds.
+        fingers: the size of the grasp). test : whether a grasp holds; sure : asked where the answer hangs on a "no".
 
     Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
     """
@@ -86,15 +113,17 @@ def required_preload(
     most = 1e4 * size if limit is None else number("limit", limit, above=0.0)
     if _escapes(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
-    return smallest(lambda x: test(spec.squeezed(x), section), 0.0, _FIRST * size, most, tolerance, "m")
+    tests = [lambda x, t=t: t(spec.squeezed(x), section) for t in (test, sure)]
+    return smallest(tests[0], 0.0, _FIRST * size, most, tolerance, "m", tests[1])
 
 
 def required_friction(
-    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: Holds = holds
-) -> Required:
+    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: Holds = holds,
+    sure: Holds = surely,
+) -> Required:  # fmt: skip
     """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds.
 
-    limit : largest coefficient tried, 10 when None. test : whether a grasp holds.
+    limit : largest coefficient tried, 10 when None. test, sure : as in `required_preload`.
 
     Friction cones grow with μ, so whether some force balances the load is monotone: bisection on that gives a lower
     bound that is proven, and the search for an equilibrium starts there.
@@ -109,29 +138,40 @@ def required_friction(
             break
         low, high = (middle, high) if _escapes(with_friction(spec, middle), section) else (low, middle)
     step = max(0.25 * tolerance * high, 1e-6)
-    found = smallest(lambda x: test(with_friction(spec, x), section), high, step, most, tolerance, "")
+    tests = [lambda x, t=t: t(with_friction(spec, x), section) for t in (test, sure)]
+    found = smallest(tests[0], high, step, most, tolerance, "", tests[1])
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
         return replace(found, fails=low, proven=True)
     if found.value is None and (build(spec).offset[2 : 3 * spec.n : 3][spec.free_fingers] >= 0.0).all():
-        return replace(found, hint="no finger carries preload; required_preload() says how much would do")
+        return replace(found, hint="no finger squeezes the object; required_preload() says how much would do")
     return found
 
 
 def smallest(
-    test: Callable[[float], bool], start: float, step: float, limit: float, tolerance: float, unit: str
+    test: Test, start: float, step: float, limit: float, tolerance: float, unit: str, sure: Test | None = None
 ) -> Required:
     """The first value that holds, going from `start` upwards in steps that double, then bisected from below.
 
-    The result's tolerance is relative to its value: value - fails ≤ tolerance · value, or one rounding step.
+    sure : asked once more where the answer hangs on a "no" of `test`; None: that is sure enough. Where it says yes, the
+    search goes back down. The result's tolerance is relative to its value: value - fails ≤ tolerance · value, or one
+    rounding step.
     """
     checked: list[tuple[float, bool]] = []
 
-    def ok(x: float) -> bool:
-        checked.append((x, bool(test(x))))
+    def ok(x: float, by: Test = test) -> bool:
+        checked.append((x, bool(by(x))))
         return checked[-1][1]
 
     def found(value: float | None, fails: float | None) -> Required:
         return Required(value, fails, False, unit, limit, tolerance, tuple(checked))
+
+    def between(low: float, high: float, by: Test) -> tuple[float, float]:
+        while high - low > tolerance * high:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:  # neighbouring floats: a finer tolerance would never be met
+                break
+            low, high = (low, middle) if ok(middle, by) else (middle, high)
+        return low, high
 
     low, high = start, start
     if ok(start):  # nothing below it was tried
@@ -139,14 +179,19 @@ def smallest(
     while high < limit:
         low, high, step = high, min(high + step, limit), 2.0 * step
         if ok(high):
+            low, high = between(low, high, test)
             break
     else:
-        return found(None, high)
-    while high - low > tolerance * high:
-        middle = 0.5 * (low + high)
-        if not low < middle < high:  # neighbouring floats: a finer tolerance would never be met
-            break
-        low, high = (low, middle) if ok(middle) else (middle, high)
+        if sure is None or not ok(high, sure):
+            return found(None, high)
+    if sure is None:
+        return found(high, low)
+    step = tolerance * high
+    while ok(low, sure):
+        if low == start:
+            return found(start, None)
+        low, high, step = max(start, low - step), low, 2.0 * step
+    low, high = between(low, high, sure)
     return found(high, low)
 
 

@@ -10,12 +10,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.friction import Cone, Pyramid, Section
@@ -23,16 +26,18 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp import Auto
+from handlcp.text_table import wrapped
 
 __all__ = ["Suggestion", "Suggestions", "force_change", "suggest"]
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """One effect that the grasp leaves out.
+    """One effect that the grasp leaves out; or, of a grasp that fails, one change with which it holds.
 
-    effect : its title. change : the largest change that it makes, as a share of the largest force (or torque, as
-    `words` say); infinite where there is no equilibrium with it. words : what changes. ask : how to ask for it.
+    effect : its title, or what is changed. change : the largest change that it makes, as a share of the largest force
+    (or torque, as `words` say); infinite where it decides whether there is an equilibrium. words : what changes.
+    ask : how to ask for it.
     """
 
     effect: str
@@ -45,17 +50,21 @@ class Suggestion:
 
 
 @dataclass(frozen=True, slots=True)
-class Suggestions:
+class Suggestions(Data):
     """What `Grasp.suggest` found, the largest change first.
 
-    found : those above `least`. small : (title, change) of those below. unjudged : titles of effects that need numbers,
-    or a hand, or do not go with those that are on.
+    found : those above `least`; of a grasp that fails, the changes that were tried and hold. small : (title, change) of
+    those below. unjudged : titles of effects that need numbers, or a hand, or do not go with those that are on.
+    word : of the verdict where the grasp fails, such as "NOT HELD"; "" where effects were judged. tried : what was
+    tried to make it hold, in vain.
     """
 
     found: tuple[Suggestion, ...]
     small: tuple[tuple[str, float], ...]
     unjudged: tuple[str, ...]
     least: float
+    word: str = ""
+    tried: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.found)
@@ -63,13 +72,32 @@ class Suggestions:
     def __iter__(self) -> Iterator[Suggestion]:
         return iter(self.found)
 
-    def __str__(self) -> str:
-        lines = [str(s) for s in self.found] or [f"nothing that is judged changes the answer by {_percent(self.least)}"]
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data; None for a change that is infinite."""
+        found = asdict(self)
+        for s in found["found"]:
+            s["change"] = s["change"] if math.isfinite(s["change"]) else None
+        return found
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What it prints, one sentence each."""
+        lines = [str(s) for s in self.found]
+        if self.word == HELD:
+            lines.append("it holds as it moves: grasp.check() says so, where one solve finds no equilibrium")
+        if self.word and not lines:
+            tried = f": neither {' nor '.join(self.tried)}" if self.tried else ""
+            lines = [f"nothing was found that would make it hold{tried}"]
+        if not lines:
+            lines = [f"nothing that is judged changes the answer by {_percent(self.least)}"]
         if self.small:
             lines.append("small: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
         if self.unjudged:
             lines.append("not judged (no numbers given, or not beside what is on): " + ", ".join(self.unjudged))
-        return "\n".join(lines)
+        return tuple(lines)
+
+    def __str__(self) -> str:
+        return "\n".join(wrapped(line, "  ") for line in self.lines)
 
 
 def suggest(spec: GraspSpec, section: Section, solution: GraspSolution, least: float) -> Suggestions:

@@ -31,4 +31,5 @@ class Accuracy:
     def __str__(self) -> str:
         several = "s" if self.solves > 1 else ""
         cost = f"{self.solves} solve{several}, {self.seconds * 1e3:.3g} ms"
-        return f"force error {self.error:.1e}, {self.asked:.1e} asked: {self.setting}, {cost}"
+        error = "below 1e-9" if self.error < 1e-9 else f"{self.error:.1e}"
+        return f"force error {error}, {self.asked:.1e} asked: {self.setting}, {cost}"

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, Bools
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.tolerances import ACTIVE
@@ -27,14 +28,17 @@ class Sentences:
     """What there is to say of one grasp's answers, without full stops.
 
     names (n,), positions (n, 3) m of the contacts, of which the last ones, `environment` in number, are no finger's.
-    reference (3,) m: the point that twists refer to.
+    reference (3,) m: the point that twists refer to. faces : of pyramids inside the friction cones; 0: the cones.
     """
 
-    def __init__(self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0) -> None:
+    def __init__(
+        self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0, faces: int = 0
+    ) -> None:
         if len(set(names)) < len(names):  # with each one's number: "finger 1 (a)"
             names = [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
         self._names, self._fingers = names, names[: len(names) - environment]
         self._who = "contact" if environment else "finger"
+        self._within = f"within {faces}-face pyramids inside the friction cones" if faces else "within friction"
         self._arms, self._reference = positions - reference, reference
         spread = positions - positions.mean(axis=0)
         rms = float(np.sqrt((spread**2).sum(axis=1).mean()))  # as the grasp measures itself [m]
@@ -63,32 +67,33 @@ class Sentences:
     def not_holdable(self, escape: Array) -> str:
         """With the motion (6,) in which the object escapes."""
         way = self.motion(escape, "slides out", "turns out")
-        return f"no {self._who} forces within friction balance the load: the object {way}"
+        return f"no {self._who} forces {self._within} balance the load: the object {way}"
 
     def no_equilibrium(self, offset: Array, required: float | None, known: str, proven: bool) -> str:
         """With the cause, and what would help.
 
-        offset (n,) m along the normals: says which contacts carry no preload. required: squeeze [m] on every finger
-        that would hold; known: a cause, if one is. proven: that there is none far beyond the grasp's own size.
+        offset (n,) m along the normals: says which contacts are not squeezed. required: squeeze [m] on every finger
+        that would hold; known: a cause, if one is. proven: that no forces and motions are an equilibrium.
         """
-        far = " (searched far beyond any force or motion of this grasp)" if proven else ""
-        cannot = f"forces within friction could balance the load, but these {self._who}s do not create them{far}"
+        create = "cannot" if proven else "do not"
+        cannot = f"forces within friction could balance the load, but these {self._who}s {create} create them"
         names, squeeze = self._fingers, offset[: len(self._fingers)]
         noise = ACTIVE * float(abs(squeeze).max())
         bare = [name for name, gap in zip(names, squeeze, strict=True) if gap >= -noise]
         everyone = len(bare) == len(names)
         if everyone and len(names) > 1:
-            cause = "no finger carries preload"
+            cause = "no finger squeezes the object before the load comes"
         elif bare:
-            cause = f"{_listed(bare)} {'carries' if len(bare) == 1 else 'carry'} no preload"
+            squeezes = "does" if len(bare) == 1 else "do"
+            cause = f"{_listed(bare)} {squeezes} not squeeze the object before the load comes"
         else:
-            cause = "" if required is None else "the preload is too small"
+            cause = "" if required is None else "the squeeze is too small"
         if required is not None:
-            more = "" if everyone else " more"
-            return f"{cannot}: {cause}; {_enough(required)}{more} on each finger would hold it"
+            more = "of" if everyone else "more"
+            return f"{cannot}: {cause}; {_enough(required)} {more} squeeze on each finger would hold it"
         if cause or known:
             return f"{cannot}: {'; '.join(c for c in (cause, known) if c)}"
-        return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} carries preload"
+        return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} squeezes the object"
 
     def motion(self, twist: Array, slide: str, turn: str) -> str:
         """E.g. "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or both (a screw).
@@ -140,11 +145,9 @@ def _vector(v: Array, size: float = 1.0) -> str:
 def _enough(metres: float) -> str:
     """Two digits, rounded up: what is called enough has to be."""
     if not metres > 0.0:
-        return "0"
-    unit, size = ("µm", 1e6) if metres < 1e-4 else ("mm", 1e3)
-    x = metres * size
-    step = 10.0 ** (np.floor(np.log10(x)) - 1)
-    return f"{float(np.ceil(x / step * (1 - 1e-12)) * step):.2g} {unit}"
+        return "0 mm"
+    step = 10.0 ** (np.floor(np.log10(metres)) - 1)
+    return words.length(float(np.ceil(metres / step * (1 - 1e-12)) * step))
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -42,18 +42,19 @@ def make_solution(
     candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
     states = classify(scene, section, candidate, verdict)
     if not all(e.only_limits for e in effects):
-        return solution_of(spec, scene, judged, names_of(states.kind), None, trace, arm)
+        return solution_of(spec, scene, section, judged, names_of(states.kind), None, trace, arm)
     if free := free_branches(scene, effects, section, states, candidate):
         smallest = minimum_norm(scene, effects, section, states, candidate, verdict, free)
         if (checked := judge(scene, effects, section, smallest)).residuals.passes:
             judged = Judged(smallest, checked, judged.iterations)
             states = classify(scene, section, smallest, checked)
-    return solution_of(spec, scene, judged, names_of(states.kind), describe(scene, free, arm), trace, arm)
+    free_to = describe(scene, free, arm)
+    return solution_of(spec, scene, section, judged, names_of(states.kind), free_to, trace, arm)
 
 
 def solution_of(
-    spec: GraspSpec, scene: Scene, judged: Judged, states: tuple[str, ...], uniqueness: Uniqueness | None,
-    trace: tuple[str, ...], arm: Array,
+    spec: GraspSpec, scene: Scene, section: Section, judged: Judged, states: tuple[str, ...],
+    uniqueness: Uniqueness | None, trace: tuple[str, ...], arm: Array,
 ) -> GraspSolution:  # fmt: skip
     """A SOLVED solution with these numbers, and with what moves the fingers reads off it; arm (3,) [m] leads from the
     point that the candidate's twist refers to to the grasp's reference.
@@ -76,7 +77,7 @@ def solution_of(
         slip=read_only(points[:, :2]), object_displacement=read_only(shifted(candidate.twist, arm)),
         contact_state=states, residuals=judged.verdict.residuals, uniqueness=uniqueness, certificate=None,
         iterations=judged.iterations, trace=trace, extra=candidate.extra, torsion=torsion, spin=spin, scene=scene,
-        reference=spec.reference, spec=spec, **read,
+        reference=spec.reference, spec=spec, section=section, **read,
     )  # fmt: skip
 
 
@@ -91,14 +92,14 @@ def certificate_of(spec: GraspSpec, scene: Scene, twist: Array) -> Array:
 
 
 def without_numbers(
-    spec: GraspSpec, scene: Scene, residuals: Residuals, iterations: int, trace: tuple[str, ...]
+    spec: GraspSpec, scene: Scene, section: Section, residuals: Residuals, iterations: int, trace: tuple[str, ...]
 ) -> GraspSolution:
     """UNDECIDED, without numbers that anybody could use."""
     nothing = np.full(scene.components, np.nan)
     judged = Judged(
         Candidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Verdict(nothing, residuals), iterations
     )
-    made = solution_of(spec, scene, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
+    made = solution_of(spec, scene, section, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
     return replace(made, status=Status.UNDECIDED)
 
 

@@ -15,9 +15,12 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.lcp.status import Status
 
 __all__ = [
-    "contacts_reason", "equilibrium_reason", "large_motion", "motion_reason", "open_reasons", "reasons_of",
+    "contacts_reason", "equilibrium_reason", "friction_reasons", "large_motion", "motion_reason", "open_reasons",
+    "reasons_of",
 ]  # fmt: skip
 
+HARDLY = 0.95  # of the friction limit: a contact that uses more has hardly any margin
+_LITTLE = 5e-4  # of the friction limit: less is not worth a word
 _TWIST = 1e-4  # [rad] a soft finger that turns less on the object is not said to twist
 _CODES = {Status.NOT_HOLDABLE: "not_holdable", Status.NO_EQUILIBRIUM: "no_equilibrium"}
 
@@ -31,6 +34,7 @@ def reasons_of(s: Any) -> Iterator[Reason]:
             for part in e.words(s.scene, s.names, s.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
         yield _contacts(s)
+        yield from friction_reasons(s.names, s.friction_used, s.contact_state)
         yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
         yield from open_reasons(s.uniqueness)
         yield from large_motion(motions(s))
@@ -76,7 +80,8 @@ def contacts_reason(
         parts.append(f"all {who} slide, up to {words.length(max(sliding.values()))}")
     elif sliding:
         there = {n: d for n, d in sliding.items() if d > words.NOTHING or not turns}
-        parts.append(", ".join(f"{n} slides {words.length(d)}" for n, d in there.items()))
+        ways = words.lengths(there.values())
+        parts.append(", ".join(f"{n} slides {way}" for n, way in zip(there, ways, strict=True)))
     if turns and len(sliding) < max(count, 2):
         parts.append(", ".join(f"{n} twists by {words.angle(a)} on the object" for n, a in turns.items()))
     if apart:
@@ -86,6 +91,28 @@ def contacts_reason(
     return Reason("contacts", "note", text, values)
 
 
+def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], when: str = "") -> Iterator[Reason]:
+    """How near the contacts are to sliding; a warning where hardly any friction is left. used, states (n,). when : such
+    as " at the end".
+    """
+    every = list(zip(names, used.tolist(), states, strict=True))
+    sticks = [(x, n) for n, x, state in every if state == "sticking" and x >= 0.0]
+    slides = [n for n, x, state in every if state == "sliding" and x > 0.0]
+    values = {"used": {n: x for n, x, _ in every if np.isfinite(x)}}
+    if not sticks and slides:
+        text = "friction is used up at every contact that pushes: nothing is left for a disturbance"
+        yield Reason("friction", "warning", text, values)
+    elif sticks and (most := max(x for x, _ in sticks)) > _LITTLE:
+        who = next(n for x, n in sticks if x >= (1.0 - 1e-6) * most)  # the first of equals
+        others = "of the others " if slides else ""
+        text = f"friction {others}is used up to {words.percent(most)}{when} ({who})"
+        if most >= HARDLY:
+            warning = f"{who} uses {words.percent(most)} of its friction: a little more load makes it slide"
+            yield Reason("friction", "warning", warning, values)
+        else:
+            yield Reason("friction", "note", text, values)
+
+
 def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
     """How far the object moves (6,), how much of that along the load (3,), and how far it turns; size of the grasp."""
     u = displacement
@@ -93,12 +120,12 @@ def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
     strength, values = float(np.linalg.norm(load)), {"move_m": move, "turn_rad": turn}
     if max(move, turn * size) < words.NOTHING:
         return Reason("motion", "note", "the object stays where it is", values)
-    text = f"the object moves {words.length(move)}"
+    along = float(u[:3] @ load) / strength if strength > 0 else 0.0
+    moves, part = words.lengths([move, abs(along)])
+    text = f"the object moves {moves}"
     if strength > 0:
-        along = float(u[:3] @ load) / strength
         way = "along" if along >= 0 else "against"
-        same = words.length(abs(along)) == words.length(move)
-        text += f" {way} the load" if same else f", {words.length(abs(along))} of it {way} the load,"
+        text += f" {way} the load" if part == moves else f", {part} of it {way} the load,"
     text = f"{text} and turns {words.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
     return Reason("motion", "note", text, values)
 

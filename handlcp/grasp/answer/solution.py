@@ -9,15 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, sealed
+from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.deferred import Deferred
 from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
+from handlcp.grasp.answer.friction_used import friction_margin, friction_used
+from handlcp.grasp.answer.printed import printed
 from handlcp.grasp.answer.reasons import reasons_of
 from handlcp.grasp.answer.shown import Shown
 from handlcp.grasp.answer.small_motions import Motions, motions
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.answer.verdict import Verdict, verdict_of
+from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
@@ -53,8 +56,8 @@ class GraspSolution(Shown, Deferred):
         stands in the way, in words, where it is known. yielding : with a certificate, how far each limit gives way, by
         name, SI.
     accuracy : what was asked for with `solve(accuracy=...)`, and what was reached; None otherwise.
-    advise : finds `required_preload`; None: nothing to find. spec, scene, reference : what was solved, for `diagnosis`
-        and `verdict`.
+    advise : finds `required_preload`; None: nothing to find. spec, scene, reference, section : what was solved, with
+        which friction cones, for `diagnosis` and `verdict`.
     """
 
     status: Status
@@ -81,6 +84,7 @@ class GraspSolution(Shown, Deferred):
     scene: Scene | None = field(default=None, repr=False, compare=False)
     reference: Array | None = field(default=None, repr=False, compare=False)
     spec: GraspSpec | None = field(default=None, repr=False, compare=False)
+    section: Section | None = field(default=None, repr=False, compare=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """After pickling, read-only again."""
@@ -96,7 +100,8 @@ class GraspSolution(Shown, Deferred):
     @cached_property
     def required_preload(self) -> float | None:
         """For NO_EQUILIBRIUM the smallest squeeze [m] on every finger that holds within the joints' torque limits, if a
-        fifth of the grasp's size is enough: many solves, made when it is first asked for. None otherwise.
+        fifth of the grasp's size is enough: rounded up to two digits, and tried. Many solves, made when it is first
+        asked for. None otherwise.
         """
         return None if self.advise is None else self.advise()
 
@@ -105,7 +110,8 @@ class GraspSolution(Shown, Deferred):
         """One sentence with the fingers' names: what slides, what is loose, how the object escapes, what would help."""
         if self.scene is None or self.reference is None:
             return self.status.meaning
-        say = Sentences(self.names, self.scene.positions, self.reference, self.scene.environment)
+        faces = self.section.faces if isinstance(self.section, Pyramid) and self.section.inscribed else 0
+        say = Sentences(self.names, self.scene.positions, self.reference, self.scene.environment, faces)
         if self.held:
             text, moved = say.held(self.forces, self.contact_state, self.uniqueness), self._motions
             return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text
@@ -137,32 +143,27 @@ class GraspSolution(Shown, Deferred):
         """(n, 2) N, contact axes x, y."""
         return self.forces[:, :2]
 
+    @cached_property
+    def friction_used(self) -> Array:
+        """(n,) share of its friction limit that each contact uses: 1 on the exact limit, |r_T| / (μ r_N) for Coulomb's
+        law, with the half-axes and the moment of other laws. On a pyramid inside the cone a contact slides from
+        cos(π / faces) on. NaN where a contact has no friction or no force, and where there is no answer.
+        """
+        nothing = np.full(len(self.names), np.nan)
+        if self.scene is None or not self.held:
+            return read_only(nothing)
+        pushes = self.normal_force > CERTIFY * self.residuals.force_scale
+        return read_only(np.where(pushes, friction_used(self.scene, self.forces, self.torsion), nothing))
+
+    @cached_property
+    def friction_margin(self) -> Array:
+        """(n,) N, how much more friction each contact would bear: μ r_N - |r_T|; 0 where it slides or has let go, NaN
+        without friction and without an answer. Of a law with several coefficients, in units of the one called mu.
+        """
+        if self.scene is None or not self.held:
+            return read_only(np.full(len(self.names), np.nan))
+        margin, noise = friction_margin(self.scene, self.forces, self.torsion), CERTIFY * self.residuals.force_scale
+        return read_only(np.where(abs(margin) > noise, margin, 0.0 * margin))
+
     def __str__(self) -> str:
-        lines = [self.status.meaning]
-        if self.held:
-            size, move = CERTIFY * self.residuals.force_scale, CERTIFY * self.residuals.motion_scale
-            forces, slip, gap = (
-                np.where(abs(a) > least, a, 0.0)  # what is smaller is rounding
-                for a, least in ((self.forces, size), (self.slip, move), (self.gap, move))
-            )
-            lines += [
-                f"  {name}: {state:9s}  normal {f[2]:9.4g} N  tangential ({f[0]:9.4g}, {f[1]:9.4g}) N  "
-                f"slip ({s[0]:9.3g}, {s[1]:9.3g}) m  gap {g:9.3g} m"
-                for name, state, f, s, g in zip(self.names, self.contact_state, forces, slip, gap, strict=True)
-            ]
-            if self.torsion is not None and self.spin is not None:
-                lines += [
-                    f"  {name}: moment {1e3 * m:.4g} mN·m about its normal, spin {a:.3g} rad"
-                    for name, m, a in zip(self.names, self.torsion, self.spin, strict=True)
-                    if m or a
-                ]
-            u = np.where(abs(self.object_displacement) > move, self.object_displacement, 0.0)
-            lines.append(
-                f"  object moves ({u[0]:.3g}, {u[1]:.3g}, {u[2]:.3g}) m, turns ({u[3]:.3g}, {u[4]:.3g}, {u[5]:.3g}) rad"
-            )
-            free = self.uniqueness or "what is left free was not examined"
-            lines.append(f"  {free}; worst relative residual {self.residuals.worst:.1e}")
-            if self.accuracy is not None:
-                lines.append(f"  {self.accuracy}")
-        lines.append(f"  {self.diagnosis}")
-        return "\n".join(lines)
+        return printed(self, ())

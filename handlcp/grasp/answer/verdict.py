@@ -11,6 +11,7 @@
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
+| `friction` | how much of their friction the contacts use that stick |
 | `forces_open`, `loose`, `others` | what the equations leave open |
 | `not_followed`, `only_followed` | the order of loading was not followed; one solve and the steps disagree |
 | `advice` | a change that was tried, and holds; or that nothing tried does |
@@ -18,15 +19,16 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from handlcp.grasp.answer.shown import Data
+from handlcp.text_table import wrapped
+
 __all__ = ["HELD", "NOT_HELD", "OVER_LIMIT", "UNDECIDED", "Reason", "Verdict", "verdict_of"]
 
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
-WIDTH = 80  # columns of a printed verdict
 
 _RANK = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
 _DECIDES = {
@@ -53,15 +55,17 @@ class Reason:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class Verdict(Data):
     """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns.
 
     word : "HELD"; "OVER LIMIT": the contacts hold, some motor cannot; "NOT HELD"; "UNDECIDED": nothing is known.
     reasons : those that decide the word first, then notes, warnings and advice.
+    loading : the `Loading` that `grasp.check()` followed, whose last step the reasons are about; None where none was.
     """
 
     word: str
     reasons: tuple[Reason, ...]
+    loading: Any = field(default=None, repr=False, compare=False)
 
     @property
     def ok(self) -> bool:
@@ -98,14 +102,14 @@ class Verdict:
 
     def __str__(self) -> str:
         said = (f"{head}: {sentence}." if sentence else f"{head}." for head, sentence in self.paragraphs)
-        return "\n".join(textwrap.fill(line, WIDTH, break_long_words=False, break_on_hyphens=False) for line in said)
+        return "\n".join(wrapped(line) for line in said)
 
 
-def verdict_of(reasons: Iterable[Reason]) -> Verdict:
+def verdict_of(reasons: Iterable[Reason], loading: Any = None) -> Verdict:
     """The verdict that these reasons make; of reasons with one sentence the first counts."""
     every = list({r.sentence: r for r in reversed(list(reasons))}.values())[::-1]
     deciding = [r for r in every if r.severity == "decides"]
     ranks = sorted(deciding, key=lambda r: _RANK.index(_DECIDES[r.code]))
     word = _DECIDES[ranks[0].code] if ranks else HELD
     by_kind = [[r for r in every if r.severity == kind] for kind in ("note", "warning", "advice")]
-    return Verdict(word, (*ranks, *by_kind[0], *by_kind[1], *by_kind[2]))
+    return Verdict(word, (*ranks, *by_kind[0], *by_kind[1], *by_kind[2]), loading)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, KeysView, Mapping, ValuesView
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.friction import FrictionLaw, laws_by_name
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.contact import Contact, frame
 from handlcp.grasp.model.environment import Environment, beside, joined, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = [
     "Asked",
+    "again",
     "alone",
     "as_asked",
     "environment_of",
@@ -73,7 +74,8 @@ class Asked:
             names = [c.name or f"finger {i + 1}" for i, c in enumerate(cs)]
             laws = laws_by_name(given.pop("friction"), names, [c.friction for c in cs])
             given["contacts"] = tuple([rubbed(c, law) for c, law in zip(cs, laws, strict=True)])
-        return replace(self, **given)
+        made: Self = again(self, given)
+        return made
 
 
 def alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
@@ -139,21 +141,38 @@ def rubbed(contact: Contact, law: FrictionLaw) -> Contact:
     """The contact under another law, its axes kept unless the law says where x lies."""
     if law.x_axis is None:
         return contact.with_friction(law)
-    d = 2 if contact.planar else 3
-    return Contact(contact.position[:d], contact.normal[:d], law, None, contact.name)
+    if contact.planar:
+        return Contact(contact.position[:2], contact.normal[:2], law, None, contact.name)
+    return contact.with_friction(law).moved(contact.position, frame(contact.normal, array("tangent", law.x_axis, (3,))))
 
 
 def fastened(asked: Any) -> None:
     """Later changes of what was passed do not reach the fields of a dataclass."""
-    for field in fields(asked):
-        object.__setattr__(asked, field.name, _own(getattr(asked, field.name)))
+    values = vars(asked)
+    for name, value in values.items():
+        if type(value) not in _AS_IT_IS:
+            values[name] = _own(value)
+
+
+def again(asked: Any, changes: dict[str, Any]) -> Any:
+    """The dataclass with other values of some fields; the rest is fastened already."""
+    made = object.__new__(type(asked))
+    vars(made).update(vars(asked) | {name: _own(value) for name, value in changes.items()})
+    return made
+
+
+_AS_IT_IS = frozenset({type(None), bool, int, float, str, Contact, Environment})
 
 
 def _own(value: Any, depth: int = 0) -> Any:
     """Arrays copied; lists, views and iterators as tuples."""
+    if type(value) in _AS_IT_IS:
+        return value
     if isinstance(value, np.ndarray):
         copy: Array = value if not value.flags.writeable and value.base is None else read_only(value.copy())
         return copy
+    if type(value) is tuple and all([type(x) in _AS_IT_IS for x in value]):
+        return value
     if isinstance(value, Mapping):
         return {key: _own(x, depth + 1) for key, x in value.items()}
     if isinstance(value, (list, tuple, Iterator, KeysView, ValuesView)):

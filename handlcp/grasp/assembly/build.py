@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import kind_of
@@ -18,6 +19,7 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
+from handlcp.tolerances import LEVER
 
 __all__ = ["build", "shifted_by", "softened_by"]
 
@@ -40,6 +42,8 @@ def build(spec: GraspSpec) -> Scene:
     if known:
         tangents = tuple([t if free else 0 for t, free in zip(tangents, governed, strict=True)])
     soft = tuple([i for i, t in enumerate(tangents) if t == 3]) if 3 in tangents else ()
+    if soft:
+        _check_levers(spec, soft)
     E, d = _with_turns(spec, soft)
     held: Array | None = None
     if spec.effects:
@@ -82,6 +86,16 @@ def _with_added(at: Placement, total: Array, added: list[Array | None]) -> Array
                 more = more * (within if more.ndim == 1 else np.outer(within, within))
             total = total + more
     return total
+
+
+def _check_levers(spec: GraspSpec, soft: tuple[int, ...]) -> None:
+    """Raises InputError for a lever far beyond the size of the grasp; contacts at one point have no size."""
+    arms = spec.positions - spec.positions.mean(axis=0)
+    size = float(np.sqrt((arms**2).sum(axis=1).mean()))
+    longest = max([spec.contacts[i].friction.lever for i in soft])
+    if size > 1e-12 * float(abs(spec.positions).max()) and longest > LEVER * size:
+        expected = f"mu_torsion / mu up to {LEVER:g} times the size of the grasp, {LEVER * size:.3g} m"
+        raise InputError("SoftFinger.mu_torsion", expected, f"{longest:.3g} m")
 
 
 def _along(contact: Contact, direction: Array) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.batch.columns import Group
 from handlcp.grasp.grasp import Grasp
+from handlcp.words import distinct
 
 __all__ = ["frame"]
 
@@ -30,7 +31,7 @@ def frame(grasps: Sequence[Grasp], groups: Sequence[Group]) -> dict[str, Any]:
 
     for g in groups:
         for names, rows in _by_names(grasps, g).items():
-            for i, name in enumerate(_distinct(names)):
+            for i, name in enumerate(distinct(names)):
                 for a, axis in enumerate("xyz"):
                     put(fingers, f"{name}.force_{axis}", g.at[rows], g.forces[rows, i, a])
         for a, axis in enumerate(_OBJECT):
@@ -61,8 +62,3 @@ def _binding(group: Group) -> Any:
     names = np.array(group.joints, dtype=object)[which]
     names[~(most > 0.0)] = None
     return names
-
-
-def _distinct(names: Sequence[str]) -> list[str]:
-    """The names, a number behind those that another contact of the grasp has, too."""
-    return [name if name not in names[:i] else f"{name} ({i + 1})" for i, name in enumerate(names)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from operator import index
 from typing import Any, overload
@@ -21,6 +22,8 @@ from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.solve.stages import answered
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
+from handlcp.text_table import wrapped
+from handlcp.views import view
 
 __all__ = ["Solutions"]
 
@@ -123,7 +126,7 @@ class Solutions(Sequence[GraspSolution]):
             raise Unsupported(f"{asked}: {some}; {_INSTEAD}")
 
     def to_dict(self) -> dict[str, Any]:
-        """Columns for a data frame, m long each: `pandas.DataFrame(solutions.to_dict())`.
+        """Columns for a data frame, m long each; `to_frame()` makes one.
 
         "status", "held"; for each finger "<finger>.force_x", "…_y", "…_z" [N], contact axes, z along the normal;
         "object.x", … "object.z" [m] and "object.rx", … "object.rz" [rad], the object's motion. Of hands also, for each
@@ -132,6 +135,15 @@ class Solutions(Sequence[GraspSolution]):
         Numbers are NaN where a grasp is not held, or has no finger or joint of that name.
         """
         return {"status": self.status, "held": self.held, **frame(self._batch.grasps, self._groups)}
+
+    def to_frame(self) -> Any:
+        """The same as a pandas table, a row for each grasp. Raises Unsupported without pandas."""
+        return view("data_frame")(self.to_dict())
+
+    def __str__(self) -> str:
+        """How many came to what."""
+        counts = Counter(self.status.tolist())
+        return wrapped(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 
     @lazy
     def _groups(self) -> tuple[Group, ...]:

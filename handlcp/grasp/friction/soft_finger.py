@@ -11,6 +11,7 @@ from typing import ClassVar
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.grasp.friction.law import FrictionLaw
+from handlcp.tolerances import STEEPEST
 
 __all__ = ["SoftFinger"]
 
@@ -19,8 +20,9 @@ __all__ = ["SoftFinger"]
 class SoftFinger(FrictionLaw):
     """A patch instead of a point: it bears a moment r_τ about the normal as well, |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N².
 
-    mu : coefficient of the tangential force [-], > 0, or 0 where mu_torsion is 0. mu_torsion : of the moment, N·m per N
-    of normal force, ≥ 0 [m]; 0 is Coulomb's law.
+    mu : coefficient of the tangential force [-], > 0 and ≤ 1e4, or anything ≥ 0 where mu_torsion is 0. mu_torsion : of
+    the moment, N·m per N of normal force, ≥ 0 [m]; 0 is Coulomb's law. A grasp refuses mu_torsion / mu beyond 1000
+    times its own size.
     torsional_flexibility : of the pad about the normal [rad/(N·m)], besides what the joints give way.
 
     A planar scene has no moment about a normal in its plane: there it is Coulomb's law. Raises InputError.
@@ -39,8 +41,8 @@ class SoftFinger(FrictionLaw):
     def __post_init__(self) -> None:
         for name in ("mu", "mu_torsion", "torsional_flexibility"):
             object.__setattr__(self, name, number(f"SoftFinger.{name}", getattr(self, name), minimum=0.0))
-        if self.mu == 0.0 and self.mu_torsion > 0.0:
-            raise InputError("SoftFinger.mu", "a number > 0 beside mu_torsion > 0", self.mu)
+        if self.mu_torsion > 0.0 and not 0.0 < self.mu <= STEEPEST:
+            raise InputError("SoftFinger.mu", f"a number > 0 and ≤ {STEEPEST:g} beside mu_torsion > 0", self.mu)
 
     @property
     def lever(self) -> float:

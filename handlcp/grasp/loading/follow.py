@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, integer, number, read_only
 from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
@@ -20,11 +22,13 @@ from handlcp.grasp.loading.stage import Goal, read_stages
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
 from handlcp.grasp.loading.steps import Steps
-from handlcp.grasp.loading.why import why_lost
+from handlcp.grasp.loading.why import under_load, why_lost
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lazy import lazy
+from handlcp.text_table import wrapped
+from handlcp.views import view
 
 __all__ = ["Loading", "follow"]
 
@@ -32,7 +36,7 @@ TOLERANCE = 3e-4  # of the contacts' radii: how far the end of a step may be fro
 
 
 @dataclass(frozen=True, eq=False)
-class Loading:
+class Loading(Data):
     """What becomes of a grasp under loading in steps; made by `Grasp.follow`.
 
     reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
@@ -84,6 +88,20 @@ class Loading:
             return None, None
         return mechanism.at_end(where.q, where.pose)
 
+    def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
+        """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
+        written: Path = view("loading_page")(self, path, obj, title, verdict)
+        return written
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
+        return view("data_frame")(self.steps.to_dict(self.stages))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The whole path as plain data: SI units in the key names, None for what is not a finite number."""
+        found: dict[str, Any] = view("loading_dict")(self)
+        return found
+
     def __str__(self) -> str:
         """The outcome, what happens on the way, and what the last step is like."""
         u, forces = self.displacement, self.steps.forces[-1, :, 2]
@@ -96,7 +114,8 @@ class Loading:
             pressed = "nothing presses on it"
         when = "at the end" if self.reached else "at the last step"
         told = [str(s) for s in summary(self.events, self.steps.grasp.spec)]
-        return "\n  ".join([self.why, *told, f"{when}: {moved}; {pressed}"])
+        lines = [wrapped(self.why, "  "), *(wrapped(line, "    ", "  ") for line in told)]
+        return "\n".join([*lines, wrapped(f"{when}: {moved}; {pressed}", "    ", "  ")])
 
 
 def follow(
@@ -148,7 +167,8 @@ def _loading(run: Run, goals: list[Goal], stepper: Stepper, section: Section) ->
         assert run.lost_at is not None
         why = why_lost(run, spec)
         events.append(Event("lost", why, str(stage), run.lost_at, run.lost_stage))
-        sentence = f"lost in stage {stage!r} at {words.percent(run.lost_at)}: {why}"
+        under = under_load(run.states[-1].controls, goals[run.lost_stage].end, stepper.grasp.weight)
+        sentence = f"lost in stage {stage!r} at {words.percent(run.lost_at)}{under}: {why}"
     else:
         few = " and ".join(repr(g.name) for g in goals)
         sentence = f"reached the end of {few if len(goals) < 3 else f'all {len(goals)} stages'}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lazy import lazy
+from handlcp.words import distinct
 
 __all__ = ["Steps"]
 
@@ -111,6 +113,21 @@ class Steps:
     def torques(self) -> Array:
         """(m, nv) that the actuators hold [N·m]."""
         return _rows([s.read.torque for s in self.states])
+
+    def to_dict(self, stages: tuple[str, ...]) -> dict[str, Any]:
+        """Columns of m rows for a data frame: "stage", "share", "object.x" … "object.z" [m] and "object.rx" … [rad]
+        since the start; for each contact "<name>.force_x", "…_y", "…_z" [N], contact axes, and "<name>.state"; for each
+        joint "<joint>.torque" [N·m] and "<joint>.q" [rad, m]. stages : their names.
+        """
+        found: dict[str, Any] = {"stage": [stages[k] for k in self.stage.tolist()], "share": self.share}
+        found |= {f"object.{a}": self.displacement[:, k] for k, a in enumerate(("x", "y", "z", "rx", "ry", "rz"))}
+        for i, name in enumerate(distinct(self.names)):
+            found |= {f"{name}.force_{a}": self.forces[:, i, k] for k, a in enumerate("xyz")}
+            found[f"{name}.state"] = [kinds[i] for kinds in self.contact_state]
+        mechanism = self.grasp.spec.mechanism
+        for j, joint in enumerate(() if mechanism is None else mechanism.names):
+            found |= {f"{joint}.torque": self.torques[:, j], f"{joint}.q": self.q[:, j]}
+        return found
 
     # ---- energy
     @lazy

@@ -7,9 +7,10 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.loading.drive import Run
+from handlcp.grasp.loading.stage import Controls
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["why_lost"]
+__all__ = ["under_load", "why_lost"]
 
 
 def why_lost(run: Run, spec: GraspSpec) -> str:
@@ -40,6 +41,15 @@ def why_lost(run: Run, spec: GraspSpec) -> str:
     else:
         text = "the fingers do not create the forces that would balance the load"
     return f"{text} ({state})" if state else text
+
+
+def under_load(now: Controls, end: Controls, weight: Array) -> str:
+    """Such as ", under 3.1 N of 6.7 N": load and weight (3,) of the object together, and at the end of the stage."""
+    forces = [float(np.linalg.norm(c.load[:3] + c.weight * weight)) for c in (now, end)]
+    moments = [float(np.linalg.norm(c.load[3:])) for c in (now, end)]
+    if max(forces) > 0.0:
+        return f", under {words.force(forces[0])} of {words.force(forces[1])}"
+    return f", under {' of '.join(words.torques(moments))}" if max(moments) > 0.0 else ""
 
 
 def _who(names: list[str], spec: GraspSpec) -> str:

@@ -19,7 +19,8 @@ class Contact:
     Parameters
     ----------
     position : (3,) contact point [m], world axes; (2,) in a planar scene.
-    normal : (3,) unit vector into the object, the way the finger pushes; (2,) in a planar scene.
+    normal : (3,) unit vector into the object, the way the finger pushes; (2,) in a planar scene. It is
+        normalised, and refused where its length is off by 1e-3 or more.
     friction : a coefficient, as `Coulomb(mu)` (None: 0.5), `Frictionless()`, `AnisotropicCoulomb(mu_x, mu_y)` or
         `SoftFinger(mu, mu_torsion)`.
     tangent : direction of the contact's x axis, projected on the tangent plane; chosen deterministically when None

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, psd, read_only
+from handlcp.check import Array, array, dimensions, number, psd, read_only, unit
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
@@ -53,10 +53,7 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
         return read_only(np.array([0.0, 0.0, 1.0]))
     if value is None:
         return None
-    a = array("plane", value, (3,))
-    if abs(np.linalg.norm(a) - 1) > UNIT_NORMAL:
-        raise InputError("plane", "a unit vector", f"{a.tolist()}")
-    a = read_only(a / np.linalg.norm(a))
+    a = unit("plane", value, (3,))
     height = positions @ a
     if np.ptp(height) > _flat(positions):
         got = f"heights that differ by {np.ptp(height):.3g} m"

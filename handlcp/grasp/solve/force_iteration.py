@@ -82,7 +82,7 @@ def solve_again(
     if solution.status is Status.NOT_HOLDABLE:  # whatever gives way, no force within friction balances the load
         return replace(solution, trace=trace)
     # What was proven of one E is not proven of all
-    return without_numbers(spec, scene, solution.residuals, solution.iterations, trace)
+    return without_numbers(spec, scene, section, solution.residuals, solution.iterations, trace)
 
 
 def _certified(spec: GraspSpec, now: Scene, solution: GraspSolution, words: str) -> GraspSolution | str:

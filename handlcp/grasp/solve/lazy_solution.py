@@ -8,6 +8,7 @@ from typing import Any
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
+from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
@@ -18,12 +19,12 @@ from handlcp.lcp import FIRST_STAGE, Status, stage_line
 __all__ = ["lazy_solution", "trace_of"]
 
 
-def lazy_solution(spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> GraspSolution:
+def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""
     kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution
     return kind.deferred(
         _Fields(spec, scene, found), status=Status.SOLVED, certificate=None, extra={}, yielding={}, scene=scene,
-        reference=spec.reference, spec=spec,
+        reference=spec.reference, spec=spec, section=section,
     )  # fmt: skip
 
 

@@ -65,21 +65,21 @@ def solve_built(
 def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """The solution that the first stage comes to by itself: what it found, or the proof that nothing holds."""
     if not found.passes:
-        return _refused(spec, scene, found)
+        return _refused(spec, scene, section, found)
     if found.unique and scene.scale is None and scene.prescribed is None and not scene.soft:
-        return lazy_solution(spec, scene, found)
+        return lazy_solution(spec, scene, section, found)
     judged = Judged(found.candidate, Verdict(found.motion, found.residuals), found.iterations)
     if not found.unique:
         return make_solution(spec, scene, section, found.kind.design.effects, judged, trace_of(found))
     arm = spec.reference - found.centre
-    return solution_of(spec, scene, judged, found.states, describe(scene, (), arm), trace_of(found), arm)
+    return solution_of(spec, scene, section, judged, found.states, describe(scene, (), arm), trace_of(found), arm)
 
 
-def _refused(spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> GraspSolution:
+def _refused(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """NOT_HOLDABLE where that is proven, else UNDECIDED."""
     escape = found.escape
     trace = (*trace_of(found), f"holdability: {_NO_PROOF if escape is None else _PROOF}")
-    made = without_numbers(spec, scene, found.residuals, found.iterations, trace)
+    made = without_numbers(spec, scene, section, found.residuals, found.iterations, trace)
     return made if escape is None else not_holdable(made, spec, scene, escape_of(scene, escape))
 
 
@@ -162,7 +162,7 @@ class _Run:
         spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.verdict.residuals
         if residuals.passes:
             return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace)
-        made = without_numbers(spec, scene, residuals, self.best.iterations, trace)
+        made = without_numbers(spec, scene, self.problem.section, residuals, self.best.iterations, trace)
         if self.escape is not None:
             return not_holdable(made, spec, scene, self.escape)
         if (found := self.proof) is None:

@@ -30,7 +30,7 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
     if verdict.word in (HELD, UNDECIDED) or verdict.about("not_followed"):
         return verdict
     over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
-    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable)])
+    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable)], verdict.loading)
 
 
 def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
@@ -40,7 +40,7 @@ def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution
     except Unsupported as why:
         told = Reason("not_followed", "warning", f"the loading was not followed: {why}")
         return verdict_of([*solution.verdict.reasons, told])
-    return verdict_of(_reasons(spec, scene, section, solution, path))
+    return verdict_of(_reasons(spec, scene, section, solution, path), path)
 
 
 def _reasons(

@@ -12,6 +12,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import read_only
+from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.friction import Section
@@ -39,14 +40,21 @@ def other_equilibria(
     size = float(np.linalg.norm(solution.forces, axis=1).max(initial=0.0))
     starts = [end] if end.held else []
     starts += [s for s in (solve_spec(other, section, _CHAIN, proof=False) for other in _nearby(spec)) if s.held]
-    far = 0.0
+    near = far = 0.0  # by how much forces differ, where motions are small, and anywhere
     for start in starts:
         found = solve_spec(spec, section, _CHAIN, start_from(start, scene), scene, proof=False)
         if found.held and (found.uniqueness is None or found.uniqueness.forces_determined):
-            far = max(far, float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0))
-    if far > _APART:
-        text = f"friction can hold the object in other ways, too, with forces that differ by {words.percent(far)}"
-        yield Reason("others", "note", f"{text} (grasp.equilibria() lists them)", {"forces_differ": far})
+            differ = float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0)
+            near, far = near if motions(found).too_large else max(near, differ), max(far, differ)
+    lists = "(grasp.equilibria() lists them)"
+    if near > _APART:
+        text = (
+            f"friction can hold the object in other ways, too, with forces that differ by {words.percent(near)} {lists}"
+        )
+        yield Reason("others", "note", text, {"forces_differ": near})
+    elif far > _APART:
+        text = f"the equations have other answers, too, with motions too large for them {lists}"
+        yield Reason("others", "note", text, {"forces_differ": far})
 
 
 def _nearby(spec: GraspSpec) -> Iterator[GraspSpec]:

@@ -8,7 +8,13 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.answer.reasons import contacts_reason, large_motion, motion_reason, open_reasons
+from handlcp.grasp.answer.reasons import (
+    contacts_reason,
+    friction_reasons,
+    large_motion,
+    motion_reason,
+    open_reasons,
+)  # fmt: skip
 from handlcp.grasp.answer.small_motions import NOTICED, Motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
@@ -46,6 +52,10 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     slid, turned = _slid(path, scene.units.length)
     apart = [n for n, kind in zip(spec.names, last.kinds, strict=True) if kind == "separated"]
     yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
+    if end.held:
+        # What slides so little that nobody is told sticks, at the limit of its friction
+        still = [k if k != "sliding" or n in slid else "sticking" for n, k in zip(spec.names, last.kinds, strict=True)]
+        yield from friction_reasons(spec.names, end.friction_used, still, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
     if end.held:
         yield from open_reasons(end.uniqueness)

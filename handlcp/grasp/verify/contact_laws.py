@@ -71,8 +71,9 @@ def examine(
             lost[k] += G[k, j] * forces[j]
     lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
     lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
-    F, V = _sizes(g, p, contacts, offset, forces, own, terms, growth)
-    normal, cone, slip = _laws(contacts, f, forces, v, F, V)
+    unit = _units(g, p.length)
+    F, V = _sizes(g, p, unit, contacts, offset, forces, own, terms, growth)
+    normal, cone, slip = _laws(contacts, f, unit, forces, v, F, V)
     balance = np.sqrt(lost_force**2 + (lost_moment / p.length) ** 2) / F
     return v, Misses(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
 
@@ -99,11 +100,27 @@ def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> 
 
 
 @kernel
+def _units(g: Given, length: float) -> Array:
+    """(c,) what one unit of each component is in contact axes: newtons, or newtons at the grasp's size for a moment."""
+    n, k = len(g.positions), g.spin.shape[1]
+    unit = np.empty(3 * n + k)
+    for i in range(n):
+        for a in range(3):
+            unit[3 * i + a] = np.sqrt(g.frames[i, 0, a] ** 2 + g.frames[i, 1, a] ** 2 + g.frames[i, 2, a] ** 2)
+    for j in range(k):
+        unit[3 * n + j] = np.sqrt(g.spin[0, j] ** 2 + g.spin[1, j] ** 2 + g.spin[2, j] ** 2) / length
+    return unit
+
+
+@kernel
 def _sizes(
-    g: Given, p: Posed, contacts: Ints, offset: Array, forces: Array, own: Array, terms: Array, growth: float
-) -> tuple[float, Array]:
+    g: Given, p: Posed, unit: Array, contacts: Ints, offset: Array, forces: Array, own: Array, terms: Array,
+    growth: float,
+) -> tuple[float, Array]:  # fmt: skip
     """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
 
+    A component counts as what it is in contact axes where the law's coordinates make it larger: a large lever excuses
+    no overlap, a small one no imbalance.
     F is the largest force of the candidate, at least the load's size (the natural unit where there is no load) and at
     most `growth` times that. V is the largest of what adds up to the contact's motion, at least its retreat under F.
     A rigid contact that sticks has neither: it is measured by the retreat of the stiffest of the others, as a motion of
@@ -115,13 +132,16 @@ def _sizes(
     load = np.sqrt(load)
     if load == 0.0:
         load = p.force
-    F = min(max(np.max(np.abs(forces)), load), growth * load)
+    F = load
+    for j in range(len(forces)):
+        F = max(F, abs(forces[j]) * min(1.0, unit[j]))
+    F = min(F, growth * load)
     V, rigid = np.empty(len(contacts)), np.inf
     for i in range(len(contacts)):
         softness, count = 0.0, 4 if contacts[i, 3] >= 0 else 3
         for a in range(count):
             j = 3 * i + a if a < 3 else contacts[i, 3]
-            softness += E[j, j] / count
+            softness += E[j, j] / (count * max(1.0, unit[j]) ** 2)
         V[i] = softness * F
         if V[i] > 0.0:
             rigid = min(rigid, V[i])
@@ -132,7 +152,9 @@ def _sizes(
         count = 4 if contacts[i, 3] >= 0 else 3
         for a in range(count):
             j = 3 * i + a if a < 3 else contacts[i, 3]
-            largest, shift, rounded = max(largest, own[j]), max(shift, abs(offset[j])), max(rounded, terms[j])
+            w = max(1.0, unit[j])
+            largest, shift = max(largest, own[j] / w), max(shift, abs(offset[j]) / w)
+            rounded = max(rounded, terms[j] / w)
         # A long slide excuses no overlap: beyond `growth` times what the finger itself can give way, no more allowance
         give, least = max(V[i], shift), V[i] if V[i] > 0.0 else rigid
         V[i] = max(min(largest, growth * give) if give > 0.0 else largest, least, _ROUNDING * rounded)
@@ -140,12 +162,15 @@ def _sizes(
 
 
 @kernel
-def _laws(contacts: Ints, f: Friction, forces: Array, v: Array, F: float, V: Array) -> tuple[float, float, float]:
+def _laws(
+    contacts: Ints, f: Friction, unit: Array, forces: Array, v: Array, F: float, V: Array
+) -> tuple[float, float, float]:
     """Worst (normal, cone, slip) residual, each relative to F [N] and V (n,) [m].
 
     normal: |min(r_N / F, v_N / V)|. cone: excess of r_T over the set of radius limit · r_N, and any force along what is
     no tangent, / F. slip: distance of r_T / F from the projection of r_T / F - v_T / V on that set; zero exactly when
-    the contact sticks, or slides against a force on the limit (maximum dissipation).
+    the contact sticks, or slides against a force on the limit (maximum dissipation). Where the law's coordinates make a
+    motion smaller than it is, what friction has to spare must hold it, too: up to a force of F in contact axes.
     """
     normal, cone, slip, limits, normals = 0.0, 0.0, 0.0, f.limits, f.normals
     r, s, P, D = np.zeros(3), np.zeros(3), np.empty(3), np.empty((3, 4))
@@ -172,10 +197,16 @@ def _laws(contacts: Ints, f: Friction, forces: Array, v: Array, F: float, V: Arr
             outside += (r[k] - P[k]) ** 2
         cone = max(cone, np.sqrt(outside))
         nearest(s, tangents, a, 0.0, f.faces, normals, P, D)
-        missed = 0.0
+        missed, used = 0.0, 0.0
         for k in range(tangents):
             missed += (r[k] - P[k]) ** 2
-        slip = max(slip, np.sqrt(missed))
+            used += r[k] ** 2
+        slip, spare = max(slip, np.sqrt(missed)), a - np.sqrt(used)
+        for k in range(tangents):
+            j = contacts[i, k + 1]
+            if unit[j] < 1.0 and spare > 0.0:
+                idle = min(spare * unit[j], 1.0)
+                slip = max(slip, idle * min(abs(v[j]) / (V[i] * unit[j]), 1.0))
     return normal, cone, slip
 
 

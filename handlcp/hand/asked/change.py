@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.asked import environment_of, of_fingers_alone, rubbed, said, under
+from handlcp.grasp.assembly.asked import again, environment_of, of_fingers_alone, rubbed, said, under
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import laws_by_name
@@ -42,9 +42,8 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
         changes["found"] = None
     changes["target"] = _target(asked, spec, mechanism, given)
     changes |= _friction(asked, spec, mechanism, changes)
-    changes = {name: value for name, value in changes.items() if name not in ("object", "mass")}
-    again = replace(asked, **changes)
-    return under(spec, again.load, again) if set(given) == {"wrench"} else again.spec()
+    made: HandAsked = again(asked, {name: x for name, x in changes.items() if name not in ("object", "mass")})
+    return under(spec, made.load, made) if set(given) == {"wrench"} else made.spec()
 
 
 def _load(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, given: dict[str, Any]) -> dict[str, Any]:
@@ -110,9 +109,10 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
     offset, E = of_fingers_alone(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
     offset[:k] -= mechanism.stand_off
     own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
-    contacts = spec.contacts[:k]
+    contacts, target = spec.contacts[:k], mechanism.target
+    laws = None if target is None else {tip: c.friction for tip, c in zip(tips, contacts, strict=True)}
     return HandAsked(
-        mechanism.posture, mechanism.target or dict(zip(tips, contacts, strict=True)), gravity=mechanism.gravity,
+        mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
         offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
         finger_weight=False if weight is None else True if weight.sags else "torques",
         plane=None if contacts[0].planar else spec.plane, joint_offset=command, environment=environment_of(spec),

@@ -13,7 +13,9 @@ from handlcp.grasp.friction import Coulomb, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.hand.objects.detect import touching
+from handlcp.hand.objects.meshes import in_memory
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.shapes import ask_for_metres, far_from
 from handlcp.hand.robot.posture import Posture
 
 __all__ = ["DEFAULT", "found_on", "given_by"]
@@ -26,6 +28,7 @@ def found_on(
 ) -> tuple[tuple[int, ...], tuple[Contact, ...], Array]:
     """Numbers of the fingertips, their contacts with an object, and the signed gaps (k,) [m]. Raises NotReached."""
     tips = state.hand.tip_numbers("fingers", fingers)
+    ask_for_metres("target", obj, state.tip_positions)
     names = [state.hand.fingertips[i] for i in tips]
     laws = laws_by_name(DEFAULT if friction is None else friction, names, [DEFAULT] * len(names))
     contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
@@ -39,6 +42,9 @@ def given_by(
     hand = state.hand
     if friction is not None:
         raise InputError("friction", "None when contacts are given (each Contact has its own)", repr(friction))
+    if in_memory(target):
+        expected = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
+        raise InputError("target", expected, repr(target)[:80])
     if isinstance(target, Mapping):
         if fingers is None:
             fingers = [name for name in hand.fingertips if name in target]
@@ -55,5 +61,7 @@ def given_by(
     if len(contacts) != len(tips):
         names = ", ".join(hand.fingertips[i] for i in tips)
         raise InputError("contacts", f"{len(tips)}, one for each of {names}", f"{len(contacts)}")
+    if not contacts[0].planar:
+        far_from("contacts", np.array([c.position for c in contacts]), state.tip_positions[list(tips)])
     named = tuple([c.named(hand.fingertips[i]) for c, i in zip(contacts, tips, strict=True)])
     return tips, named, read_only(np.zeros(len(tips)))

@@ -16,8 +16,10 @@ from typing import Any, Self
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.model.mechanism import joint_flexibility
+from handlcp.text_table import TextTable
 from handlcp.tolerances import SEMIDEFINITE
 
 __all__ = ["TRANSMISSION", "Effort", "Elasticity", "Transmission", "spanned"]
@@ -38,9 +40,8 @@ class Effort:
     values: Array
 
     def __str__(self) -> str:
-        width = max(len(self.kind), *(len(name) for name in self.names))
-        rows = [f"{name:<{width}}  {value:12.4f}" for name, value in zip(self.names, self.values, strict=True)]
-        return "\n".join([f"{self.kind:<{width}}  [{self.unit}]", *rows])
+        rows = tuple(zip(self.names, words.column(self.values.tolist()), strict=True))
+        return str(TextTable((f"{self.kind}", self.unit), rows, "<>"))
 
 
 class Elasticity:

@@ -10,7 +10,9 @@ import numpy as np
 from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.meshes import in_memory
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import by_tip
@@ -49,9 +51,11 @@ def close_on(
     Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
     """
     if not isinstance(obj, Object):
-        raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))
+        made = ": hl.Mesh(obj, mass=...) of it" if in_memory(obj) else ""
+        raise InputError("obj", f"a Box, Sphere, Cylinder, Ellipsoid or Mesh{made}", repr(obj)[:80])
     tolerance = number("tolerance", tolerance, above=0.0)
     tips = hand.tip_numbers("fingers", fingers)
+    ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
     depths = by_tip("squeeze", squeeze, [hand.fingertips[i] for i in tips]).tolist()
     q = np.clip(hand.kinematics.posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
     moves = hand.moves

@@ -1,4 +1,4 @@
-"""Mesh files, read by coal: a convex mesh becomes its hull, any other keeps its triangles."""
+"""Meshes, from files read by coal or from trimesh: a convex mesh becomes its hull, any other keeps its triangles."""
 
 from __future__ import annotations
 
@@ -8,45 +8,111 @@ from typing import Any
 import coal
 import numpy as np
 
-from handlcp.check import Array, read_only
-from handlcp.errors import InputError
+from handlcp.check import Array, array, read_only
+from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.hull import hull
 
-__all__ = ["closed", "load_mesh", "triangles_of"]
+__all__ = ["Surfaces", "closed", "in_memory", "load_mesh", "triangles_of"]
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 _FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
+_WIDE = 5.0  # [m] a mesh for a hand that is wider was not drawn in metres
+_METRES = ("m", "meter", "meters", "metre", "metres")
 
 
-def load_mesh(path: Any, scale: Array) -> Solid:
-    """Load a mesh file. Volume and centre of mass are those of the enclosed space; of the hull, where a convex mesh has
-    holes. The volume of a mesh with holes that is not convex is NaN.
+class Surfaces:
+    """Corners (k, 3) and triangles (m, 3) of a mesh that came from memory, such as a `trimesh.Trimesh`. Immutable."""
 
-    Raises InputError for a file that is missing, unreadable or encloses no volume.
+    __slots__ = ("faces", "units", "vertices")
+
+    vertices: Array
+    faces: Any
+    units: str | None
+
+    def __init__(self, vertices: Any, faces: Any, units: Any = None) -> None:
+        corners = array("mesh.vertices", np.asarray(vertices), (-1, 3))
+        rows = np.array(faces, dtype=np.int64)
+        fits = rows.ndim == 2 and rows.shape[1] == 3 and rows.min(initial=0) >= 0
+        if not fits or rows.max(initial=0) >= len(corners):
+            raise InputError("mesh.faces", "(m, 3) numbers of the mesh's corners", f"shape {rows.shape}")
+        rows.flags.writeable = False
+        for name, value in (("vertices", corners), ("faces", rows), ("units", units)):
+            object.__setattr__(self, name, value)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a mesh is immutable: {name} cannot be set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Surfaces, (self.vertices, self.faces, self.units))
+
+    def __repr__(self) -> str:
+        return f"<{len(self.faces)} triangles>"
+
+
+def in_memory(value: Any) -> bool:
+    """Whether it is a mesh and no file: a `trimesh.Trimesh`, or what has corners and triangles as it has."""
+    return hasattr(value, "vertices") and hasattr(value, "faces")
+
+
+def load_mesh(source: Any, scale: Array | None) -> Solid:
+    """Of a mesh file, or of `Surfaces`. Volume and centre of mass are those of the enclosed space; of the hull, where a
+    convex mesh has holes. The volume of a mesh with holes that is not convex is NaN. scale (3,) : None: 1, for a mesh
+    that looks as if it were in metres.
+
+    Raises InputError for a file that is missing or unreadable, a mesh that encloses no volume, or one too wide.
     """
+    name = "the mesh" if isinstance(source, Surfaces) else repr(str(source))
+    size = np.ones(3) if scale is None else scale
+    tree = _tree_of(source, size) if isinstance(source, Surfaces) else _read(source, size)
+    triangles = triangles_of(tree)
+    if not len(triangles) or not np.isfinite(triangles).all():
+        raise InputError("path", "a mesh of triangles with finite corners", f"{name}: {len(triangles)} triangles")
+    if scale is None:
+        _ask_for_metres(triangles, name, getattr(source, "units", None))
+    return _solid(triangles, tree, name)
+
+
+def _ask_for_metres(triangles: Array, name: str, units: Any) -> None:
+    """Raises InputError for a mesh that is not in metres, or does not look like it."""
+    wide, expected = float(np.ptp(triangles, axis=(0, 1)).max()), "what makes metres of the mesh: 0.001 for millimetres"
+    if isinstance(units, str) and units.lower() not in _METRES:
+        raise InputError("scale", expected, f"none, for {name} in units of {units!r}")
+    if wide > _WIDE:
+        came = f"none, and {name} would be {wide:.3g} m wide: are these millimetres?"
+        raise InputError("scale", f"{expected}, 1 to keep it", came)
+
+
+def _tree_of(mesh: Surfaces, scale: Array) -> Any:
+    tree = coal.BVHModelOBBRSS()
+    tree.beginModel(len(mesh.faces), len(mesh.vertices))
+    tree.addVertices(mesh.vertices * scale)
+    tree.addTriangles(np.array(mesh.faces))
+    tree.endModel()
+    return tree
+
+
+def _read(path: Any, scale: Array) -> Any:
     try:
         file = Path(path)
     except TypeError:
-        raise InputError("path", "the path of a mesh file", repr(path)) from None
-    if not file.is_file():
-        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which does not exist")
+        raise InputError("path", "the path of a mesh file, or a trimesh.Trimesh", repr(path)[:80]) from None
+    if why := unreadable(file):
+        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which {why}")
     try:
-        tree = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
+        return coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
     except (ValueError, RuntimeError) as error:
         lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
         raise InputError("path", "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
-    triangles = triangles_of(tree)
-    if not len(triangles) or not np.isfinite(triangles).all():
-        raise InputError(
-            "path", "a mesh of triangles with finite corners", f"{str(file)!r}: {len(triangles)} triangles"
-        )
+
+
+def _solid(triangles: Array, tree: Any, name: str) -> Solid:
     volume, moment = _enclosed(triangles)
     if abs(volume) <= _FLAT * float(np.ptp(triangles, axis=(0, 1)).max()) ** 3:
-        raise InputError("path", "a closed mesh that encloses a volume", f"{str(file)!r}: {volume:.3g} m³")
+        raise InputError("path", "a closed mesh that encloses a volume", f"{name}: {volume:.3g} m³")
     around = hull(triangles.reshape(-1, 3))
     if around is None:  # whatever it encloses, it has no thickness that counts
-        raise InputError("path", "a mesh that encloses a volume", f"{str(file)!r}, which is flat")
+        raise InputError("path", "a mesh that encloses a volume", f"{name}, which is flat")
     filled = float(around.computeVolume())
     convex = abs(abs(volume) - filled) <= CONVEX * filled
     if closed(triangles):

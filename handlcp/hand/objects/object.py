@@ -14,7 +14,10 @@ from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.hand.objects.surface import on_surface
 
-__all__ = ["WEIGHS", "Object", "Solid"]
+__all__ = ["WEIGHS", "Object", "Solid", "read_placement"]
+
+_RIGID, _EXACT = 1e-6, 1e-14  # what a rotation may miss, and what rounding makes it miss
+_LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 WEIGHS = Description(
     title="object weight",
@@ -45,7 +48,8 @@ class Solid:
 class Object:
     """Base of the shapes. Immutable, picklable.
 
-    placement : pin.SE3 of the shape's frame in the hand's world frame, or a position (3,) [m]; None: the origin.
+    placement : of the shape's frame in the hand's world frame: pin.SE3, a (4, 4) homogeneous matrix, or a position (3,)
+        [m]; None: the origin. (Of a quaternion: pin.XYZQUATToSE3.)
     mass : [kg], ≥ 0; its weight acts at the centre of mass. None: 0, or density · volume.
     density : [kg/m³], ≥ 0, in place of a mass.
 
@@ -72,7 +76,7 @@ class Object:
         """
         self.known = known
         self.geometry, self.volume, self.triangles = solid.geometry, solid.volume, solid.triangles
-        self._place(_read_placement(placement), _read_mass(mass, density, solid.volume))
+        self._place(read_placement(placement), _read_mass(mass, density, solid.volume))
         self._centre, self._args = solid.centre, args
 
     @property
@@ -87,7 +91,7 @@ class Object:
 
     def moved_to(self, placement: Any) -> Self:
         """The same object at another placement, given as on making it."""
-        return self._like(_read_placement(placement), self.mass)
+        return self._like(read_placement(placement), self.mass)
 
     def _like(self, placement: Any, mass: float) -> Self:
         """A copy elsewhere, or with another mass; what it is made of is shared."""
@@ -128,17 +132,34 @@ class Object:
         return f"{type(self).__name__}({args}, placement={self._placement.translation.tolist()}, mass={self.mass:g})"
 
 
-def _read_placement(value: Any) -> Any:
-    """pin.SE3 from an SE3, a position (3,) or None. Raises InputError."""
+def read_placement(value: Any) -> Any:
+    """pin.SE3 from an SE3, a (4, 4) homogeneous matrix, a position (3,) or None: the origin. Raises InputError.
+
+    A rotation that is one to 1e-6 becomes the nearest exact one.
+    """
     if value is None:
         return pin.SE3.Identity()
-    if not isinstance(value, pin.SE3):
-        return pin.SE3(np.eye(3), array("placement", value, (3,), what="a pin.SE3 or a position: finite numbers"))
-    R = value.rotation
-    finite = np.isfinite(value.homogeneous).all()
-    if not (finite and abs(R.T @ R - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0):
-        raise InputError("placement", "an SE3 with a rotation and finite numbers", repr(value.homogeneous.tolist()))
-    return value.copy()
+    expected = "a pin.SE3, a homogeneous matrix or a position: finite numbers"
+    a = (
+        value.homogeneous.copy()
+        if isinstance(value, pin.SE3)
+        else array("placement", value, (3,), (4, 4), what=expected)
+    )
+    if a.shape == (3,):
+        return pin.SE3(np.eye(3), a)
+    if not np.isfinite(a).all():
+        raise InputError("placement", expected, repr(a.tolist()))
+    if abs(a[3] - _LAST_ROW).max() > _RIGID:
+        raise InputError("placement", "a homogeneous matrix whose last row is 0, 0, 0, 1", a[3].tolist())
+    R = a[:3, :3]
+    miss = float(abs(R.T @ R - np.eye(3)).max())
+    if miss > _RIGID or np.linalg.det(R) < 0.0:
+        what = "a mirror" if miss <= _RIGID else f"one that is {miss:.3g} off (a scale, or a matrix of another kind?)"
+        raise InputError("placement", "a rotation, orthonormal to 1e-6, and a position", what)
+    if miss > _EXACT:
+        U, _, V = np.linalg.svd(R)
+        R = U @ V
+    return pin.SE3(R.copy(), a[:3, 3].copy())
 
 
 def _read_mass(mass: Any, density: Any, volume: float) -> float:

@@ -10,12 +10,12 @@ import numpy as np
 
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
-from handlcp.hand.objects.meshes import load_mesh
+from handlcp.hand.objects.meshes import Surfaces, in_memory, load_mesh
 from handlcp.hand.objects.object import Object, Solid
 from handlcp.hand.objects.surface import BALL, BOX, CYLINDER, ELLIPSOID
 from handlcp.hand.objects.triangles import Surface, closest_of
 
-__all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere"]
+__all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere", "ask_for_metres", "far_from"]
 
 
 class Box(Object):
@@ -73,7 +73,10 @@ class Ellipsoid(Object):
 
 
 class Mesh(Object):
-    """A triangle mesh from a file (STL, OBJ, DAE, PLY …), in metres after `scale` (a number or (3,)).
+    """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh`, in metres after `scale` (a number or
+    (3,); None: 1, unless the mesh is wider than 5 m or says that its units are others, which is asked about).
+
+    A Trimesh brings no mass: mass or density are given here.
 
     A convex mesh becomes its convex hull, which is exact for every fingertip. A mesh that is not convex keeps its
     triangles: its surface has to be closed, and only spherical fingertips can touch it. Volume and centre of mass are
@@ -84,15 +87,17 @@ class Mesh(Object):
     __slots__ = ("_surface", "convex", "path", "scale")
 
     def __init__(
-        self, path: Any, scale: Any = 1.0, placement: Any = None, mass: Any = None, *, density: Any = None
+        self, path: Any, scale: Any = None, placement: Any = None, mass: Any = None, *, density: Any = None
     ) -> None:
-        scales = array("scale", scale, (), (3,))
+        scales = array("scale", 1.0 if scale is None else scale, (), (3,))
         if not (scales > 0).all():
             raise InputError("scale", "numbers above 0", repr(scale))
-        solid = load_mesh(path, np.ones(3) * scales)
-        self.path, self.scale, self.convex = Path(path), scales, solid.triangles is None
+        inside = Surfaces(path.vertices, path.faces, getattr(path, "units", None)) if in_memory(path) else None
+        solid = load_mesh(path if inside is None else inside, None if scale is None else np.ones(3) * scales)
+        self.path = None if inside is not None else Path(path)
+        self.scale, self.convex = scales, solid.triangles is None
         self._surface = Surface(solid.geometry) if solid.triangles is None else solid.triangles
-        super().__init__(solid, placement, mass, density, (self.path, self.scale))
+        super().__init__(solid, placement, mass, density, (self.path or inside, self.scale))
 
     def beyond(self, points: Array) -> Array | None:
         """(m,) how far points (m, 3) in the mesh's axes are beyond the faces of a convex mesh [m]; None: not convex."""
@@ -104,6 +109,29 @@ class Mesh(Object):
         x, surface = R.T @ (point - p), self._surface
         distance, on, out = surface.closest(x) if isinstance(surface, Surface) else closest_of(x, surface)
         return distance, R @ on + p, R @ out
+
+
+_WIDE, _TIMES = 5.0, 20.0  # [m], and times the hand's size: what is wider was not given in metres
+
+
+def ask_for_metres(argument: str, obj: Object, tips: Array) -> None:
+    """Raises InputError for an object far wider than a hand with fingertips at (n, 3) [m]; a mesh was asked before."""
+    size = float(np.sqrt((tips * tips).sum(axis=1)).max())
+    obj.geometry.computeLocalAABB()
+    box = obj.geometry.aabb_local
+    wide = max(box.width(), box.height(), box.depth())
+    if wide > max(_WIDE, _TIMES * size) and not isinstance(obj, Mesh):
+        came = f"{obj!r}, {wide:.3g} m wide in a hand of {size:.2g} m: are these millimetres?"
+        raise InputError(argument, "an object in metres", came)
+
+
+def far_from(argument: str, positions: Array, tips: Array) -> None:
+    """Raises InputError for contacts (n, 3) so far from their fingertips (n, 3) that they are not in metres."""
+    size, away = float(np.sqrt((tips * tips).sum(axis=1)).max()), positions - tips
+    far = float(np.sqrt((away * away).sum(axis=1)).max())
+    if far > max(_WIDE, _TIMES * size):
+        came = f"one {far:.3g} m from its fingertip, on a hand of {size:.2g} m: are these millimetres?"
+        raise InputError(argument, "positions in metres", came)
 
 
 def _lengths(argument: str, value: Any) -> Array:

@@ -27,7 +27,8 @@ _AROUND = 16  # points around a cylinder, at least
 _SHAPES = (coal.Sphere, coal.Capsule, coal.Cylinder, coal.Box, coal.BVHModelBase, coal.ConvexBase)
 _MESHES = (coal.BVHModelBase, coal.ConvexBase)
 
-_ALL_WAYS = np.concatenate([np.eye(3), -np.eye(3), np.stack(np.meshgrid(*[(-1, 1)] * 3), -1).reshape(8, 3) / 3**0.5])
+_TURNS, _HEIGHTS = np.linspace(0.0, 2 * np.pi, 24, endpoint=False), np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
+_ALL_WAYS = np.array([(np.cos(h) * np.cos(t), np.cos(h) * np.sin(t), np.sin(h)) for h in _HEIGHTS for t in _TURNS])
 
 Points = tuple[Array, Array]  # (m, 3) positions, (m,) radii
 
@@ -148,11 +149,17 @@ def _triangles(triangles: Array) -> Iterator[Array]:
         yield np.einsum("gk,mkx->mgx", share, triangles[cuts == n]).reshape(-1, 3)
 
 
-def surface_points(parts: Iterable[tuple[Any, Array, Array]]) -> Array | None:
-    """(m, 3) points on shapes, each with its rotation and position; None without any that is known."""
+def surface_points(parts: Iterable[tuple[Any, Array, Array]], corners: bool = False) -> Array | None:
+    """(m, 3) points on shapes, each with its rotation and position; None without any that is known.
+
+    corners : of meshes, their corners alone.
+    """
     found = []
     for shape, R, p in parts:
+        if corners and isinstance(shape, _MESHES):
+            found.append(_surface(shape).reshape(-1, 3) @ R.T + p)
+            continue
         for x, radius in _net(shape) if isinstance(shape, _SHAPES) else ():
-            for way in _ALL_WAYS if radius.any() else np.zeros((1, 3)):
-                found.append((x + radius[:, None] * way) @ R.T + p)
+            ways = _ALL_WAYS if radius.any() else np.zeros((1, 3))
+            found.append((x + radius[:, None] * ways[:, None]).reshape(-1, 3) @ R.T + p)
     return np.concatenate(found) if found else None

@@ -11,12 +11,14 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, number, per_name, read_only
-from handlcp.errors import URDFError
+from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.fingertips.frames import TipFrames
 from handlcp.hand.robot.hull import hull
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
 
 __all__ = ["TipGeometry", "TipShape", "read_radii", "sphere_tip"]
+
+_LARGEST = 0.5  # [m] no fingertip is larger
 
 _CONVEX = (coal.Sphere, coal.Box, coal.Cylinder, coal.Capsule, coal.Ellipsoid, coal.ConvexBase)
 
@@ -90,8 +92,16 @@ def read_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
         return {}
     if isinstance(value, Mapping):
         given = per_name("tip_radius", value, tips, "a fingertip")
-        return {tip: number(f"tip_radius[{tip!r}]", r, above=0.0) for tip, r in given.items()}
-    return dict.fromkeys(tips, number("tip_radius", value, above=0.0))
+        return {tip: _radius(f"tip_radius[{tip!r}]", r) for tip, r in given.items()}
+    return dict.fromkeys(tips, _radius("tip_radius", value))
+
+
+def _radius(argument: str, value: Any) -> float:
+    radius = number(argument, value, above=0.0)
+    if radius > _LARGEST:
+        expected = f"a radius in metres (if millimetres are meant, {radius / 1e3:g})"
+        raise InputError(argument, expected, f"{radius:g}, a fingertip {2 * radius:g} m wide")
+    return radius
 
 
 def _shape(name: str, geometry: Any, link: Any, part: Part) -> TipShape:

@@ -17,14 +17,16 @@ from typing import Any
 
 import pinocchio as pin
 
-from handlcp.errors import InputError, UnknownName, URDFError
+from handlcp.errors import InputError, UnknownName, URDFError, unreadable
 
 __all__ = [
-    "LARGEST_NUMBER", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders", "resolve_meshes",
+    "LARGEST_NUMBER", "MOST_JOINTS", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders",
+    "resolve_meshes",
 ]  # fmt: skip
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
-MOST_ELEMENTS = 4000  # links, joints, materials of a robot: libraries below read them with one call inside another
+MOST_ELEMENTS = 1500  # links, joints, materials of a robot: libraries below read them with one call inside another
+MOST_JOINTS = 150  # that move: Pinocchio's data take 32 bytes times their cube
 
 # Element, attribute, how many numbers, least value. Pinocchio silently drops numbers that it cannot read.
 _NUMBERS = (
@@ -44,13 +46,17 @@ def check_robot(argument: str, root: ET.Element, base: str | None, shown: str) -
     if base is not None and not isinstance(base, str):
         raise InputError("base", "the name of a link, or None", repr(base))
     if len(root) > MOST_ELEMENTS:
-        expected = f"a robot of at most {MOST_ELEMENTS} links and joints; cut the hand out of a larger one"
+        expected = f"a robot of at most {MOST_ELEMENTS} links and joints"
         raise URDFError(argument, expected, f"{shown} with {len(root)}")
     try:
         ET.tostring(root)
     except RecursionError:
         raise URDFError(argument, "a URDF", f"{shown}, whose elements are nested thousands deep") from None
     root = root if base is None else _below(root, base)
+    moving = sum(joint.get("type") != "fixed" for joint in root.findall("joint"))
+    if moving > MOST_JOINTS:
+        expected = f"a hand of at most {MOST_JOINTS} movable joints (base= cuts it out of a larger robot)"
+        raise URDFError(argument, expected, f"{shown} with {moving}")
     _check_numbers(argument, root)
     return root
 
@@ -88,7 +94,7 @@ def _are_numbers(text: str, count: int, least: float) -> bool:
     return len(values) == count and all(max(least, -LARGEST_NUMBER) <= v <= LARGEST_NUMBER for v in values)
 
 
-def build_model(root: ET.Element, label: str) -> Any:
+def build_model(argument: str, root: ET.Element, label: str) -> Any:
     """Pinocchio's model, which ignores mimic tags. Raises URDFError with the parser's own message."""
     with captured_stderr() as messages:
         try:
@@ -96,7 +102,7 @@ def build_model(root: ET.Element, label: str) -> Any:
         except ValueError as error:
             failure = str(error)
     details = [line.strip() for line in "".join(messages).splitlines() if not line.strip().startswith("at line")]
-    raise URDFError("source", "a URDF that describes a robot", f"{label}: {'; '.join(details) or failure}")
+    raise URDFError(argument, "a URDF that describes a robot", f"{label}: {'; '.join(details) or failure}")
 
 
 def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
@@ -107,7 +113,7 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
     except TypeError:
         raise InputError("package_dirs", "a folder or a sequence of folders", repr(package_dirs)) from None
     for folder in folders:
-        if not folder.is_dir():
+        if unreadable(folder) != "is a folder":
             raise InputError("package_dirs", "folders that exist", repr(str(folder)))
     if path is not None:
         folders += [path.parent, *path.parent.resolve().parents[:4]]
@@ -119,7 +125,9 @@ def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
     for mesh in element.iter("mesh"):
         address = mesh.get("filename", "")
         tail = address.split("://", 1)[-1]
-        found = next((p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and p.is_file()), None)
+        found = next(
+            (p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and not unreadable(p)), None
+        )
         if found is None:
             where = ", ".join(str(f) for f in folders) or "nowhere"
             raise URDFError("package_dirs", f"a folder that holds {address!r}", f"folders without it: {where}")

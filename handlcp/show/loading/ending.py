@@ -5,15 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from handlcp.grasp import Grasp
+from handlcp.grasp import Grasp, Verdict
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.loading.end import grasp_at_end, moved, solution_at_end
 from handlcp.show.loading.head import headline
 from handlcp.show.picture.content import Content
 from handlcp.show.picture.figure import DPI, HEIGHT, WIDTH, compose
+from handlcp.show.picture.panel import headline as verdict_head
 
-__all__ = ["picture", "save_picture"]
+__all__ = ["picture", "save_picture", "verdict_picture"]
 
 GAP = 0.1  # inches between the sentences and the picture
 
@@ -22,6 +23,16 @@ def save_picture(loading: Loading, path: Any, title: str = "", obj: Any = None) 
     """Draw and write a file; see `picture`. Raises InputError for an unknown format or a folder that does not exist."""
     file = checked(path)
     return write(picture(loading, title, obj), file, DPI)
+
+
+def verdict_picture(loading: Loading, verdict: Verdict, title: str = "", obj: Any = None) -> Figure:
+    """The same under the verdict that is about it, as `handlcp.show.picture.draw` has it under that of one solve."""
+    drawn = new_figure(figsize=(WIDTH, HEIGHT))
+    grasp, end = grasp_at_end(loading), solution_at_end(loading)
+    shown = Content(grasp, end, loading.object or obj, Grasp(loading.steps.grasp.spec), verdict)
+    told = "Drawn: the grasp squeezed and loaded, followed in steps; slips are of the whole way."
+    compose(drawn, shown, verdict_head(drawn, verdict, title, told))
+    return drawn
 
 
 def picture(loading: Loading, title: str = "", obj: Any = None) -> Figure:

@@ -11,15 +11,17 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
+from handlcp.grasp import GraspSolution
 from handlcp.grasp.loading.events import summary
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show import tables
-from handlcp.show.loading.end import grasp_at_end, moved, slipped, solution_at_end
+from handlcp.show.loading.end import moved, slipped, solution_at_end
 from handlcp.show.loading.series import friction_used
 from handlcp.study.plain import plain
+from handlcp.tolerances import CERTIFY
 from handlcp.version import VERSION
 
-__all__ = ["end_tables", "event_table", "motion", "record"]
+__all__ = ["end_tables", "event_table", "motion", "record", "solution_tables"]
 
 _AXES = "xyz"
 
@@ -38,27 +40,35 @@ def event_table(loading: Loading) -> Table | None:
     return table
 
 
-def end_tables(loading: Loading, faces: Any) -> list[Table]:
+def end_tables(loading: Loading) -> list[Table]:
     """Contacts, joints and actuators at the last step; none where it has no certified answer."""
     solution = solution_at_end(loading)
     if not solution.held:
         return []
     when = "at the end" if loading.reached else "at the last step"
-    contacts = tables.contact_table(grasp_at_end(loading), solution, faces)
-    contacts.title = f"Contacts {when}"
-    contacts.caption = "; ".join([*([str(contacts.caption)] if contacts.caption else []), "slip: on the whole way"])
-    found = [contacts]
+    return solution_tables(solution, f" {when}", True)
+
+
+def solution_tables(solution: GraspSolution, when: str = "", whole: bool = False) -> list[Table]:
+    """Contacts, joints and actuators; none where there is no answer. when : follows the titles. whole : whether slips
+    are of the whole way.
+    """
+    if not solution.held:
+        return []
+    slips = float(np.hypot(*solution.slip.T).max(initial=0.0)) > CERTIFY * solution.residuals.motion_scale
+    note = "slip: on the whole way" if whole and slips else ""
+    found = [tables.contact_table(solution, f"Contacts{when}", note)]
     for part, table in (("torque_check", tables.torque_table), ("effort", tables.effort_table)):
         if (what := getattr(solution, part, None)) is not None:
             found.append(table(what))
-            found[-1].title = f"{found[-1].title} {when}"
+            found[-1].title = f"{found[-1].title}{when}"
     return found
 
 
 def motion(loading: Loading) -> str:
     """Of the object since the start, in words."""
     u = loading.displacement[:3]
-    unit = words.length_unit(u.tolist())
+    unit = words.length_unit([float(np.linalg.norm(u))])  # that of the whole way
     along = ", ".join(f"{axis} {unit(x)}" for axis, x in zip(_AXES, u.tolist(), strict=True))
     return f"the object has {moved(loading)} since the start ({along} {unit.name})"
 

@@ -10,10 +10,10 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp
+from handlcp.grasp.answer.friction_used import friction_used as used_by
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show.loading.end import STILL
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
-from handlcp.show.tables import friction_share
 
 __all__ = ["Curve", "Panel", "friction_used", "panels"]
 
@@ -64,8 +64,8 @@ def panels(loading: Loading) -> list[Panel]:
 
 def friction_used(loading: Loading) -> Array:
     """(m, n) of each step and contact, the share of its friction limit; NaN without friction or without a force."""
-    grasp, steps = Grasp(loading.steps.grasp.spec), loading.steps
-    used = np.array([friction_share(grasp, f, t) for f, t in zip(steps.forces, steps.torsion, strict=True)])
+    scene, steps = Grasp(loading.steps.grasp.spec).scene, loading.steps
+    used = np.array([used_by(scene, f, t) for f, t in zip(steps.forces, steps.torsion, strict=True)])
     normal = steps.forces[:, :, 2]
     used[normal <= _NO_FORCE * normal.max()] = np.nan
     return used

@@ -11,6 +11,7 @@ from handlcp.check import Array
 from handlcp.grasp import Grasp
 from handlcp.grasp.model.contact import frame as frame_about
 from handlcp.hand import HandGrasp
+from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.raster import fill
 
@@ -19,7 +20,9 @@ __all__ = ["Camera", "Frame", "Marks", "camera_for", "facing", "frame"]
 ELEVATIONS = (16.0, 28.0, -14.0, -26.0)  # [degrees] above the horizon; from below only when that shows more
 STEP = 15.0  # of the azimuth [degrees]
 SMALL = (96, 80)  # pixels of the images that are compared
+GRAIN = 0.05  # of the grasp's size: details of a finely meshed hand that are not compared
 FAR, NEAR = 3.8, 2.5  # a hand that reaches farther from the object than FAR times its radius is cut at NEAR times
+AIR = 0.3  # radii of the object between it and where the hand begins to fade
 CLEAR = 0.25  # sizes of the grasp: arrows that are this far apart are not nearer to each other than they need to be
 FOOT, HEAD = 0.62, 0.12  # inches for the scales below, and of air above
 UP = np.array([0.0, 0.0, 1.0])
@@ -115,6 +118,7 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
         cut = far > FAR
         if cut:
             rest = rest[(abs(rest - centre) <= NEAR * radius).all(1)]
+            low, high = low - AIR * radius, high + AIR * radius
         low, high = np.vstack([low, rest]).min(0), np.vstack([high, rest]).max(0)
     tall = inches[1] - FOOT - HEAD
     inch = max(float(high[0] - low[0]) / (inches[0] - 2 * margin), float(high[1] - low[1]) / tall)
@@ -129,7 +133,8 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
 def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
     """The side where marks lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
     first, second, _ = frame_about(up).T
-    hand = np.concatenate([b.triangles for b in solids]) if solids else np.zeros((0, 3, 3))
+    hand = shapes.coarse(np.concatenate([b.triangles for b in solids]), GRAIN * size) if solids else np.zeros((0, 3, 3))
+    shape = None if glass is None else shapes.coarse(glass.triangles, GRAIN * size)
     best, camera = -np.inf, facing(first, up)
     for elevation in ELEVATIONS:
         for azimuth in np.arange(0.0, 360.0, STEP) + 5.0:
@@ -140,8 +145,8 @@ def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | Non
             score = float(min(apart.min(initial=1.0), 0.7)) + 0.3 * float(apart.mean()) if len(apart) else 0.0
             length = np.linalg.norm(c.project(arrows), axis=1)
             score += 0.9 * min(float(length.min(initial=1.0)), 0.8) + 0.3 * float(length.mean()) if len(arrows) else 0.0
-            if glass is not None:
-                score += 0.9 * _visible(c, hand, glass.triangles)
+            if shape is not None:
+                score += 0.9 * _visible(c, hand, shape)
             score += 2.0 * min(marks.clear(c) / size, CLEAR)
             score -= 0.15 if elevation < 0 else 0.0
             if score > best + 1e-9:

@@ -88,7 +88,7 @@ class Content:
         middle = self.grasp.scene.positions.mean(0)
         if self.glass is not None:
             middle = self.glass.triangles.reshape(-1, 3).mean(0)
-        if np.linalg.norm(self.grasp.reference - middle) < self.size:
+        if np.linalg.norm(self.grasp.reference - middle) < 0.5 * self.size:
             return np.asarray(self.grasp.reference)
         if self.load == 0.0:
             return np.asarray(middle)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,11 +12,21 @@ from handlcp import words
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 from handlcp.show.picture.panel import Entry
 
-__all__ = ["GHOST", "contact_labels", "entries", "state_drawn"]
+__all__ = ["GHOST", "Unseen", "contact_labels", "entries", "state_drawn"]
 
 GHOST = "#7A5A10"
+
+
+class Unseen(NamedTuple):
+    """What is too small to draw: contacts with such a slip, and whether the load is."""
+
+    slips: list[int]
+    load: bool
+
+
 Said = tuple[tuple[int, ...], str, str]  # contacts that share a label, its name, and what stands below the name
 
+_NO_FRICTION = 5e-4  # of the normal force: less is not written
 _NUMBER = re.compile(r"[\s_]*\d+$")
 
 
@@ -52,7 +63,7 @@ def _together(shown: Content, members: Sequence[int], state: str) -> str:
     """What a label of several contacts says below its name."""
     if state in ("", "separated"):
         return "let go" if state else ""
-    forces = np.linalg.norm(shown.solution.forces[list(members)], axis=1)
+    forces = shown.solution.normal_force[list(members)]
     low, high = words.force(float(forces.min())), words.force(float(forces.max()))
     each = f"{low} each" if low == high else f"{low.removesuffix(' N')} to {high}"
     return f"{each}, {'stick' if state == 'sticking' else 'slide'}"
@@ -65,20 +76,23 @@ def _detail(shown: Content, i: int) -> str:
         return f"μ = {shown.grasp.contacts[i].mu:g}" if shown.grasp.contacts[i].mu else "frictionless"
     if s.contact_state[i] == "separated":
         return f"lets go, gap {words.length(float(s.gap[i]))}"
-    push = words.force(float(np.linalg.norm(s.forces[i])))
+    normal, friction = float(s.normal_force[i]), float(np.linalg.norm(s.tangential_force[i]))
+    push = words.force(normal)
+    if friction > _NO_FRICTION * normal:
+        push = f"{push.removesuffix(' N')} + {words.force(friction)}"
     # A moment is written in place of the state, which the colour shows: a longer line would shrink the picture
     if s.torsion is not None and abs(s.torsion[i]) > NO_MOMENT:
         return f"{push}, {words.torque(abs(float(s.torsion[i])))}"
     return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
 
 
-def entries(shown: Content, unseen: Sequence[int], hidden: bool) -> list[Entry]:
-    """The legend. unseen : contacts whose slip is too small to draw. hidden : whether a contact point is."""
+def entries(shown: Content, unseen: Unseen, hidden: bool) -> list[Entry]:
+    """The legend. hidden : whether a contact point is behind object or hand."""
     return [
         *_bodies(shown),
         *_contacts(shown, hidden),
-        *_load(shown),
-        *_motion(shown, unseen),
+        *_load(shown, unseen.load),
+        *_motion(shown, unseen.slips),
     ]
 
 
@@ -107,13 +121,16 @@ def _contacts(shown: Content, hidden: bool) -> Iterator[Entry]:
         sense = "moments take their part of it" if s.torsion is not None else "an arrow at its rim slides"
         text = f"friction cone, to the forces' scale:\n{sense}" if s.held else "friction cone"
         yield "cone", STATE["sticking"] if s.held else UNKNOWN, text
+    if s.held and scene.frictional:
+        yield "none", UNKNOWN, "labels: normal force + friction"
     if shown.turns:
         yield "turn", STATE["sticking"], f"moment of a {who} about its normal, longer for larger"
 
 
-def _load(shown: Content) -> Iterator[Entry]:
+def _load(shown: Content, unseen: bool) -> Iterator[Entry]:
     if shown.load > 0:
-        yield "line", LOAD, f"load on the object, {words.force(shown.load)}"
+        much = words.force(shown.load)
+        yield "line", LOAD, f"load on the object, {much}{', too small to draw' if unseen else ''}"
     if shown.turn is not None:
         yield "turn", LOAD, f"torque on the object, {words.torque(float(np.linalg.norm(shown.twist)))}"
 

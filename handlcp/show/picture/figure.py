@@ -19,7 +19,7 @@ from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Frame, camera_for, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
-from handlcp.show.picture.entries import GHOST, contact_labels, entries, state_drawn
+from handlcp.show.picture.entries import GHOST, Unseen, contact_labels, entries, state_drawn
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import creases, paint
 from handlcp.show.picture.panel import Entry, headline, legend, torque_bars
@@ -86,8 +86,8 @@ def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
     return entries(shown, unseen, bool(hidden.any()))
 
 
-def _arrows(over: Overlay, shown: Content, hidden: Bools) -> list[int]:
-    """Cones, arrows, arcs and contact points; returns the contacts whose slip is too small to draw."""
+def _arrows(over: Overlay, shown: Content, hidden: Bools) -> Unseen:
+    """Cones, arrows, arcs and contact points; returns what of it is too small to draw."""
     scene = shown.grasp.scene
     for triangles in shown.tips:
         over.shape(triangles)
@@ -98,8 +98,7 @@ def _arrows(over: Overlay, shown: Content, hidden: Bools) -> list[int]:
             over.cone(p, shown.rim(i), shown.colours[i])
     if shown.turn is not None:
         over.turn(shown.turn, LOAD, 1.15)
-    if shown.load > 0:
-        over.arrow(shown.acts_at, shown.pull, LOAD, 1.15)
+    load_seen = shown.load == 0.0 or over.arrow(shown.acts_at, shown.pull, LOAD, 1.15)
     for i, (p, force) in enumerate(zip(scene.positions, shown.forces, strict=True)):
         if (turn := shown.turns.get(i)) is not None:
             over.turn(turn, shown.colours[i])
@@ -110,7 +109,7 @@ def _arrows(over: Overlay, shown: Content, hidden: Bools) -> list[int]:
         over.arrow(_beside(over, shown), shown.escape, ESCAPE, 1.5, dashed=True)
     if shown.escape_turn is not None:
         over.turn(shown.escape_turn, ESCAPE, 1.3, dashed=True)
-    return [i for i in shown.sliding if i not in drawn]
+    return Unseen([i for i in shown.sliding if i not in drawn], not load_seen)
 
 
 def _beside(over: Overlay, shown: Content) -> Array:

@@ -48,7 +48,7 @@ def tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
     drawn = np.concatenate([b.triangles for b in bodies])
     near = _APART * grasp.scene.units.length
     for p, tip in zip(grasp.scene.positions, grasp.mechanism.tips, strict=False):
-        off = abs(closest_of(p, drawn)[0])
+        off = _distance(p, drawn)
         if off <= near:
             continue
         try:
@@ -58,9 +58,17 @@ def tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
         R, t = state.tip_rotations[tip], state.tip_positions[tip]
         placed = [(shapes.of_coal(s.geometry), s) for s in known]
         here = [(tri @ s.rotation.T + s.translation) @ R.T + t for tri, s in placed if tri is not None]
-        if here and min(abs(closest_of(p, tri)[0]) for tri in here) < 0.5 * off:
+        if here and min(_distance(p, tri) for tri in here) < 0.5 * off:
             out += here
     return out
+
+
+def _distance(point: Array, triangles: Array) -> float:
+    """To the nearest of triangles (m, 3, 3) [m], without those that are farther than another one surely is."""
+    middle = triangles.mean(axis=1)
+    away = np.linalg.norm(middle - point, axis=1)
+    reach = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
+    return abs(closest_of(point, triangles[away - reach <= away.min()])[0])
 
 
 def _links(state: HandState, kind: Any, tag: str, known: set[str]) -> Iterator[Body]:

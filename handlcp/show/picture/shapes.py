@@ -13,8 +13,9 @@ from handlcp.check import Array
 from handlcp.grasp.model.contact import frame
 from handlcp.hand.objects.meshes import triangles_of
 
-__all__ = ["box", "capsule", "cylinder", "ellipsoid", "hull", "of_coal", "placed", "revolved"]
+__all__ = ["box", "capsule", "coarse", "cylinder", "ellipsoid", "hull", "of_coal", "placed", "revolved"]
 
+_MANY = 4000  # triangles: a surface of fewer is not made coarser
 AROUND = 96  # facets around a round shape
 _CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))  # of a cube with edges of one
 # Corners of each side in their order, seen from outside
@@ -103,6 +104,16 @@ def of_coal(geometry: Any) -> Array | None:
         triangles = triangles_of(g)
         return triangles if len(triangles) else None
     return hull(np.array(g.points()), 0.0) if isinstance(g, coal.ConvexBase) else None
+
+
+def coarse(triangles: Array, cell: float) -> Array:
+    """(k, 3, 3) about the same surface, of many triangles (m, 3, 3): corners on a grid, what falls together once."""
+    if len(triangles) < _MANY:
+        return triangles
+    corners = np.round(triangles / cell).astype(np.int64)
+    a, b, c = corners.transpose(1, 0, 2)
+    kept = corners[(a != b).any(1) & (b != c).any(1) & (c != a).any(1)]
+    return np.asarray(np.unique(kept.reshape(-1, 9), axis=0).reshape(-1, 3, 3) * cell)
 
 
 def placed(triangles: Array, placement: Any) -> Array:

@@ -12,6 +12,8 @@ import numpy as np
 
 from handlcp.errors import InputError
 from handlcp.study.accuracy.words import ROUNDING, microseconds, share
+from handlcp.text_table import wrapped
+from handlcp.views import view
 
 __all__ = ["NOT_RUN", "OTHER", "AccuracyCost", "Conditions", "FaceLaw", "LeftOut", "Reference", "Row"]
 
@@ -179,6 +181,10 @@ class AccuracyCost:
         return FaceLaw(section, float(-slope), float(np.exp(height)), tuple(int(x) for x in m))
 
     def __str__(self) -> str:
+        return wrapped(self.summary)
+
+    @property
+    def summary(self) -> str:
         """One sentence: what 8 faces cost, or the number nearest to it, and what the cone costs."""
         if not any(any(f) for f in self.reference.forces):
             return "no finger pushes here: there is no relative force error"
@@ -193,14 +199,20 @@ class AccuracyCost:
             parts.append(f"{kind}: {_price(exact, 'exact')}")
         return "; ".join(parts) or "nothing was certified within the budget"
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_frame(self) -> Any:
+        """A pandas table of `rows`, one line for each; NaN or None where there is no number. Raises Unsupported without
+        pandas.
+        """
+        return view("data_frame")({f.name: [getattr(r, f.name) for r in self.rows] for f in fields(Row)})
+
+    def to_dict(self) -> dict[str, Any]:
         """Plain values in SI units, with the sentence and the fitted laws."""
         laws = [law for law in map(self.law, ("inscribed", "circumscribed")) if law is not None]
-        return {"summary": str(self)} | asdict(self) | {"face_laws": [asdict(law) for law in laws]}
+        return {"summary": self.summary} | asdict(self) | {"face_laws": [asdict(law) for law in laws]}
 
     def to_json(self) -> str:
         """One JSON object without NaN."""
-        return json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+        return json.dumps(self.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> AccuracyCost:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from handlcp.lcp import LCP, solve_lcp
 from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.convergence.runs import Run, Sampling, follow, watch
 from handlcp.study.nsngrk import RES, SEEDS, STEPS, UnitsOf
+from handlcp.views import view
+from handlcp.words import distinct
 
 __all__ = ["Convergence", "convergence"]
 
@@ -77,6 +80,18 @@ class Convergence:
         i = self.disputed
         values = [r.stopped[i] if units == "given" else r.values[-1, i] for r in self.select(units)]
         return float(np.ptp(values) / abs(self.answer[i]))
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each look at each run: "units", "sampling", "seed", "step", and the recorded
+        values by their names. Raises Unsupported without pandas.
+        """
+        each = [(r, k) for r in self.runs for k in range(len(r.values))]
+        columns: dict[str, Any] = {
+            "units": [r.units for r, _ in each], "sampling": [r.sampling for r, _ in each],
+            "seed": [r.seed for r, _ in each], "step": [r.looks[k] for r, k in each],
+        }  # fmt: skip
+        names = distinct(self.names)
+        return view("data_frame")(columns | {n: [r.values[k, i] for r, k in each] for i, n in enumerate(names)})
 
     def error(self, run: Run) -> Array:
         """(m,) worst error at each of the run's looks, as a share of the largest value."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console, JustifyMethod
@@ -22,7 +23,10 @@ __all__ = ["paper_command", "render"]
 
 _STYLE = {Mark.NO: "red", Mark.LOOSE: "yellow", Mark.OTHER: ""}  # the others fit: green
 _LEVEL = {"reproduced": "bold green", "failed": "bold white on red", "not a solution": "bold red", "solution": "yellow"}
-_SEEDS = ("example", "", "as printed [N]", "spread", "off by", "steps", "natural [N]", "spread", "steps", "ours")
+_SEEDS = (
+    "example,\nfaces", "", "printed\nfrom [N]", "to [N]", "spread", "off by", "steps", "natural\n[N]", "spread",
+    "steps", "ours",
+)  # fmt: skip
 _HEAD = {"force": "force [N]", "fingertip": "fingertip [m]", "slip": "slip [m]", "object": "object [m, rad]"}
 
 
@@ -37,7 +41,7 @@ def paper_command(console: Console, json: bool = False) -> int:
 
 
 def render(report: PaperReport, console: Console) -> None:
-    """Print it, readable at 100 columns."""
+    """Print it, readable at 80 columns."""
     console.print()
     console.print(Text("The paper, reproduced", style="bold"))
     console.print(Text(raw()["source"], style="dim"))
@@ -69,34 +73,36 @@ def _legend() -> Text:
 
 def _comparison(c: Comparison, console: Console) -> None:
     """One table of the paper, its misses and its verdict."""
-    columns = [name for name in _HEAD if any(r.column == name for r in c.rows)]
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("", style="dim", no_wrap=True)
-    for name in columns:
-        if name == "object":
-            table.add_column("", style="dim", no_wrap=True)
-        table.add_column(_HEAD[name], justify="right", no_wrap=True)
-        table.add_column("ours", justify="left", no_wrap=True)
-    by = {(r.column, r.place): r for r in c.rows}
-    objects = [r for r in c.rows if r.column == "object"]
-    for k, place in enumerate(r.place for r in c.rows if r.column == "force"):
-        cells: list[str | Text] = [place]
-        for name in columns:
-            row = by.get((name, place))
-            if name == "object":  # these columns list components of the motion, not fingers
-                row = objects[k] if k < len(objects) else None
-                cells.append("" if row is None else row.place)
-            cells += ["", ""] if row is None else [row.printed.text, _ours(row)]
-        table.add_row(*cells)
     console.print()
     console.print(Text(c.table.title, style="bold"))
-    console.print(table)
+    motion = [r for r in c.rows if r.column == "object"]
+    for rows in ([r for r in c.rows if r.column != "object"], motion):
+        if rows:
+            console.print(_numbers(rows))
     console.print(Text(f"ours: {c.ours}, worst relative residual {short(c.solution.residuals.worst)}", style="dim"))
     if c.evidence is not None:
         _misses(c.evidence, console)
     console.print(Text("verdict: ").append(c.verdict, _LEVEL[c.level]))
     for remark in c.remarks:
         console.print(Padding(Text(f"· {remark}", style="yellow" if c.golden else ""), (0, 0, 0, 2)))
+
+
+def _numbers(rows: Sequence[Row]) -> Table:
+    """Printed numbers and ours, side by side: what belongs to a finger, or the object's motion."""
+    columns = [name for name in _HEAD if any(r.column == name for r in rows)]
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("", style="dim", no_wrap=True)
+    for name in columns:
+        table.add_column(Text(_HEAD[name]), justify="right", no_wrap=True)
+        table.add_column("ours", justify="left", no_wrap=True)
+    by = {(r.column, r.place): r for r in rows}
+    for place in dict.fromkeys(r.place for r in rows):
+        cells: list[str | Text] = [place]
+        for name in columns:
+            row = by.get((name, place))
+            cells += ["", ""] if row is None else [row.printed.text, _ours(row)]
+        table.add_row(*cells)
+    return table
 
 
 def _ours(row: Row) -> Text:
@@ -183,9 +189,9 @@ def _case(c: Case) -> list[str | Text]:
 
     low, high = c.range
     return [
-        f"{c.example}, {'planar' if c.example == 1 else f'{c.faces} faces'}",
+        f"{c.example}, {'planar' if c.example == 1 else c.faces}",
         f"r_N{c.finger + 1}",
-        Text(f"{low:.5f} … {high:.5f}", "red" if c.off > 1e-3 else "green"),
+        *(Text(f"{end:.5f}", "red" if c.off > 1e-3 else "green") for end in (low, high)),
         share(c.spread),
         share(c.off),
         f"{max(r.steps for r in c.printed)}",

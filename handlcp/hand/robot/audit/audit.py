@@ -13,9 +13,11 @@ from handlcp.hand.robot.audit.geometry import geometry_doubts
 from handlcp.hand.robot.audit.joints import joint_doubts
 from handlcp.hand.robot.audit.ranges import range_doubts
 from handlcp.hand.robot.doubt import SEVERITIES, Doubt
+from handlcp.hand.robot.joints import joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
-from handlcp.hand.robot.source.read import describe_xml
+from handlcp.hand.robot.source.xml import robot_of
+from handlcp.hand.robot.urdf import package_folders
 
 __all__ = ["Audit", "audit_of", "audit_urdf", "doubt_reasons", "doubts_of"]
 
@@ -67,6 +69,11 @@ class Audit(Sequence[Doubt]):
                 lines += textwrap.wrap(str(d), WIDTH, initial_indent="  ", subsequent_indent="      ", **_UNBROKEN)
         return "\n".join(lines)
 
+    def __rich__(self) -> Any:
+        from rich.text import Text
+
+        return Text(str(self))
+
 
 _UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
@@ -82,10 +89,12 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
     file without MuJoCo.
     """
-    described = describe_xml("path", path, base, package_dirs)
+    root, file, found = robot_of("path", path, base)
+    name, folders = file.name if file is not None else root.get("name", ""), package_folders(package_dirs, file)
+    described = Description(name, None, joint_facts(root), root, folders, (), found)  # what Pinocchio refuses, too
     what = "the file says nothing of joint stiffness"
     advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
-    return audit_of(described.source, (*doubts_of(described), Doubt("hand", what, advice, "minor", "stiffness")))
+    return audit_of(name, (*doubts_of(described), Doubt("hand", what, advice, "minor", "stiffness")))
 
 
 def doubts_of(

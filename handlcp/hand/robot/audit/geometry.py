@@ -23,9 +23,9 @@ def geometry_doubts(described: Description) -> Iterator[Doubt]:
     if not solid:
         what = "no link has collision geometry: whether links are inside the object is not checked"
         yield Doubt("hand", what, _ADVICE, "serious", "geometry")
-    elif bare := [f.name for f in described.model.frames if f.name in seen - solid]:
+    elif bare := [name for name in seen if name not in solid]:
         what = "without collision geometry: not checked to be outside the object"
-        yield Doubt(", ".join(dict.fromkeys(bare)), what, _ADVICE, "minor", "geometry")
+        yield Doubt(", ".join(bare), what, _ADVICE, "minor", "geometry")
     if described.root is None:
         return
     for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):

@@ -56,12 +56,17 @@ def _narrowed(facts: Sequence[JointFacts], kinematics: Kinematics) -> Iterator[D
         if lower > upper:
             what = f"no position is within its own limits and those of the joints that follow it: {_who(facts, name)}"
             yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "serious", "range")
-        elif lower - low > _NARROWER * (high - low) or high - upper > _NARROWER * (high - low):
+        elif lower > low + _narrower(low, high) or upper < high - _narrower(low, high):
             what = (
                 f"its range [{low:.4g}, {high:.4g}] is narrowed to [{lower:.4g}, {upper:.4g}] by the limits of "
                 f"{_who(facts, name)}"
             )
             yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "minor", "range")
+
+
+def _narrower(low: float, high: float) -> float:
+    """What is more than rounding of a range [rad, m]."""
+    return _NARROWER * (high - low) if math.isfinite(high - low) else 0.0
 
 
 def _who(facts: Sequence[JointFacts], master: str) -> str:

@@ -25,7 +25,7 @@ def size_of(described: Description, kinematics: Kinematics) -> tuple[float, floa
         except HandLCPError:  # its meshes are missing
             continue
         for part in parts:
-            surface = surface_points([(part.shape, part.rotation, part.position)])
+            surface = surface_points([(part.shape, part.rotation, part.position)], corners=True)
             if surface is not None and part.frame:
                 place = places[part.frame - 1]
                 points.append(surface @ place[:3, :3].T + place[:3, 3])

@@ -20,8 +20,8 @@ def text_of(hand: Any) -> str:
     x, y, z = (f"{1e3 * s:.0f}" for s in hand.size)
     head = f"{hand.name} ({hand.source})" if hand.name != hand.source else hand.name
     taken = [t for t in hand.fingertips if t.taken]
-    fingers = f"{len(taken)} fingertips" if taken else "no fingertips chosen"
-    facts = f"{len(hand.joints)} joints, {fingers}, {hand.mass:.3g} kg, {x} × {y} × {z} mm"
+    fingers = _many(len(taken), "fingertip") if taken else "no fingertips chosen"
+    facts = f"{_many(len(hand.joints), 'joint')}, {fingers}, {hand.mass:.3g} kg, {x} × {y} × {z} mm"
     lines = [*_wrapped(head, ""), *_wrapped(facts, "")]
     lines += _tips("Fingertips", taken)
     rest = [t for t in hand.fingertips if not t.taken]
@@ -32,7 +32,7 @@ def text_of(hand: Any) -> str:
         for c in hand.couplings:
             shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
             lines += _wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "  ")
-    lines += ["", *_links(hand.links), *_wrapped(f"Doubts: {hand.audit.summary}", "")]
+    lines += ["", *_links(hand.links), *_wrapped(f"Audit: {hand.audit.summary}", "")]
     return "\n".join(lines)
 
 
@@ -81,8 +81,12 @@ def _links(links: Sequence[Any]) -> Iterator[str]:
     moved = [k for k in links if k.joint]
     bare, light = sum(k.geometry != "collision" for k in moved), sum(not k.mass for k in moved)
     lacks = [f"{n} without {what}" for n, what in ((bare, "collision geometry"), (light, "mass")) if n]
-    text = f"{len(links)} links, {len(moved)} of them moved by joints"
+    text = f"{_many(len(links), 'link')}, {len(moved)} of them moved by joints"
     yield from _wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "")
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _wrapped(text: str, indent: str) -> list[str]:

@@ -64,15 +64,14 @@ def _called_tip(model: Any) -> list[int]:
     """Leaf frames that a joint moves, and whose names end in "tip"."""
     parents = {frame.parentFrame for frame in model.frames}
     frames = [(i, f) for i, f in enumerate(model.frames) if i not in parents and f.name.lower().endswith("tip")]
-    moved = [(i, f) for i, f in frames if any(model.joints[j].nv for j in model.supports[f.parentJoint] if j)]
-    return [i for i, _ in moved or frames]
+    return [i for i, f in frames if any(model.joints[j].nv for j in model.supports[f.parentJoint] if j)]
 
 
 def _of_end(description: Description, joint: int) -> list[Candidate]:
     """Candidates on what the last joint of a chain moves: a marker fixed to it, else the far end of its geometry."""
     model, name = description.model, description.model.names[joint]
     links = [(i, f) for i, f in enumerate(model.frames) if f.parentJoint == joint and f.type == pin.FrameType.BODY]
-    shaped = {kind: description.has(kind) for kind in (COLLISION, VISUAL)}
+    shaped = {kind: set(description.has(kind)) for kind in (COLLISION, VISUAL)}
     seen = shaped[COLLISION] | shaped[VISUAL]
     fixed_on = {int(model.frames[f.parentFrame].parentFrame) for _, f in links}
     markers = [f for i, f in links[1:] if f.name not in seen and i not in fixed_on]

@@ -84,7 +84,7 @@ def _obvious(description: Description) -> list[tuple[str, str, Array | None]]:
         every = [f.name for f in description.model.frames if f.name != "universe"]
         raise UnknownName("fingertips", "names of fingertips (nothing looks like one)", ["None"], every)
     proposed = "; ".join(str(c) for c in found)
-    expected = f"their names: which of these are fingertips is not obvious ({proposed}); frames"
+    expected = f"the names of the fingertips, which are not obvious ({proposed}): some"
     raise UnknownName("fingertips", expected, ["None"], [c.name for c in found])
 
 

@@ -1,8 +1,8 @@
 """Where a link ends: the middle of the round end that its geometry has farthest from its joint.
 
-The link points from the joint's axis to the middle of its geometry. The end is the last fifth of its length. The point
-lies in the middle of the end's width, and below the outermost surface by half of the end's thickness, as the centre of
-a ball that would just fill a round end.
+The link points from the joint's axis to the middle of its geometry. The end is the last fifth of its length from there.
+The point lies in the middle of the end's width, and below the outermost surface by half of the end's thickness, as the
+centre of a ball that would just fill a round end.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def far_end(parts: Sequence[Part], origin: Array, axis: Array) -> Array | None:
         return None
     way = way / np.linalg.norm(way)
     along = (points - origin) @ way
-    end = points[along > along.max() - _END * (along.max() - max(0.0, along.min()))]
+    end = points[along > (1.0 - _END) * along.max()]
     side = np.cross(way, axis if abs(way @ axis) < 0.9 else np.eye(3)[int(abs(way).argmin())])
     side = side / np.linalg.norm(side)
     sides = np.stack([side, np.cross(way, side)])

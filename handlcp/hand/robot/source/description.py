@@ -39,9 +39,9 @@ class Part:
 class Description:
     """Nothing of it is changed once it is made; threads may share it.
 
-    source : name of the file, or of the model. model : Pinocchio's, without mimic joints. facts : of movable joints.
-    root : the <robot>, None for a model. folders : where meshes are looked up. given : parts by kind, of a model that
-    came with geometry. doubts : found while reading.
+    source : name of the file, or of the model. model : Pinocchio's, without mimic joints; None: not made.
+    facts : of movable joints. root : the <robot>, None for a model. folders : where meshes are looked up.
+    given : parts by kind, of a model that came with geometry. doubts : found while reading.
     """
 
     source: str
@@ -52,11 +52,13 @@ class Description:
     given: tuple[tuple[str, tuple[Part, ...]], ...] = ()
     doubts: tuple[Doubt, ...] = ()
 
-    def has(self, kind: str) -> set[str]:
-        """Names of the links with such geometry."""
+    def has(self, kind: str) -> tuple[str, ...]:
+        """Names of the links with such geometry, each once."""
         if self.root is None:
-            return {self.model.frames[part.frame].name for part in dict(self.given).get(kind, ())}
-        return {link.get("name", "") for link in self.root.findall("link") if link.find(f"{kind}/geometry") is not None}
+            frames = [self.model.frames[part.frame].name for part in dict(self.given).get(kind, ())]
+            return tuple(dict.fromkeys(frames))
+        links = [link for link in self.root.findall("link") if link.find(f"{kind}/geometry") is not None]
+        return tuple(dict.fromkeys(link.get("name", "") for link in links))
 
     @property
     def masses(self) -> dict[str, float]:

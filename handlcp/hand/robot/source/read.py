@@ -11,7 +11,7 @@ from handlcp.hand.robot.joints import joint_facts, model_facts
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, parts_of
 from handlcp.hand.robot.source.units import check_units
 from handlcp.hand.robot.source.xml import MJCF, URDF, robot_of
-from handlcp.hand.robot.urdf import build_model, package_folders
+from handlcp.hand.robot.urdf import MOST_JOINTS, build_model, package_folders
 
 __all__ = ["describe_model", "describe_xml"]
 
@@ -26,17 +26,25 @@ def describe_xml(
     root, path, doubts = robot_of(argument, source, base, kinds)
     folders = package_folders(package_dirs, path)
     name = str(path) if path is not None else "the XML string"
-    model = build_model(root, name)
+    model = build_model(argument, root, name)
     check_units(argument, model)
     short = path.name if path is not None else str(model.name)
     return Description(short, model, joint_facts(root), root, folders, (), doubts)
 
 
 def describe_model(argument: str, source: Any) -> Description:
-    """Of a pinocchio.Model, or a RobotWrapper, whose collision and visual geometry come with it. Raises InputError."""
+    """Of a pinocchio.Model, or a RobotWrapper, whose collision and visual geometry come with it.
+
+    Raises InputError for what is none, is too large, or has mimic joints; URDFError for units that look wrong.
+    """
     model = getattr(source, "model", source)
     if not isinstance(model, pin.Model):
         raise InputError(argument, "a pinocchio.Model or a pinocchio.RobotWrapper", repr(source)[:80])
+    if model.nv > MOST_JOINTS:
+        raise InputError(argument, f"a model of at most {MOST_JOINTS} degrees of freedom", f"{model.nv}")
+    if mimic := [name for name, joint in zip(model.names, model.joints, strict=True) if "Mimic" in joint.shortname()]:
+        expected = "a model built with mimic=False (Hand.from_urdf reads <mimic> tags itself)"
+        raise InputError(argument, expected, f"mimic joints: {', '.join(mimic)}")
     model = pin.Model(model)
     check_units(argument, model)
     given = []

@@ -14,7 +14,7 @@ from handlcp.hand.robot.urdf import check_robot
 __all__ = ["MJCF", "URDF", "robot_of"]
 
 URDF, MJCF = "robot", "mujoco"  # tags of the first element
-_MOST_BYTES = 30_000_000
+_MOST_BYTES = 5_000_000
 _ADVICE = {URDF: "Hand.from_urdf", MJCF: "Hand.from_mjcf"}
 _STRING = "the XML string"
 
@@ -43,7 +43,7 @@ def robot_of(
 def _content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     """Bytes, and the path that they are from."""
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
-        text = source.encode(errors="replace")
+        text = source.lstrip("\ufeff \t\r\n").encode(errors="replace")
         if len(text) > _MOST_BYTES:
             raise URDFError(argument, f"at most {_MOST_BYTES // 10**6} MB of XML", f"{len(text) / 1e6:.0f} MB")
         return text, None

@@ -1,0 +1,93 @@
+"""The page: one HTML file that needs nothing else, and asks the network for nothing."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from handlcp.errors import InputError
+from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
+from handlcp.hand import HandGrasp
+from handlcp.show.page import file, head
+from handlcp.show.page.content import content, escape_of, path_of
+from handlcp.show.page.library import three_js
+from handlcp.show.page.snapshot import at_steps, of_solution
+from handlcp.show.picture.content import Content
+from handlcp.study.plain import plain
+from handlcp.version import VERSION
+
+__all__ = ["save", "save_loading"]
+
+_SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js")
+_DIGITS = 6
+
+
+def save(
+    grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "",
+    verdict: Verdict | None = None, loading: Loading | None = None,
+) -> Path:  # fmt: skip
+    """Write the page of a solved grasp. obj : what to draw as the object where the grasp knows none. verdict : of
+    `check`; None: the solution's. loading : of the same grasp, for the slider; None: none.
+
+    Raises InputError for a file that cannot be written, or another grasp's loading; Unsupported without trimesh.
+    """
+    target = file.checked(path)
+    if loading is not None and loading.steps.names != solution.names:
+        raise InputError("loading", "one of the same grasp: grasp.follow()", f"contacts {loading.steps.names}")
+    said = solution.verdict if verdict is None else verdict
+    drawn = Content(grasp, solution, obj, verdict=said)
+    shown, steps = [of_solution(grasp, solution, drawn.acts_at)], None
+    if loading is not None:
+        steps = path_of(loading, 1)
+        shown += at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
+    found = content(drawn, shown, steps, escape_of(drawn))
+    return file.write(_document(title, head.verdict(said), found), target)
+
+
+def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, verdict: Verdict | None = None) -> Path:
+    """Write the page of a loading alone, which begins at its last step. obj : as in `save`, where it stands at the
+    start. verdict : of `check`; None: whether the loading reached its end. Raises as `save`.
+    """
+    target = file.checked(path)
+    spec = loading.steps.grasp.spec
+    grasp = Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
+    drawn = Content(grasp, loading.solution, obj, verdict=verdict)
+    shown = at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
+    said = head.outcome(loading) if verdict is None else head.verdict(verdict)
+    return file.write(_document(title, said, content(drawn, shown, path_of(loading, 0), None)), target)
+
+
+def _document(title: str, said: str, found: Mapping[str, Any]) -> str:
+    web = files("handlcp.show.page").joinpath("web")
+    scripts = "\n".join(web.joinpath(name).read_text(encoding="utf-8") for name in _SCRIPTS)
+    data = json.dumps(_short(plain(found)), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    parts = {
+        "title": escape(title or "A grasp"),
+        "heading": f"<h1>{escape(title)}</h1>" if title else "",
+        "style": web.joinpath("style.css").read_text(encoding="utf-8"),
+        "verdict": said,
+        "notes": "".join(f"<li>{escape(str(note))}</li>" for note in found["notes"]),
+        "made": f"handlcp {escape(VERSION)}",
+        "data": data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"),
+        "three": three_js(),
+        "scripts": scripts,
+    }
+    page = web.joinpath("page.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], page)
+
+
+def _short(value: Any) -> Any:
+    """With six digits for each number."""
+    if isinstance(value, dict):
+        return {k: _short(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_short(v) for v in value]
+    if isinstance(value, float):
+        short = float(f"{value:.{_DIGITS}g}")
+        return int(short) if abs(short) < 1e9 and short == int(short) else short
+    return value

@@ -1,0 +1,43 @@
+"""Where a page may be written, and writing it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from handlcp.errors import InputError
+from handlcp.show.page.library import three_js
+
+__all__ = ["checked", "write"]
+
+_FORMATS = (".html", ".htm")
+
+
+def checked(path: Any) -> Path:
+    """The file to write, checked before a long computation.
+
+    Raises InputError for another format, or a file that cannot be written; Unsupported without the viewer's package.
+    """
+    three_js()
+    try:
+        file = Path(path)
+    except TypeError:
+        raise InputError("page", "the name of a file that ends in .html", repr(path)[:80]) from None
+    if file.suffix.lower() not in _FORMATS:
+        raise InputError("page", "a file name that ends in " + " or ".join(_FORMATS), repr(str(path)))
+    folder = file.absolute().parent
+    if not folder.is_dir():
+        raise InputError("page", "a file in a folder that exists", repr(str(path)))
+    if file.is_dir() or not os.access(file if file.exists() else folder, os.W_OK):
+        raise InputError("page", "a file that can be written", repr(str(path)))
+    return file
+
+
+def write(text: str, file: Path) -> Path:
+    """Write the page. Raises InputError for a file that cannot be written."""
+    try:
+        file.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError("page", "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
+    return file

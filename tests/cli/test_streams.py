@@ -1,0 +1,172 @@
+"""Output that closes, fills up or knows no UTF-8; libraries that print; Ctrl-C. Each is a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).parents[2]
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+FULL = pathlib.Path("/dev/full")
+HANDLCP = [sys.executable, "-m", "handlcp"]
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and devices of POSIX")
+
+
+def run(*arguments, **more):
+    """(exit status, stdout, stderr)."""
+    env = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "PYTHONIOENCODING")} | more.pop("env", {})
+    words = [*HANDLCP, *arguments] if arguments[0] != "-c" else [sys.executable, *arguments]
+    done = subprocess.run(
+        words, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "cwd": ROOT, "timeout": 120} | more, env=env
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@posix
+def test_a_terminal_without_utf8_gets_readable_ascii():
+    status, out, err = run("effects", env={"PYTHONIOENCODING": "ascii"})
+    assert (status, err) == (0, b"")
+    text = out.decode("ascii")
+    assert "deltaq" in text
+    assert "?" not in text
+    assert "\\u" not in text
+
+
+@posix
+def test_json_is_the_same_without_utf8():
+    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    status, out, err = run("effects", "--json", env=plain)
+    assert (status, err) == (0, b"")
+    assert json.loads(out.decode("ascii")) == json.loads(run("effects", "--json")[1])
+
+
+@posix
+@pytest.mark.skipif(not FULL.exists(), reason="no such device")
+def test_a_full_device_is_refused_before_the_work():
+    with FULL.open("wb") as full:
+        status, _, err = run("accuracy", CUBE, "--seconds", "1000", stdout=full)
+    assert status == 2
+    assert err.decode().splitlines() == ["Error: output: expected a stream that takes it, got No space left on device"]
+
+
+LATE = """
+import os, sys
+from handlcp import cli, scene
+keys = scene.keys
+scene.keys = lambda: (os.dup2(os.open("/dev/full", os.O_WRONLY), sys.stdout.fileno()), keys())[1]
+sys.argv[1:] = ["keys", *sys.argv[1:]]
+cli.main()
+"""
+
+
+@posix
+@pytest.mark.skipif(not FULL.exists(), reason="no such device")
+@pytest.mark.parametrize("options", [(), ("--json",)])
+def test_a_disk_that_fills_up_during_the_work_is_one_sentence(options):
+    status, _, err = run("-c", LATE, *options)
+    assert status == 2
+    assert err.decode().splitlines() == ["Error: output: No space left on device"]
+
+
+@posix
+def test_a_reader_that_closes_the_pipe_ends_the_program_without_a_word():
+    there, here = os.pipe()
+    os.close(there)
+    status, _, err = run("keys", stdout=here)
+    os.close(here)
+    assert (status, err) == (-signal.SIGPIPE, b""), "141 in a shell"
+
+
+@posix
+def test_closed_streams_are_no_crash():
+    script = (
+        f"'{sys.executable}' -m handlcp hands >&-; echo $?; '{sys.executable}' -m handlcp hands --json 2>&- | wc -l"
+    )
+    done = subprocess.run(["sh", "-c", script], capture_output=True, text=True, cwd=ROOT)
+    status, lines = done.stdout.split()
+    assert (status, done.stderr) == ("0", "")
+    assert int(lines) > 50
+
+
+NOISY = """
+import ctypes, os, subprocess, sys
+from handlcp import cli, scene
+keys = scene.keys
+def noisy():
+    c = ctypes.CDLL(None)
+    c.puts(b"noise of a C library")
+    c.fflush(None)
+    os.write(1, b"noise past all buffers")
+    subprocess.run(["echo", "noise of a child"], check=True)
+    return keys()
+scene.keys = noisy
+sys.argv[1:] = ["keys", "--json"]
+cli.main()
+"""
+
+
+@posix
+def test_nothing_but_json_reaches_stdout():
+    status, out, err = run("-c", NOISY)
+    assert (status, err) == (0, b"")
+    assert json.loads(out)["keys"]
+
+
+# Ctrl-C while a module is imported, told by a class that every import passes; and where an exception would be swallowed
+IMPORT = """
+import os, signal, sys
+class Finder:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+from handlcp.__main__ import main
+sys.argv[1:] = ["solve", {scene!r}]
+main()
+"""
+WORK = """
+import gc, os, signal, sys
+from handlcp.__main__ import main
+from handlcp import scene
+class Swallows:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        for _ in range(1000):
+            pass
+def load(file):
+    Swallows()
+scene.load = load
+sys.argv[1:] = ["solve", "x"]
+main()
+"""
+
+
+@posix
+@pytest.mark.parametrize("module", ["typer", "numpy", "pinocchio", "numba", "handlcp.scene.build"])
+def test_ctrl_c_during_imports_ends_quietly_with_130(module):
+    assert run("-c", IMPORT.format(module=module, scene=CUBE)) == (130, b"", b"")
+
+
+@posix
+def test_ctrl_c_ends_quietly_where_python_swallows_exceptions():
+    assert run("-c", WORK) == (130, b"", b"")
+
+
+@posix
+@pytest.mark.parametrize("kernels", ["interpreted", "compiled"])
+def test_ctrl_c_during_a_solve_ends_quietly_with_130(kernels, tmp_path):
+    env = os.environ | {"HANDLCP_KERNELS": kernels, "HANDLCP_CACHE_DIR": str(tmp_path)}
+    command = [*HANDLCP, "accuracy", CUBE, "--seconds", "100"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT, env=env) as program:
+        with pytest.raises(subprocess.TimeoutExpired):
+            program.communicate(timeout=3.0)
+        program.send_signal(signal.SIGINT)
+        out, err = program.communicate(timeout=60)
+    assert (program.returncode, out) == (130, b"")
+    assert b"Traceback" not in err

@@ -1,0 +1,245 @@
+"""Fingertips: named, named with points on links, found at the ends of fingers, or proposed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.support.hand import psyonic, urdf
+from tests.support.texts import same
+
+Writer = Callable[[str], Path]
+
+
+def finger(name: str, at: str, geometry: str = "", kind: str = "collision", more: str = "") -> str:
+    """Two links in a row along x, the second with some geometry, and joints about y."""
+    limit = '<limit lower="-1" upper="1" effort="0.5" velocity="1"/>'
+    shape = f"<{kind}>{geometry}</{kind}>" if geometry else ""
+    return (
+        f'<link name="{name}_1"/><link name="{name}_2">{shape}</link>'
+        f'<joint name="{name}_a" type="revolute"><parent link="palm"/><child link="{name}_1"/><origin xyz="{at}"/>'
+        f'<axis xyz="0 1 0"/>{limit}</joint><joint name="{name}_b" type="revolute"><parent link="{name}_1"/>'
+        f'<child link="{name}_2"/><origin xyz="0.04 0 0"/><axis xyz="0 1 0"/>{limit}</joint>{more}'
+    )
+
+
+BOX = '<origin xyz="0.02 0 0"/><geometry><box size="0.04 0.012 0.01"/></geometry>'
+BALL_END = '<origin xyz="0.03 0.001 0"/><geometry><sphere radius="0.006"/></geometry>'
+
+
+def robot(*fingers: str) -> str:
+    """As text: a palm and fingers."""
+    return f'<robot name="r"><link name="palm"/>{"".join(fingers)}</robot>'
+
+
+def two(geometry: str = "", kind: str = "collision", more: str = "") -> str:
+    return robot(finger("f", "0 0 0.02", geometry, kind), finger("g", "0 0 -0.02", geometry, kind, more))
+
+
+def hand_of(text: str, tips: object = None, **more: object) -> hl.Hand:
+    return hl.Hand.from_urdf(text, tips, joint_stiffness=1.0, **more)
+
+
+# ---------------------------------------------------------------- found
+def test_the_far_end_of_the_last_link_is_taken_where_nothing_is_called_a_tip():
+    """A box 40 mm long and 10 mm thick: 5 mm below its end, in the middle of its width."""
+    hand = hand_of(two(BOX))
+    assert hand.fingertips == ("f_2", "g_2")
+    np.testing.assert_allclose(hand.at([0.0] * 4).tip_positions, [[0.075, 0, 0.02], [0.075, 0, -0.02]], atol=1e-12)
+    assert "far end" in " ".join(str(hand.describe()).split())
+
+
+def test_the_far_end_of_a_ball_is_its_middle():
+    hand = hand_of(two(BALL_END))
+    np.testing.assert_allclose(hand.at([0.0] * 4).tip_positions[0], [0.07, 0.001, 0.02], atol=2e-4)
+
+
+@pytest.mark.parametrize("turn", ["0 0 0", "0.3 0 0", "0 0.4 0", "0 0 -0.5"])
+def test_a_link_that_its_joint_turns_about_its_length_ends_far_from_the_joint(turn):
+    """A cylinder along x on a joint about x."""
+    shape = '<origin xyz="0.03 0 0" rpy="0 1.5707963 0"/><geometry><cylinder radius="0.005" length="0.06"/></geometry>'
+    text = (
+        two(shape).replace('<axis xyz="0 1 0"/>', '<axis xyz="1 0 0"/>').replace("0.04 0 0", f'0.04 0 0" rpy="{turn}')
+    )
+    (place, _) = hand_of(text).tips.places
+    np.testing.assert_allclose(place.placement.translation, [0.055, 0, 0], atol=3e-4)
+
+
+def test_what_is_drawn_makes_the_tip_where_nothing_collides_and_the_audit_says_so():
+    hand = hand_of(two(BOX, "visual"))
+    np.testing.assert_allclose(hand.at([0.0] * 4).tip_positions[0], [0.075, 0, 0.02], atol=1e-12)
+    grasp = hand.at([0.0] * 4).grasp(hl.Box((0.1, 0.1, 0.03), (0.08, 0, 0)))
+    np.testing.assert_allclose(grasp.spec.positions[:, 2], [0.015, -0.015], atol=1e-9)
+    (doubt,) = (d for d in hand.audit() if "f_2" in d.joint)
+    assert doubt.severity == "minor"
+    same("hand/test_fingertips: contacts on what is drawn", doubt.what)
+    assert not hand_of(two(BOX, "visual"), tip_radius=0.005).audit().about("f_2")
+
+
+def test_a_marker_frame_is_taken_before_the_far_end():
+    """A link without geometry, fixed to the last one, is where its maker wants the fingertip."""
+    more = "".join(
+        f'<link name="{n}_mark"/><joint name="{n}_m" type="fixed"><parent link="{n}_2"/><child link="{n}_mark"/>'
+        '<origin xyz="0.038 0 0"/></joint>'
+        for n in "fg"
+    )
+    assert hand_of(two(BOX, more=more)).fingertips == ("f_mark", "g_mark")
+
+
+def test_only_frames_that_a_joint_moves_are_taken_for_fingertips():
+    """A camera called a tip on the palm is none."""
+    camera = (
+        '<link name="camera_tip"/><joint name="c" type="fixed"><parent link="palm"/><child link="camera_tip"/></joint>'
+    )
+    assert hand_of(two(BOX, more=camera)).fingertips == ("f_2", "g_2")
+
+
+@pytest.mark.parametrize("count", [1, 6])
+def test_one_finger_or_six_are_proposed_and_not_taken(count):
+    fingers = [finger(f"f{i}", f"0 {0.02 * i} 0", BOX) for i in range(count)]
+    with pytest.raises(hl.UnknownName) as caught:
+        hand_of(robot(*fingers))
+    assert caught.value.valid == tuple(f"f{i}_2" for i in range(count))
+    if count == 1:
+        same("hand/test_fingertips: candidates in the error", str(caught.value), "f0_2", "mm", "far end")
+
+
+def test_links_without_any_geometry_are_proposed():
+    with pytest.raises(hl.UnknownName, match="has no geometry"):
+        hand_of(two())
+
+
+def test_a_hand_cut_out_of_a_robot_shows_its_fingertips():
+    """The psyonic's anchors, without being named."""
+    hand = hl.Hand.from_urdf(psyonic()[0], joint_stiffness=1.0, base="LeftPsyonicAbilityBaseLink")
+    assert sorted(hand.fingertips) == sorted(f"Left_{n}_anchor" for n in ("thumb", "index", "middle", "ring", "pinky"))
+
+
+# ---------------------------------------------------------------- named
+def test_points_on_links_move_with_them():
+    """R p + o of the link's frame, in the list and in the mapping, which brings names of its own."""
+    point = (0.01, 0.002, -0.003)
+    q = np.array([0.3, -0.4, 0.5, 0.6])
+    frames = hand_of(two(BOX), ["f_2", "g_1"]).at(q)
+    expected = frames.tip_positions[0] + frames.tip_rotations[0] @ point
+    listed, mapped = (
+        hand_of(two(BOX), [("f_2", point), "g_1"]),
+        hand_of(two(BOX), {"ring": ("f_2", point), "g_1": "g_1"}),
+    )
+    assert (listed.fingertips, mapped.fingertips) == (("f_2", "g_1"), ("ring", "g_1"))
+    for hand in (listed, mapped):
+        np.testing.assert_allclose(hand.at(q).tip_positions[0], expected, atol=1e-15)
+        np.testing.assert_allclose(hand.at(q).tip_rotations, frames.tip_rotations, atol=1e-15)
+
+
+def test_a_point_has_the_geometry_of_its_link():
+    """The same contact wherever on the link the point is: contacts are found on its geometry."""
+    box = hl.Box((0.1, 0.1, 0.03), (0.08, 0, 0))
+    every = [None, {"a": ("f_2", (0.01, 0, 0)), "b": ("g_2", (0, 0, 0))}, {"a": "f_2", "b": "g_2"}]
+    found = [hand_of(two(BOX), tips).at([0.0] * 4).grasp(box).spec for tips in every]
+    for spec in found[1:]:
+        np.testing.assert_allclose(spec.positions, found[0].positions, atol=1e-12)
+        np.testing.assert_allclose(spec.flexibility, found[0].flexibility, atol=1e-15)
+
+
+def test_a_radius_is_about_the_point():
+    hand = hand_of(two(BOX), {"a": ("f_2", (0.03, 0, 0)), "b": ("g_2", (0.03, 0, 0))}, tip_radius=0.004)
+    spec = hand.at([0.0] * 4).grasp(hl.Box((0.1, 0.1, 0.032), (0.08, 0, 0))).spec
+    np.testing.assert_allclose(spec.positions, [[0.07, 0, 0.016], [0.07, 0, -0.016]], atol=1e-9)
+
+
+def test_the_jacobian_at_a_point_is_its_velocity():
+    """Against finite differences."""
+    hand = hand_of(two(BOX), {"a": ("f_2", (0.02, 0.004, 0.003))})
+    q, step = np.array([0.1, 0.2, 0.0, 0.0]), 1e-6
+    for k, d in enumerate(np.eye(4) * step):
+        slope = (hand.at(q + d).tip_positions - hand.at(q - d).tip_positions).reshape(-1) / (2 * step)
+        np.testing.assert_allclose(hand.at(q).jacobian[:, k], slope, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tips", "argument", "message"),
+    [
+        (["palm"], "fingertips", "environment="),
+        ({"a": ("f_2", (30.0, 0, 0))}, "fingertips['a']", "millimetres"),
+        ({"a": ("f_2", (0, 0))}, "fingertips['a']", r"\(3\)|\(3,\)"),
+        ({"a": ("f_2", "far")}, "fingertips['a']", "metres|\\[m\\]"),
+        ({"a": ("f_2",)}, "fingertips['a']", "a link"),
+        ({"g_1": "f_2"}, "fingertips", "another frame"),
+        ({3: ("f_2", (0, 0, 0.01))}, "fingertips", "a name of its own"),
+        ({"a": "f_9"}, "fingertips", "did you mean"),
+        ({}, "fingertips", "at least one"),
+        ({"a": None}, "fingertips", "None"),
+        ("f_2", "fingertips", "thumb_tip"),
+    ],
+)
+def test_bad_fingertips_are_named(tips, argument, message):
+    with pytest.raises(hl.InputError, match=message) as caught:
+        hand_of(two(BOX), tips)
+    assert caught.value.argument == argument
+
+
+def test_hands_with_points_pickle(tmp_path):
+    import pickle
+
+    hand = hand_of(two(BOX), {"a": ("f_2", (0.02, 0.004, 0.003)), "b": "g_2"})
+    again = pickle.loads(pickle.dumps(hand))
+    np.testing.assert_array_equal(again.at(hand.neutral).jacobian, hand.at(hand.neutral).jacobian)
+
+
+# ---------------------------------------------------------------- replaced
+NEW = {
+    "joint_stiffness": [
+        2.0,
+        {"f_a": 1.0, "f_b": 2.0, "g_a": 3.0, "g_b": 4.0},
+        hl.Tendons({"t": {"f_a": 0.01}}, 1e3, 0.1),
+    ],
+    "pad_flexibility": [1e-4, [1e-4, 2e-4, 3e-4], {"f_2": 1e-3}],
+    "torque_limits": [None, 0.3, {"g_b": 0.1}],
+    "tip_radius": [None, 0.004, {"f_2": 0.003}],
+    "fingertips": [["g_2", "f_2"], [("f_2", (0.01, 0, 0)), "g_2"]],
+}
+
+
+@pytest.mark.parametrize(("argument", "value"), [(a, v) for a, values in NEW.items() for v in values])
+def test_replace_equals_a_hand_made_that_way(argument, value):
+    """Every array of the two hands, to the last bit, and their verdict on what they touch."""
+    start = {
+        "joint_stiffness": 1.5,
+        "pad_flexibility": 2e-4,
+        "torque_limits": {"f_a": 0.2},
+        "tip_radius": {"g_2": 0.005},
+    }
+    hand = hl.Hand.from_urdf(two(BOX), **start)
+    made = hl.Hand.from_urdf(two(BOX), **(start | {argument: value}))
+    replaced = hand.replace(**{argument: value})
+    assert replaced.fingertips == made.fingertips
+    q = np.array([0.1, -0.2, 0.05, 0.0])
+    one, other = replaced.at(q), made.at(q)
+    for name in ("tip_positions", "tip_rotations", "jacobian", "flexibility"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    np.testing.assert_array_equal(replaced.torque_limits, made.torque_limits)
+    assert str(replaced.audit()) == str(made.audit())
+    for i in range(2):
+        assert replaced.tip_kind(i) == made.tip_kind(i)
+        assert [s.radius for s in replaced.tip_shapes(i)] == [s.radius for s in made.tip_shapes(i)]
+    assert hand.fingertips == ("f_2", "g_2"), "the hand itself stays as it is"
+
+
+def test_replace_after_replace_keeps_both():
+    hand = hl.example_hand("three_finger").replace(joint_stiffness=3.0).replace(torque_limits=0.2)
+    assert hand.joint_stiffness[0, 0] == 3.0
+    assert hand.torque_limits.tolist() == [0.2] * 6
+    assert urdf("three_finger").name == hand.source
+
+
+def test_replace_checks_like_from_urdf():
+    hand = hl.example_hand("three_finger", pad_flexibility={"finger_1_tip": 1e-4})
+    with pytest.raises(hl.InputError, match="joint_stiffness"):
+        hand.replace(joint_stiffness=-1)
+    with pytest.raises(hl.UnknownName, match="finger_1_tip"):
+        hand.replace(fingertips=["finger_2_tip"])

@@ -1,0 +1,105 @@
+"""Answers as tables for pandas: columns with units, the numbers of the answer; and a typed error without pandas."""
+
+from __future__ import annotations
+
+import builtins
+import sys
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.study.accuracy import accuracy_cost
+from handlcp.study.convergence import convergence
+
+pandas = pytest.importorskip("pandas")
+
+BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+
+
+def pinch(law=None, squeeze=1e-3):
+    law = hl.Coulomb(0.5) if law is None else law
+    contacts = [hl.Contact((s * 0.02, 0, 0), (-s, 0, 0), law) for s in (-1.0, 1.0)]
+    return hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=squeeze)
+
+
+@pytest.fixture(scope="module")
+def grasp():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    return hand.at(hand.close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), squeeze=5e-3)
+
+
+def test_a_solution_is_a_table_of_its_contacts_and_one_of_its_joints(grasp):
+    s = grasp.solve()
+    contacts, joints = s.to_frame(), s.to_frame("joints")
+    assert contacts.index.tolist() == list(s.names)
+    np.testing.assert_array_equal(contacts[["x_N", "y_N", "z_N"]], s.forces)
+    np.testing.assert_array_equal(contacts["friction_used"], s.friction_used)
+    assert contacts["state"].tolist() == list(s.contact_state)
+    assert joints.index.tolist() == list(grasp.state.hand.joint_names)
+    np.testing.assert_array_equal(joints["torque_Nm"], s.torques)
+    np.testing.assert_array_equal(joints["margin_Nm"], s.torque_margin)
+
+
+def test_soft_fingers_have_moments_and_contacts_alone_no_joints():
+    s = pinch(hl.SoftFinger(0.5, 0.01)).solve()
+    np.testing.assert_array_equal(s.to_frame()["moment_Nm"], s.torsion)
+    with pytest.raises(hl.InputError, match="without a hand"):
+        s.to_frame("joints")
+    with pytest.raises(hl.InputError, match="of"):
+        s.to_frame("fingers")
+
+
+def test_a_solution_without_an_answer_is_a_table_of_nothing():
+    found = pinch(squeeze=0.0).solve(throw=False).to_frame()
+    assert found.drop(columns="state").isna().all(axis=None)
+
+
+def test_a_batch_is_a_table_with_a_row_for_each_grasp():
+    solutions = hl.solve_many([pinch(), pinch(squeeze=0.0)])
+    found = solutions.to_frame()
+    assert found["status"].tolist() == ["SOLVED", "NO_EQUILIBRIUM"]
+    np.testing.assert_array_equal(found["finger 1.force_z"], solutions.forces[:, 0, 2])
+
+
+def test_a_loading_is_a_table_with_a_row_for_each_step(grasp):
+    h = grasp.follow(steps=4)
+    found = h.to_frame()
+    assert len(found) == len(h.steps)
+    assert found["stage"].iloc[-1] == "load"
+    np.testing.assert_array_equal(found["finger_1_tip.force_z"], h.steps.forces[:, 0, 2])
+    np.testing.assert_array_equal(found["finger_1_distal.torque"], h.steps.torques[:, 1])
+
+
+def test_equilibria_and_required_values_are_tables():
+    every = pinch().equilibria(faces=4)
+    found = every.to_frame()
+    assert len(found) == 2 * len(every)
+    assert found["normal_N"].iloc[0] == every.found[0].forces[0, 2]
+    needs = pinch(squeeze=0.0).required_preload(tolerance=0.1)
+    tried = needs.to_frame()
+    assert list(zip(tried["value"], tried["holds"], strict=True)) == list(needs.checked)
+
+
+def test_studies_are_tables():
+    cost = accuracy_cost(pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1)
+    rows = cost.to_frame()
+    assert rows["method"].tolist() == [r.method for r in cost.rows]
+    study = convergence(pinch(), seeds=[0], max_iterations=200)
+    looks = study.to_frame()
+    assert len(looks) == sum(len(r.values) for r in study.runs)
+    assert looks["finger 1"].iloc[0] == study.runs[0].values[0, 0]
+
+
+def test_without_pandas_the_extra_is_named(monkeypatch):
+    s, real = pinch().solve(), builtins.__import__
+
+    def hidden(name, *rest, **more):
+        if name.partition(".")[0] == "pandas":
+            raise ImportError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.delitem(sys.modules, "pandas")
+    monkeypatch.setattr(builtins, "__import__", hidden)
+    with pytest.raises(hl.Unsupported, match=r"handlcp\[table\]"):
+        s.to_frame()
