@@ -18,7 +18,7 @@ PACKAGE = pathlib.Path(importlib.import_module("handlcp").__file__).parent
 DOORS = {
     "handlcp", "handlcp.errors", "handlcp.scene", "handlcp.cli", "handlcp.lcp", "handlcp.grasp", "handlcp.hand",
     "handlcp.simulator", "handlcp.show", "handlcp.study", "handlcp.study.accuracy", "handlcp.study.paper",
-    "handlcp.study.convergence", "handlcp.study.catalogue", "handlcp.study.nsngrk",
+    "handlcp.study.convergence", "handlcp.study.catalogue", "handlcp.study.gallery", "handlcp.study.nsngrk",
 }  # fmt: skip
 SUPPORT = TESTS / "support"
 FILES = [p for p in sorted(TESTS.rglob("*.py")) if p.parent != SUPPORT and p != pathlib.Path(__file__)]

@@ -10,8 +10,7 @@ from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Sphere
-from handlcp.hand.robot.hull import planes
+from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import sphere_tip
 
@@ -92,9 +91,8 @@ def distances(x: Array, obj: Object) -> Array:
     ellipsoid rough; of a convex mesh, the largest distance to a face's plane: exact inside, at most too small outside.
     """
     known = _distances(x, obj)
-    if known is None and not isinstance(obj, Ellipsoid) and obj.triangles is None:
-        _, normals, offsets = planes(obj.geometry)
-        known = (x @ normals.T - offsets).max(axis=1)
+    if known is None and isinstance(obj, Mesh):
+        known = obj.beyond(x)
     return _rough(x, obj) if known is None else np.asarray(known)
 
 

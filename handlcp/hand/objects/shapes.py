@@ -99,6 +99,10 @@ class Mesh(Object):
         self._surface = Surface(solid.geometry) if solid.triangles is None else solid.triangles
         super().__init__(solid, placement, mass, density, (self.path or inside, self.scale))
 
+    def beyond(self, points: Array) -> Array | None:
+        """(m,) how far points (m, 3) in the mesh's axes are beyond the faces of a convex mesh [m]; None: not convex."""
+        return self._surface.beyond(points) if isinstance(self._surface, Surface) else None
+
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Of a convex mesh by its planes and visible faces, of any other by its triangles and the winding number."""
         R, p = self.frame

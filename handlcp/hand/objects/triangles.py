@@ -26,6 +26,10 @@ class Surface:
         self._triangles, self._normals, self._offsets = planes(hull)
         self._size = float(np.ptp(self._triangles, axis=(0, 1)).max())
 
+    def beyond(self, points: Array) -> Array:
+        """(m,) how far points (m, 3) are beyond the face that they are furthest beyond [m]: inside, minus the depth."""
+        return np.asarray((points @ self._normals.T - self._offsets).max(axis=1))
+
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Signed distance [m] of a point (3,), nearest surface point and outward normal, in the hull's axes."""
         over = self._normals @ point - self._offsets

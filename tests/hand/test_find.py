@@ -1,0 +1,144 @@
+"""Grasps that are found: they touch, they balance, they are held, they come again; what cannot be held is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+SMALL = 24  # tries: enough for these
+
+
+@pytest.fixture(scope="module")
+def hand():
+    return hl.example_hand("three_finger", joint_stiffness=5.0)
+
+
+@pytest.fixture(scope="module")
+def found(hand):
+    return hl.find_grasp(hand, hl.Sphere(0.03, mass=0.2), tries=SMALL)
+
+
+def test_all_fingers_touch_the_ball_where_geometry_says(found):
+    """The middles of the fingertips, balls of 8 mm, are 38 mm from the middle of a ball of 30 mm."""
+    for candidate in found:
+        away = np.linalg.norm(candidate.state.tip_positions - candidate.object.placement.translation, axis=1)
+        np.testing.assert_allclose(away, 0.038, atol=2e-6)
+
+
+def test_contact_forces_balance_the_weight(found):
+    """Newton's law, from positions and forces in world axes alone."""
+    for candidate in found:
+        forces = candidate.solution.forces_world
+        points = np.array([c.position for c in candidate.grasp.contacts])
+        moment = np.cross(points - candidate.object.center_of_mass, forces).sum(axis=0)
+        np.testing.assert_allclose(forces.sum(axis=0), (0, 0, 0.2 * 9.81), atol=1e-6)
+        np.testing.assert_allclose(moment, 0.0, atol=1e-7)
+
+
+def test_the_best_is_held_by_the_full_check(found):
+    assert found[0].verdict.ok
+    verdict = found[0].grasp.check()
+    assert verdict.word == found[0].verdict.word == "HELD"
+
+
+def test_margins_are_what_forces_and_torques_leave(found):
+    """Friction of Coulomb's law from the forces, torques from the table; sorted by them."""
+    for candidate in found:
+        x, y, z = candidate.solution.forces.T
+        assert candidate.friction_reserve == pytest.approx(1 - np.hypot(x, y).sum() / (0.6 * z.sum()), abs=1e-9)
+        assert candidate.torque_reserve == pytest.approx(
+            1 - max(r.utilisation for r in candidate.solution.torque_check)
+        )
+        assert candidate.margin == min(candidate.friction_reserve, candidate.torque_reserve)
+    assert [one.rank for one in found] == sorted(one.rank for one in found)
+
+
+def test_joints_are_within_their_ranges_and_links_out_of_the_ball(hand, found):
+    for candidate in found:
+        assert (candidate.q >= hand.lower).all()
+        assert (candidate.q <= hand.upper).all()
+        reasons = candidate.grasp.solve().verdict.about("link_inside")
+        assert all(link["depth_m"] < 5e-4 for reason in reasons for link in reason.values["links"])
+
+
+def test_the_same_seed_finds_the_same_grasps(hand, found):
+    again = hl.find_grasp(hand, hl.Sphere(0.03, mass=0.2, placement=(1, 2, 3)), tries=SMALL)
+    assert [one.q.tolist() for one in again] == [one.q.tolist() for one in found]
+    other = hl.find_grasp(hand, hl.Sphere(0.03, mass=0.2), tries=SMALL, seed=1)
+    assert other[0].q.tolist() != found[0].q.tolist()
+
+
+@pytest.mark.parametrize(
+    "obj",
+    [hl.Box((0.04, 0.05, 0.08), mass=0.2), hl.Cylinder(0.025, 0.1, mass=0.2), hl.Ellipsoid((0.03, 0.03, 0.04))],
+    ids=["box", "cylinder", "ellipsoid"],
+)  # fmt: skip
+def test_other_shapes_are_held(hand, obj):
+    assert hl.find_grasp(hand, obj)[0].verdict.ok
+
+
+def test_two_soft_fingers_hold_a_box_and_two_hard_ones_do_not():
+    """Two points cannot bear a moment about the line between them: only a box hung exactly below it would stay."""
+    hand, box = hl.example_hand("two_finger", joint_stiffness=5.0), hl.Box((0.04, 0.05, 0.08), mass=0.2)
+    assert hl.find_grasp(hand, box, friction=hl.SoftFinger(0.6, mu_torsion=0.005))[0].verdict.ok
+    assert not hl.find_grasp(hand, box, tries=SMALL, throw=False)
+
+
+def test_fingers_can_be_chosen():
+    hand = hl.example_hand("five_finger", joint_stiffness=5.0)
+    names = [hand.fingertips[i] for i in (0, 2, 3)]
+    found = hl.find_grasp(hand, hl.Sphere(0.03, mass=0.1), fingers=names)
+    assert found[0].grasp.fingertips == tuple(names)
+    assert found[0].verdict.ok
+
+
+def test_a_squeeze_is_passed_on(hand):
+    found = hl.find_grasp(hand, hl.Sphere(0.03, mass=0.1), squeeze=0.002, tries=SMALL)
+    assert found[0].verdict.ok
+    q, ball = found[0].q, found[0].object
+    same = hand.at(q).grasp(ball, squeeze=0.002).solve(faces="cone")
+    np.testing.assert_allclose(found[0].solution.forces, same.forces, atol=1e-9)
+
+
+def test_a_ball_of_a_metre_is_not_found_and_the_error_says_how_far_it_came(hand):
+    """It can lie on three fingertips that point upwards, and rolls off."""
+    with pytest.raises(hl.NoGraspFound, match="no grasp of Sphere") as told:
+        hl.find_grasp(hand, hl.Sphere(0.5, mass=0.1), tries=SMALL)
+    assert told.value.tried["tried"] == SMALL
+    assert all(not candidate.verdict.ok for candidate in told.value.candidates)
+    empty = hl.find_grasp(hand, hl.Sphere(0.5, mass=0.1), tries=SMALL, throw=False)
+    assert len(empty) == 0
+    assert str(told.value) == empty.why
+
+
+def test_a_smooth_ball_is_held_from_below_or_not_at_all(hand):
+    """Where a grasp of a smooth ball is found at all, it is held from below: some normal points up."""
+    for candidate in hl.find_grasp(
+        hand, hl.Sphere(0.03, mass=0.1), friction=hl.Frictionless(), tries=SMALL, throw=False
+    ):
+        assert not candidate.solution.forces[:, :2].any()
+        assert max(c.normal[2] for c in candidate.grasp.contacts) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"tries": 0}, "tries"),
+        ({"seed": -1}, "seed"),
+        ({"throw": 1}, "throw"),
+        ({"fingers": ["thumb"]}, "fingertip"),
+        ({"squeeze": 0.001, "grip_force": 1.0}, "grip_force"),
+    ],
+)
+def test_bad_input_is_refused(hand, wrong, said):
+    with pytest.raises(hl.InputError, match=said):
+        hl.find_grasp(hand, hl.Sphere(0.03), **wrong)
+
+
+def test_hand_and_object_are_what_they_are_called(hand):
+    with pytest.raises(hl.InputError, match="hand"):
+        hl.find_grasp("hand", hl.Sphere(0.03))
+    with pytest.raises(hl.InputError, match="obj"):
+        hl.find_grasp(hand, "ball")
