@@ -9,11 +9,12 @@ import numpy as np
 
 __all__ = [
     "NOTHING", "LengthUnit", "angle", "column", "distinct", "either", "force", "length", "length_unit", "lengths",
-    "listed", "percent", "prefixed", "torque", "torques",
+    "listed", "percent", "prefixed", "push", "torque", "torques",
 ]  # fmt: skip
 
 NOTHING = 1e-10  # [m] motions below this are rounding
 _MOST = 4  # names in a list
+_NO_FRICTION = 5e-4  # of the normal force: less is not written
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,15 @@ def lengths(metres: Iterable[float]) -> list[str]:
 def force(newtons: float) -> str:
     """Such as "1.53 N"."""
     return _text(newtons, " N")
+
+
+def push(normal: float, friction: float) -> str:
+    """Such as "1.53 + 0.4 N": the force of a contact, normal and along the surface; the second only where it counts."""
+    if friction <= _NO_FRICTION * abs(normal):
+        return force(normal)
+    one, two = force(normal), force(friction)
+    unit = two[two.rindex(" ") :]
+    return f"{one.removesuffix(unit)} + {two}" if one.endswith(unit) else f"{one} + {two}"
 
 
 def torque(newton_metres: float) -> str:

@@ -177,5 +177,5 @@ def _legend(
         out.append(["slips", "arrow", SLIP, f"slip of the object, {text} (up to {words.length(frames.largest_slip)})"])
     if escapes:
         out.append(["escape", "dashed", ESCAPE, "the way the object escapes"])
-    out.append(["labels", "text", UNKNOWN, "names and values"])
+    out.append(["labels", "text", UNKNOWN, "names; normal force + friction"])
     return out

@@ -87,7 +87,8 @@ class Frames:
             gap = float(s.gap[i])
             return f"open, {words.length(gap)}" if gap > words.NOTHING else "open"
         turned = f", {words.torque(moment)}" if moment > NO_MOMENT else ""
-        return f"{words.force(float(np.linalg.norm(s.forces[i])))}{turned}, {_STATES[state]}"
+        x, y, normal = s.forces[i].tolist()
+        return f"{words.push(normal, float(np.hypot(x, y)))}{turned}, {_STATES[state]}"
 
     def _row(self, s: Snapshot, i: int) -> list[str]:
         """Of the table of contacts, without the name."""

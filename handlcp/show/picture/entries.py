@@ -28,7 +28,6 @@ class Unseen(NamedTuple):
 Said = tuple[tuple[int, ...], str, str]  # contacts that share a label, its name, and what stands below the name
 
 _STILL = 1e-4  # [rad] an object that turns less is not said to turn
-_NO_FRICTION = 5e-4  # of the normal force: less is not written
 _NUMBER = re.compile(r"[\s_]*\d+$")
 
 
@@ -90,9 +89,7 @@ def _detail(shown: Content, i: int) -> str:
     if s.contact_state[i] == "separated":
         return f"lets go, gap {words.length(float(s.gap[i]))}"
     normal, friction = float(s.normal_force[i]), float(np.linalg.norm(s.tangential_force[i]))
-    push = words.force(normal)
-    if friction > _NO_FRICTION * normal:
-        push = f"{push.removesuffix(' N')} + {words.force(friction)}"
+    push = words.push(normal, friction)
     # A moment is written in place of the state, which the colour shows: a longer line would shrink the picture
     if s.torsion is not None and abs(s.torsion[i]) > NO_MOMENT:
         return f"{push}, {words.torque(abs(float(s.torsion[i])))}"
