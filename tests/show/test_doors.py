@@ -27,7 +27,7 @@ def test_under_the_verdict_of_check_the_end_of_its_loading_is_drawn():
     assert v.loading.reached
 
     def labels(solution):
-        return {f"{np.linalg.norm(f):.3g} N" for f in solution.forces}
+        return {f"{normal:.3g} + " for normal in solution.normal_force}
 
     def told(figure):
         return " ".join(t.get_text() for t in [*figure.texts, *(t for ax in figure.axes for t in ax.texts)])
