@@ -60,7 +60,7 @@ def test_a_long_name_is_not_cut(tmp_path):
     text = urdf("two_finger").read_text()
     file.write_text(text.replace("finger_1_proximal", "right_hand_middle_finger_metacarpal"))
     table = tables.hand_table({"a_hand": hl.Hand.from_urdf(file, ["finger_2_tip"], joint_stiffness=6.0)})
-    assert "right_hand_middle_finger_metacarpal" in words(shown([table], 80))
+    assert "right_hand_middle_finger_metacarpal" in shown([table], 80)
 
 
 def test_measured_effects_break_no_word():
