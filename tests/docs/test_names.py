@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pathlib
 import re
+import tomllib
 
 import pytest
 
@@ -47,6 +48,12 @@ def test_every_effect_that_is_asked_for_by_name_has_a_place_in_how_to_choose_or_
     assert len(asked) > 6
     assert {name for name in asked if f"hl.{name}(" not in page} == set()
     assert len(entries()) == text(DOCS.parent / "handlcp" / "grasp" / "effects" / "README.md").count("\n### ")
+
+
+def test_every_extra_is_on_the_front_page():
+    known = tomllib.loads(text(ROOT / "pyproject.toml"))["project"]["optional-dependencies"]
+    rows = "".join(re.findall(r"^\| `.*?\|", text(DOCS / "index.md"), re.M))
+    assert set(re.findall(r"`(\w+)`", rows)) == set(known)
 
 
 def test_every_command_is_on_the_page_of_commands():
