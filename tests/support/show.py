@@ -15,6 +15,7 @@ from handlcp.show import picture as _picture
 from handlcp.show import tables
 from handlcp.show import work_precision as work_precision_figure
 from handlcp.show.accuracy_table import all_tables
+from handlcp.show.contact_sheet import contact_sheet
 from handlcp.show.loading import end, report
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
@@ -30,6 +31,7 @@ __all__ = [
     "Turn",
     "all_tables",
     "camera_of",
+    "contact_sheet",
     "convergence_figure",
     "draw",
     "end",
