@@ -12,10 +12,9 @@ from rich.padding import Padding
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
-from handlcp.errors import InputError, Unsupported
-from handlcp.grasp import Grasp, GraspSolution, Suggestions, Verdict
+from handlcp.errors import InputError
+from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
 from handlcp.grasp.friction import as_section
-from handlcp.grasp.verdict.check import STEPS
 from handlcp.grasp.verdict.suggested import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
@@ -75,40 +74,21 @@ def solve(
 
         draw(solution, plot, file.shape(), file.title, judged)
     if page is not None:
-        _write_page(page, file, grasp, solution, judged, sides)
+        from handlcp.show.page.document import save
+
+        save(grasp, solution, page, file.shape(), file.title, judged, judged.loading)
     left_out = _suggested(grasp, solution, sides, judged) if suggest else None
     if json:
         print_json(record(grasp, solution, explanation, file.title, left_out, judged))
     else:
         out = titled(file.title)
         _print(out, solution, judged, shown, ("Advice",) if suggest else ())
-        if left_out is not None:
-            out.print(Text("Suggestions:", style="yellow"))
-            for line in left_out.lines:
-                out.print(Padding(Text(line), (0, 0, 0, 2)))
-        if explain:
-            out.print(tables.effect_table(explanation))
-            if explanation.seconds is None:
-                out.print(Text(_NO_SHARES, style="dim"))
-        if plot is not None:
-            out.print(Text(f"Picture: {plot}", style="dim"))
-        if page is not None:
-            out.print(Text(f"Page: {page}", style="dim"))
+        _print_more(out, left_out, explanation if explain else None)
+        for kind, written in (("Picture", plot), ("Page", page)):
+            if written is not None:
+                out.print(Text(f"{kind}: {written}", style="dim"))
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short or not judged.ok else 0)
-
-
-def _write_page(
-    page: Path, file: Any, grasp: Grasp, solution: GraspSolution, judged: Verdict, sides: Any
-) -> None:  # fmt: skip
-    """With the loading that the verdict followed, where it could be followed."""
-    from handlcp.show.page.document import save
-
-    try:
-        loading = grasp.follow(faces=sides, steps=STEPS)
-    except Unsupported:
-        loading = None
-    save(grasp, solution, page, file.shape(), file.title, judged, loading)
 
 
 def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
@@ -153,3 +133,15 @@ def _print(out: Console, solution: GraspSolution, judged: Verdict, shown: _Shown
     for head, sentence in rest:
         if head not in without:
             say(out, head, "yellow" if head == "Warning" else "cyan", sentence)
+
+
+def _print_more(out: Console, left_out: Suggestions | None, explanation: Explanation | None) -> None:
+    """What was asked for besides: suggestions, effects and what they cost."""
+    if left_out is not None:
+        out.print(Text("Suggestions:", style="yellow"))
+        for line in left_out.lines:
+            out.print(Padding(Text(line), (0, 0, 0, 2)))
+    if explanation is not None:
+        out.print(tables.effect_table(explanation))
+        if explanation.seconds is None:
+            out.print(Text(_NO_SHARES, style="dim"))
