@@ -321,4 +321,4 @@ def test_a_pad_that_turns_easily_excuses_no_overlap():
     s = g.solve("cone")
     moment = s.torsion / 0.01
     assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
-    assert not judged(g, "cone", s.forces, at_centre(g, s) + [1e-6, 0, 0, 0, 0, 0], torsion=moment).passes
+    assert not judged(g, "cone", s.forces, at_centre(g, s) + 1e-6 * np.eye(6)[0], torsion=moment).passes
