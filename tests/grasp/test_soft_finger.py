@@ -314,3 +314,11 @@ def test_torsion_without_end_is_refused_with_a_bound():
     with pytest.raises(hl.InputError, match=r"SoftFinger\.mu: expected a number > 0 and ≤ 10000"):
         hl.SoftFinger(1e5, 0.01)
     assert pinch(hl.SoftFinger(1e5, 0.0)).solve().torsion[0] == 0.0
+
+
+def test_a_pad_that_turns_easily_excuses_no_overlap():
+    g = pinch(hl.SoftFinger(0.5, 0.005, 1e12), SOFT, wrench=(0, 0, -1, 0, 0, 0))
+    s = g.solve("cone")
+    moment = s.torsion / 0.01
+    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
+    assert not judged(g, "cone", s.forces, at_centre(g, s) + 1e-6 * np.eye(6)[0], torsion=moment).passes
