@@ -9,7 +9,7 @@ import numpy as np
 
 __all__ = [
     "NOTHING", "LengthUnit", "angle", "column", "distinct", "either", "force", "length", "length_unit", "lengths",
-    "listed", "percent", "torque", "torques",
+    "listed", "percent", "prefixed", "torque", "torques",
 ]  # fmt: skip
 
 NOTHING = 1e-10  # [m] motions below this are rounding
@@ -71,6 +71,16 @@ def torques(newton_metres: Iterable[float]) -> list[str]:
     small = 0 < max((abs(t) for t in values if np.isfinite(t)), default=0.0) < 0.01
     size, unit = (1e-3, " mN·m") if small else (1.0, " N·m")
     return ["∞" if np.isinf(t) else _text(t / size, unit) for t in values]
+
+
+def prefixed(unit: str, values: Iterable[float]) -> tuple[str, float]:
+    """The unit of a column with the prefix that fits, and its size: ("mN", 1e-3) where nothing reaches a tenth of N."""
+    largest = max((abs(x) for x in values if np.isfinite(x)), default=0.0)
+    if largest >= 1e5:
+        return f"k{unit}", 1e3
+    if 0.0 < largest < 1e-4:
+        return f"µ{unit}", 1e-6
+    return (f"m{unit}", 1e-3) if 0.0 < largest < 0.1 else (unit, 1.0)
 
 
 def column(values: Iterable[float]) -> list[str]:

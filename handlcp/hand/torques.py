@@ -89,9 +89,12 @@ class TorqueCheck:
     @property
     def table(self) -> TextTable:
         """Joint by joint, with a remark in the last column."""
-        columns = ([r.joint for r in self], _torques(self.torque), [_limit(r) for r in self],
-                   [_share(r) for r in self], [self.remark(r) for r in self])  # fmt: skip
-        heads = ("joint", "torque\nN·m", "limit\nN·m", "of limit", "")
+        known = [limit for limit in self.limit.tolist() if np.isfinite(limit)]
+        unit, size = words.prefixed("N·m", [10.0 * x for x in (*self.torque.tolist(), *known)])
+        limits = [_limit(r._replace(limit=r.limit / size)) for r in self]
+        columns = ([r.joint for r in self], _torques(self.torque / size), limits, [_share(r) for r in self],
+                   [self.remark(r) for r in self])  # fmt: skip
+        heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
         return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
 
     def remark(self, row: TorqueRow) -> str:

@@ -9,6 +9,7 @@ import re
 import pytest
 
 import handlcp as hl
+from handlcp.cli import app
 from handlcp.grasp import effect_kinds
 from handlcp.study.catalogue import entries
 
@@ -46,6 +47,11 @@ def test_every_effect_that_is_asked_for_by_name_has_a_place_in_how_to_choose_or_
     assert len(asked) > 6
     assert {name for name in asked if f"hl.{name}(" not in page} == set()
     assert len(entries()) == text(DOCS.parent / "handlcp" / "grasp" / "effects" / "README.md").count("\n### ")
+
+
+def test_every_command_is_on_the_page_of_commands():
+    commands = {command.name or command.callback.__name__ for command in app.registered_commands}
+    assert set(re.findall(r"^\| `handlcp (\w+)", text(DOCS / "command_line.md"), re.M)) == commands
 
 
 def test_every_task_of_the_examples_is_named_on_a_page_of_the_tour():

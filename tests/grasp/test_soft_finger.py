@@ -285,3 +285,32 @@ def test_the_search_knows_that_an_open_soft_contact_slips_and_turns_freely():
     assert s.contact_state == ("sticking", "sticking", "separated")
     np.testing.assert_allclose(np.linalg.norm(s.slip[2]), 8.0 * softness / 2, rtol=1e-9)
     np.testing.assert_allclose(abs(s.spin[2]), 0.02 * softness / (2 * d**2), rtol=1e-9)
+
+
+@pytest.mark.parametrize("torsion", [0.005, 0.05, 0.5, 4.0])
+def test_a_large_torsion_excuses_no_overlap_and_no_slip(torsion):
+    """In the law's coordinates a turn is as long as the lever; gaps and slips are not measured by that."""
+    g = pinch(*[hl.SoftFinger(0.5, torsion, 3.0)] * 2)
+    s = g.solve("cone")
+    moment = s.torsion / (torsion / 0.5)  # in the law's coordinates
+    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
+    for moved in np.eye(6)[:3] * 1e-7 * abs(s.gap + 1e-3).max():
+        assert not judged(g, "cone", s.forces, at_centre(g, s) + moved, torsion=moment).passes
+
+
+def test_a_small_lever_excuses_no_turn():
+    """What friction has to spare must hold a contact still: a turn by a thousandth of its size shows."""
+    g = pinch(*[hl.SoftFinger(1000.0, 0.005, 3.0)] * 2)
+    s = g.solve("cone")
+    moment = s.torsion / (0.005 / 1000.0)
+    turned = at_centre(g, s) + np.r_[np.zeros(3), 1e-3 * 1e-3 / 0.01, 0, 0]
+    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
+    assert not judged(g, "cone", s.forces, turned, torsion=moment).passes
+
+
+def test_torsion_without_end_is_refused_with_a_bound():
+    with pytest.raises(hl.InputError, match="mu_torsion / mu up to 1000 times the size of the grasp, 10 m, got 2e"):
+        pinch(hl.SoftFinger(0.5, 1e14))
+    with pytest.raises(hl.InputError, match=r"SoftFinger\.mu: expected a number > 0 and ≤ 10000"):
+        hl.SoftFinger(1e5, 0.01)
+    assert pinch(hl.SoftFinger(1e5, 0.0)).solve().torsion[0] == 0.0

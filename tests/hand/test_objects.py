@@ -12,6 +12,7 @@ import pytest
 
 from handlcp.errors import InputError, NotReached
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, example_hand
+from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.hand import ball_near
 from tests.support.texts import same
@@ -133,6 +134,12 @@ def test_a_convex_mesh_is_its_hull_and_scales(tmp_path: Path) -> None:
     found = ball_near(RADIUS, (1.0, 0.0, 0.2), obj)
     assert found.gap == pytest.approx(0.2 - 0.09 - RADIUS, abs=1e-8)
     np.testing.assert_allclose(obj.center_of_mass, [1.0, 0.0, 0.0], atol=1e-8)
+
+
+def test_a_mesh_of_too_many_triangles_is_refused_with_advice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    patches.meshes_of_at_most(monkeypatch, 11)
+    with pytest.raises(InputError, match=r"at most 11 triangles; simplify it, .* with 12$"):
+        Mesh(box_file(tmp_path), mass=0.1)
 
 
 def test_tips_can_be_the_urdf_s_collision_geometry() -> None:

@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.show.picture_cases import bare_hand, case, ring
 from tests.support import patches
-from tests.support.show import Turn, draw, facing, hand_bodies, tip_shapes
+from tests.support.show import Turn, draw, end, facing, hand_bodies, tip_shapes
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -166,14 +166,17 @@ def rendered(name):
 
 
 # ---------------------------------------------------------------- the state that is drawn
-def test_a_line_says_which_state_is_drawn():
-    def second(name, **more):
-        grasp, solution, obj, _ = case(name)
-        return " ".join(t.get_text() for t in draw(grasp, solution, obj, "", **more).texts)
+def said(figure):
+    return " ".join(t.get_text() for t in figure.texts)
 
-    assert "one solve in the given posture, squeeze and load at once." in second("cube_three_fingers")
+
+def test_a_line_says_which_state_is_drawn():
     grasp, solution, *_ = case("cube_three_fingers")
-    assert "The verdict follows the loading in steps." in second(
-        "cube_three_fingers", verdict=grasp.check(solution=solution)
-    )
-    assert "without forces, as no equilibrium was found" in second("frictionless")
+    assert "one solve in the given posture, squeeze and load at once." in said(draw(grasp, solution))
+    verdict = grasp.check(solution=solution)
+    assert "The verdict follows the loading in steps." in said(draw(grasp, solution, verdict=verdict))
+    path = verdict.loading
+    at_end = draw(end.grasp_at_end(path), end.solution_at_end(path), path.object, verdict=verdict)
+    assert f"Drawn: the end of the loading. The object has {end.moved(path)}." in said(at_end)
+    grasp, solution, *_ = case("frictionless")
+    assert "without forces, as no equilibrium was found" in said(draw(grasp, solution))

@@ -98,7 +98,7 @@ def test_many_contacts_are_a_row_each():
 
 def test_soft_fingers_and_surroundings_have_their_columns():
     soft = pinch(hl.SoftFinger(0.5, 0.01)).solve("cone")
-    fits(soft, "moment", "mN·m")
+    fits(soft, "moment", "N·m")
     table = load(ROOT / "box_on_table.toml").build().solve("cone")
     assert fits(table, "table 4").count("contact") >= 1
 
@@ -126,6 +126,17 @@ def test_what_stands_in_one_sentence_has_one_unit():
     (said,) = s.verdict.about("contacts")
     assert len(said.values["sliding_m"]) == 3
     assert set(re.findall(r"[µm]?m\b", said.sentence)) == {"mm"}
+
+
+@pytest.mark.parametrize(("size", "unit"), [(1e-4, "mN"), (1e-6, "µN"), (1.0, "N"), (1e5, "kN")])
+def test_forces_have_the_prefix_that_fits(size, unit):
+    """The same pinch under loads of all sizes: a squeeze of 10 N times the size, and 0.5 N of friction times it."""
+    contacts = [hl.Contact((s * 0.02, 0, 0), (-s, 0, 0), hl.Coulomb(0.5)) for s in (-1.0, 1.0)]
+    grasp = hl.Grasp(contacts, (0, 0, -size, 0, 0, 0), flexibility=1e-4 / size, preload=1e-3)
+    text = fits(grasp.solve("cone"))
+    assert text.split("\n\n")[1].splitlines()[1].split()[0] == unit
+    said = {"mN": 1e-3, "µN": 1e-6, "N": 1.0, "kN": 1e3}[unit]
+    assert f"{10 * size / said:.0f}" in text
 
 
 def test_friction_that_is_all_but_used_up_is_a_warning_beside_held():

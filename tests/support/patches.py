@@ -25,6 +25,7 @@ __all__ = [
     "coarse_pictures",
     "costs_of_effects",
     "everything_to_processes",
+    "meshes_of_at_most",
     "no_newton_on_cones",
     "no_solve_takes_more_than",
     "nothing_is_eliminated",
@@ -62,6 +63,12 @@ def everything_to_processes(patch: Patch) -> None:
     """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
     for name in ("_LOOK", "_WORTH"):
         patch.setattr(f"handlcp.grasp.batch.run.{name}", 0.0)
+
+
+# ---------------------------------------------------------------- objects
+def meshes_of_at_most(patch: Patch, count: int) -> None:
+    """Larger meshes than of so many triangles are refused."""
+    patch.setattr("handlcp.hand.objects.meshes.MOST", count)
 
 
 # ---------------------------------------------------------------- stages of a solve

@@ -34,11 +34,15 @@ def contact_columns(s: Any) -> TextTable:
     unit, moments = words.length_unit([*slips.tolist(), *gaps.tolist()]), s.torsion
     who = "contact" if s.scene is not None and s.scene.environment else "finger"
     heads, columns = [who, "state"], [list(s.names), list(s.contact_state)]
-    heads += ["normal\nN", "friction\nN"]
-    columns += [words.column(a.tolist()) for a in (s.normal_force, np.hypot(*s.tangential_force.T))]
+    noise = CERTIFY * s.residuals.force_scale
+    normal, friction = (np.where(abs(a) > noise, a, 0.0) for a in (s.normal_force, np.hypot(*s.tangential_force.T)))
+    name, size = words.prefixed("N", [*normal.tolist(), *friction.tolist()])
+    heads += [f"normal\n{name}", f"friction\n{name}"]
+    columns += [words.column((a / size).tolist()) for a in (normal, friction)]
     if moments is not None:
-        heads.append("moment\nmN·m")
-        columns.append(words.column((1e3 * moments).tolist()))
+        name, size = words.prefixed("N·m", (moments / 10.0).tolist())  # half a newton-metre is 500 mN·m
+        heads.append(f"moment\n{name}")
+        columns.append(words.column((moments / size).tolist()))
     heads += ["of limit", f"slip\n{unit.name}", f"gap\n{unit.name}"]
     columns += [[words.percent(x) for x in s.friction_used.tolist()]]
     columns += [[unit(x) for x in a.tolist()] for a in (slips, gaps)]

@@ -13,9 +13,10 @@ from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.hull import hull
 
-__all__ = ["Surfaces", "closed", "in_memory", "load_mesh", "triangles_of"]
+__all__ = ["MOST", "Surfaces", "closed", "in_memory", "load_mesh", "triangles_of"]
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
+MOST = 200_000  # triangles: these take half a minute, and more gain nothing at the size of a fingertip
 _FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
 _WIDE = 5.0  # [m] a mesh for a hand that is wider was not drawn in metres
 _METRES = ("m", "meter", "meters", "metre", "metres")
@@ -60,11 +61,15 @@ def load_mesh(source: Any, scale: Array | None) -> Solid:
     convex mesh has holes. The volume of a mesh with holes that is not convex is NaN. scale (3,) : None: 1, for a mesh
     that looks as if it were in metres.
 
-    Raises InputError for a file that is missing or unreadable, a mesh that encloses no volume, or one too wide.
+    Raises InputError for a file that is missing or unreadable, a mesh that encloses no volume, has too many triangles,
+    or is too wide.
     """
     name = "the mesh" if isinstance(source, Surfaces) else repr(str(source))
     size = np.ones(3) if scale is None else scale
     tree = _tree_of(source, size) if isinstance(source, Surfaces) else _read(source, size)
+    if tree.num_tris > MOST:
+        expected = f"a mesh of at most {MOST} triangles; simplify it, or take its convex hull"
+        raise InputError("path", expected, f"{name} with {tree.num_tris}")
     triangles = triangles_of(tree)
     if not len(triangles) or not np.isfinite(triangles).all():
         raise InputError("path", "a mesh of triangles with finite corners", f"{name}: {len(triangles)} triangles")

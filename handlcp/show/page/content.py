@@ -84,9 +84,8 @@ def escape_of(drawn: Content) -> dict[str, Any] | None:
 
 
 def _first(frames: Sequence[Any], path: dict[str, Any] | None, escape: dict[str, Any] | None) -> int:
-    """The frame that is shown first: one solve that says something, else the last step."""
-    says = bool(frames[0]["contacts"][0]["state"]) or escape is not None
-    return 0 if path is None or (path["first"] == 1 and says) else len(frames) - 1
+    """The frame that is shown first: the end of the loading, which the verdict is about; else the one solve."""
+    return 0 if path is None or (path["first"] == 1 and escape is not None) else len(frames) - 1
 
 
 def _reached(stage: Any, share: Any, number: int, where: float) -> int:

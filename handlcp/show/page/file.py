@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError
+from handlcp.show.file import writable
 from handlcp.show.page.library import three_js
 
 __all__ = ["checked", "write"]
@@ -26,12 +26,7 @@ def checked(path: Any) -> Path:
         raise InputError("page", "the name of a file that ends in .html", repr(path)[:80]) from None
     if file.suffix.lower() not in _FORMATS:
         raise InputError("page", "a file name that ends in " + " or ".join(_FORMATS), repr(str(path)))
-    folder = file.absolute().parent
-    if not folder.is_dir():
-        raise InputError("page", "a file in a folder that exists", repr(str(path)))
-    if file.is_dir() or not os.access(file if file.exists() else folder, os.W_OK):
-        raise InputError("page", "a file that can be written", repr(str(path)))
-    return file
+    return writable("page", file)
 
 
 def write(text: str, file: Path) -> Path:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp import words
+from handlcp.check import Array
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 from handlcp.show.picture.panel import Entry
 
@@ -26,18 +27,30 @@ class Unseen(NamedTuple):
 
 Said = tuple[tuple[int, ...], str, str]  # contacts that share a label, its name, and what stands below the name
 
+_STILL = 1e-4  # [rad] an object that turns less is not said to turn
 _NO_FRICTION = 5e-4  # of the normal force: less is not written
 _NUMBER = re.compile(r"[\s_]*\d+$")
 
 
-def state_drawn(shown: Content, followed: bool) -> str:
-    """One sentence. followed : whether the verdict beside it is that of a loading in steps."""
+def state_drawn(shown: Content, path: Any, at_end: bool) -> str:
+    """A sentence or two. path : the loading that the verdict is about, or None; at_end : whether its end is drawn."""
+    if at_end:
+        u = path.displacement
+        far = words.length(float(np.linalg.norm(u[:3])))
+        what = "end" if path.reached else "last step"
+        return f"Drawn: the {what} of the loading. The object has moved {far}{_turned(u)}."
     hand = getattr(shown.grasp, "state", None) is not None
     where, squeeze = ("in the given posture", "squeeze") if hand else ("with the given contacts", "preload")
     if not shown.solution.held:
         return f"Drawn: the grasp {where}, without forces, as no equilibrium was found."
     drawn = f"Drawn: one solve {where}, {squeeze} and load at once"
-    return f"{drawn}. The verdict follows the loading in steps." if followed else f"{drawn}."
+    return f"{drawn}." if path is None else f"{drawn}. The verdict follows the loading in steps."
+
+
+def _turned(u: Array) -> str:
+    """Of a motion (6,), for a list; "" for a turn that nobody sees."""
+    turned = float(np.linalg.norm(u[3:]))
+    return f" and turned {words.angle(turned)}" if turned > _STILL else ""
 
 
 def contact_labels(shown: Content, room: int) -> list[Said]:
@@ -148,8 +161,7 @@ def _motion(shown: Content, unseen: Sequence[int]) -> Iterator[Entry]:
         yield "none", SLIP, f"slip not drawn, {below}:\n{words.listed([s.names[i] for i in unseen])}"
     if shown.ghost is not None:
         u = s.object_displacement
-        turned = float(np.linalg.norm(u[3:]))
-        also = f", turned {words.angle(turned)}" if turned > 1e-4 else ""
+        also = _turned(u)
         yield (
             "dashed-thin",
             GHOST,

@@ -44,14 +44,17 @@ def draw(
     grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = "", verdict: Verdict | None = None
 ) -> Figure:
     """The figure. obj : what to draw as the object when the grasp does not know it; None: the hull of the contacts.
-    verdict : of `check`; None: the solution's.
+    verdict : of `check`; None: the solution's. Where the solution is the last step of the loading that `check`
+    followed, the environment stays where it was, and what is drawn is said to be the end.
 
     Raises Unsupported when matplotlib is not installed.
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT))
     said = solution.verdict if verdict is None else verdict
-    shown = Content(grasp, solution, obj, verdict=said)
-    head = headline(figure, said, title, state_drawn(shown, verdict is not None and verdict != solution.verdict))
+    path = said.loading
+    at_end = path is not None and np.array_equal(path.solution.forces, solution.forces)
+    shown = Content(grasp, solution, obj, Grasp(path.steps.grasp.spec) if at_end else None, said)
+    head = headline(figure, said, title, state_drawn(shown, path, at_end))
     compose(figure, shown, head)
     return figure
 
