@@ -16,7 +16,7 @@ from handlcp.show.picture.painter import paint
 __all__ = ["contact_sheet"]
 
 COLUMNS, CELL, CAPTION, DPI = 5, 4.0, 0.3, 60  # pictures in a row; inches of each, to its name; dots an inch
-_COLOURS = 96  # of the file: half the size, and no difference to the eye
+_COLOURS = 128  # of the file: half the size, and no difference to the eye
 
 
 def contact_sheet(grasps: list[tuple[str, Candidate | None]], file: Path) -> None:
@@ -64,6 +64,6 @@ def _write(figure: Any, file: Path) -> None:
     figure.savefig(drawn, dpi=DPI, facecolor="white", format="png")
     drawn.seek(0)
     try:
-        Image.open(drawn).convert("RGB").quantize(_COLOURS).save(file, optimize=True)
+        Image.open(drawn).convert("RGB").quantize(_COLOURS, Image.Quantize.MAXCOVERAGE).save(file, optimize=True)
     except OSError as error:
         raise InputError("out", "a folder that can be written", f"{str(file)!r}: {error.strerror or error}") from None
