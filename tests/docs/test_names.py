@@ -75,7 +75,8 @@ def test_every_page_is_in_the_contents():
         for tree in re.findall(r"```\{toctree\}\n(.*?)```", text(index), re.S):
             names = [line for line in tree.splitlines() if line and not line.startswith(":")]
             listed |= {f"{home}/{name}".lstrip("/") for name in names}
-    assert listed == {p.relative_to(DOCS).with_suffix("").as_posix() for p in DOCS.rglob("*.md")}
+    pages = {p.relative_to(DOCS).with_suffix("").as_posix() for p in DOCS.rglob("*.md")}
+    assert listed == pages | {"gallery/index"}  # a command writes that one
 
 
 @pytest.mark.parametrize("page", LINKED, ids=lambda p: p.relative_to(ROOT).as_posix())
