@@ -78,7 +78,7 @@ def test_less_friction_or_another_load_leaves_one(mu, stuck):
     (only,) = found
     assert only.uniqueness.others is False
     same(f"{KEY}: the only one", str(only.uniqueness))
-    same(f"{KEY}: one and no more", str(found).splitlines()[0], "16")
+    same(f"{KEY}: one and no more", str(found).split("\n  normal")[0].replace("\n  ", " "), "16")
 
 
 def test_without_friction_a_solve_proves_it_unique():
@@ -97,7 +97,7 @@ def test_with_friction_a_solve_claims_nothing():
     s = pinch().solve()
     assert s.uniqueness.others is None
     same(f"{KEY}: others are not known", str(s.uniqueness), "grasp.equilibria()")
-    assert str(s.uniqueness) in str(s)
+    assert str(s.uniqueness) in " ".join(str(s).split())
     same(f"{KEY}: the diagnosis where others are not known", s.diagnosis)
 
 

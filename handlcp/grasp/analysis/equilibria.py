@@ -111,7 +111,8 @@ class Equilibria(Data):
 
 def _line(s: GraspSolution) -> str:
     noise = ACTIVE * s.residuals.force_scale  # below this a contact is said not to push
-    forces = ", ".join(words.column([0.0 if abs(f) <= noise else f for f in s.normal_force.tolist()]))
+    values = [0.0 if abs(f) <= noise else f for f in s.normal_force.tolist()]
+    forces = ", ".join(words.column(values) if any(values) else ["0"] * len(values))
     return f"normal forces ({forces}) N, {replace(s, uniqueness=None).diagnosis}"
 
 

@@ -162,7 +162,7 @@ def _nsngrk(cases: tuple[Case, ...], console: Console) -> None:
         "every displacement is about 1e-5 m, so the rule stops before any compliance is seen. In natural units the "
         "same algorithm finds one answer."
     ))  # fmt: skip
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, padding=0, pad_edge=False)  # eleven columns
     for k, name in enumerate(_SEEDS):
         table.add_column(name, justify="right" if k > 1 else "left", no_wrap=True)
     for c in cases:
