@@ -24,7 +24,7 @@ from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons"]
 
-_SLIDES = 1e-4  # of the grasp's size: what slides less on its way is not said to
+_SLIDES = 1e-4  # of the grasp's size: what slides less on its way, and sticks at its end, is not said to slide
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn
 
 
@@ -53,9 +53,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     apart = [n for n, kind in zip(spec.names, last.kinds, strict=True) if kind == "separated"]
     yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
     if end.held:
-        # What slides so little that nobody is told sticks, at the limit of its friction
-        still = [k if k != "sliding" or n in slid else "sticking" for n, k in zip(spec.names, last.kinds, strict=True)]
-        yield from friction_reasons(spec.names, end.friction_used, still, " at the end" if slid else "")
+        yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
     if end.held:
         yield from open_reasons(end.uniqueness)
@@ -90,13 +88,16 @@ def _about(r: Reason) -> tuple[object, ...]:
 
 
 def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:
-    """How far the object slid past each finger [m], and turned on it [rad], in all; of those where it did."""
+    """How far the object slid past each finger [m], and turned on it [rad], in all; of those where it did so noticeably,
+    or still at the end.
+    """
     steps = path.steps
     slides = np.array([[kind == "sliding" for kind in kinds] for kinds in steps.contact_state])
     way = (np.hypot(steps.slip[:, :, 0], steps.slip[:, :, 1]) * slides)[1:].sum(axis=0)
     turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
     names, soft = steps.names, steps.torsion.any()
-    far = {n: float(d) for n, d in zip(names, way, strict=True) if d > _SLIDES * size}
+    least = np.where(slides[-1], words.NOTHING, _SLIDES * size)
+    far = {n: float(d) for n, d, some in zip(names, way, least, strict=True) if d > some}
     return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _TWIST} if soft else {}
 
 
