@@ -88,8 +88,8 @@ def _about(r: Reason) -> tuple[object, ...]:
 
 
 def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:
-    """How far the object slid past each finger [m], and turned on it [rad], in all; of those where it did so noticeably,
-    or still at the end.
+    """How far the object slid past each finger [m], and turned on it [rad], in all: of those where it did noticeably,
+    or still does at the end.
     """
     steps = path.steps
     slides = np.array([[kind == "sliding" for kind in kinds] for kinds in steps.contact_state])
