@@ -2,8 +2,9 @@
 
 The geometry of a step is taken where the last two steps lead: a step of a smooth path is second order in its length
 and takes one solve. A step in which a contact or a joint changes its state is halved until it is short, so that the
-change is located and the path has no corner inside a step. A step that does not settle is halved, too; the grasp is
-lost where that does not help.
+change is located and the path has no corner inside a step. A step that does not settle is halved, too. Where that
+does not help, the last steps are made again from where each stands: continuing a path can swing in directions that are
+stiff, and a swing is no loss. The grasp is lost where that does not help either.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ __all__ = ["Run", "drive"]
 
 FINEST = 2.0**-5  # of a step: events are located to this share, and what does not settle then is lost
 _BRIEF = 0.01  # of a stage
+_BACK = 8  # steps that are made again, from where each stands, before an object is lost
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 
 
@@ -51,6 +53,14 @@ class Run:
         stage, share = self.stages[last], self.shares[last]
         del self.states[last + 1 :], self.stages[last + 1 :], self.shares[last + 1 :]
         self.events = [e for e in self.events if (e.number, e.share) <= (stage, share)]
+
+    def back(self, begun: int, share: float) -> float:
+        """Forget the steps behind a share of the last stage, which begins at state `begun`; the share kept."""
+        last = len(self.states) - 1
+        while last > begun and self.shares[last] > share:
+            last -= 1
+        self.cut(last)
+        return self.shares[last] if last > begun else 0.0
 
     def lost(self, failure: Failure, stage: int, share: float) -> bool:
         """That a stage is not finished: False."""
@@ -93,8 +103,8 @@ def _cut(stepper: Stepper, run: Run, begun: int) -> None:
 def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, base: float, least: float) -> bool:
     """One stage; whether its end is reached."""
     state, share, before = run.states[-1], 0.0, None
-    begin = state.controls
-    step, failure = base, None
+    begin, begun = state.controls, len(run.states) - 1
+    step, failure, again = base, None, -1.0  # again : up to where steps begin from where they stand
     while share < 1.0 - 1e-12:
         size = min(step, 1.0 - share)
         controls = begin.toward(goal.end, share + size)
@@ -102,6 +112,10 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, base: float, le
         if isinstance(found, Failure):
             failure, step = found, size / 2
             if step < least:
+                if share > again:
+                    again, share = share + base, run.back(begun, share - _BACK * base)
+                    state, before, step = run.states[-1], None, base
+                    continue
                 last = _last_try(stepper, state, controls)
                 if isinstance(last, Failure):
                     return run.lost(failure, stage, share)
@@ -119,7 +133,7 @@ def _through(stepper: Stepper, run: Run, stage: int, goal: Goal, base: float, le
         run.add(found, stage, share, events)
         if state.loaded and not found.loaded:
             return run.lost(Failure("loose"), stage, share)
-        before, state = (None if happens else (state, size)), found
+        before, state = (None if happens or share <= again else (state, size)), found
         step = min(2 * size, base) if not happens else base
     if not state.loaded and (first := _pushed_out(stepper, run, stage)) is not None:
         run.cut(first)

@@ -19,7 +19,7 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows, shifted
 
-__all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between", "supports"]
+__all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "supports"]
 
 _RIGID = 1e-6
 
@@ -107,15 +107,20 @@ def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
     return Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), pose)
 
 
+def least_flexibility(spec: GraspSpec) -> float:
+    """[m/N] that whatever is rigid has while a path is followed: a millionth of what the fingers have."""
+    m = 3 * spec.of_fingers
+    return _RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
+
+
 def supports(spec: GraspSpec) -> Array:
     """(3(n - k), 3(n - k)) flexibility of what supports the object beside k fingers. What is rigid gives way by a
     millionth of what the fingers do: forces at several corners of something rigid are not determined, and would jump.
     """
     m = 3 * spec.of_fingers
     around = spec.flexibility[m:, m:].copy()
-    least = _RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
     rows = np.arange(len(around))
-    around[rows, rows] = np.maximum(around[rows, rows], least)
+    around[rows, rows] = np.maximum(around[rows, rows], least_flexibility(spec))
     return around
 
 

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.loading.geometry import Geometry, Look, Where, supports
+from handlcp.grasp.loading.geometry import Geometry, Look, Where, least_flexibility, supports
 from handlcp.grasp.loading.numbers import Elastic
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
@@ -43,7 +43,7 @@ class FollowedHand(Geometry):
         self._frames = [hand.tips.frames[i] for i in tips]
         self._support = np.ascontiguousarray(hand.tips.support[tips, 0])
         self._coupling = np.empty((0, 0)) if hand.kinematics.coupling is None else np.array(hand.kinematics.coupling)
-        self._pads = np.ascontiguousarray(hand.pads.blocks[tips])
+        self._pads = _never_rigid(hand.pads.blocks[tips], least_flexibility(spec))
         self._around = supports(spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         self._reference = spec.reference
@@ -127,3 +127,11 @@ class FollowedHand(Geometry):
     def displacement(self, pose: Any) -> Array:
         R, t = pose
         return read_only(np.concatenate([R @ self._reference + t - self._reference, pin.log3(R)]))
+
+
+def _never_rigid(pads: Array, least: float) -> Array:
+    """(k, 3, 3) with `least` [m/N] more where a direction has less: along parallel joints of two fingers nothing else
+    gives way, and forces there would not be determined.
+    """
+    rigid = np.linalg.eigvalsh(pads)[:, 0] < least
+    return np.ascontiguousarray(pads + np.where(rigid, least, 0.0)[:, None, None] * np.eye(3))
