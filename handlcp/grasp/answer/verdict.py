@@ -13,6 +13,7 @@
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
 | `friction` | how much of their friction the contacts use that stick |
 | `forces_open`, `loose`, `others` | what the equations leave open |
+| `snaps` | the object leaves its place on the way, and comes to rest at another |
 | `not_followed`, `only_followed` | the order of loading was not followed; one solve and the steps disagree |
 | `advice` | a change that was tried, and holds; or that nothing tried does |
 """

@@ -10,17 +10,20 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.answer.reasons import equilibrium_reason
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD, OVER_LIMIT, UNDECIDED, Reason, Verdict, verdict_of
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.others import other_equilibria
 from handlcp.grasp.verdict.path_reasons import compared, lost_reason, place_reasons, reached_reasons
 from handlcp.grasp.verdict.trials import advice
-from handlcp.lcp import Status
+from handlcp.lcp import Auto, Status
 
 __all__ = ["check", "judged"]
 
+_CHAIN = Auto(search_seconds=0.0)
 STEPS = 8  # of a stage; where something happens there are more
 
 
@@ -30,7 +33,12 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
     if verdict.word in (HELD, UNDECIDED) or verdict.about("not_followed"):
         return verdict
     over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
-    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable)], verdict.loading)
+
+    def held(changed: GraspSpec) -> bool:
+        built = build(changed)
+        return judged(changed, built, section, order, solve_spec(changed, section, _CHAIN, proof=False)).word == HELD
+
+    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, held)], verdict.loading)
 
 
 def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:

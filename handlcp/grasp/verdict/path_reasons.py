@@ -55,6 +55,9 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
+    if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
+        text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
+        yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
     if end.held:
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:

@@ -1,7 +1,7 @@
 """What would help a grasp that does not hold, or not within its torque limits: changes that were tried, and hold.
 
-Each change is tried at a few values, the smallest first: by one solve, and where that holds by following the loading.
-Only what is followed to the end within all torque limits is advice.
+Each change is tried at a few values, the smallest first: by one solve, and where that holds by following the loading in
+few steps. Only what then has the verdict HELD itself is advice.
 """
 
 from __future__ import annotations
@@ -53,8 +53,11 @@ class _Change:
     trials: Callable[[GraspSpec], Iterator[_Trial]]
 
 
-def advice(spec: GraspSpec, section: Section, order: Any, over: bool, holdable: bool) -> Iterator[Reason]:
-    """What would hold, one sentence for each kind of change; or that nothing tried does.
+def advice(
+    spec: GraspSpec, section: Section, order: Any, over: bool, holdable: bool, held: Callable[[GraspSpec], bool]
+) -> Iterator[Reason]:
+    """What would hold, one sentence for each kind of change; or that nothing tried does. held : whether the verdict on
+    a grasp is HELD.
 
     over : whether the grasp holds but for its torque limits. holdable : whether any force within friction balances the
     load; if not, friction alone can help.
@@ -68,11 +71,10 @@ def advice(spec: GraspSpec, section: Section, order: Any, over: bool, holdable: 
         trials = list(change.trials(spec))
         if trials:
             tried.append(trials[-1].text)
-        for trial in _followed(trials, section, order):
+        if (trial := next((t for t in _followed(trials, section, order) if held(t.spec)), None)) is not None:
             values = {"change": change.name, "value": trial.value}
             yield Reason("advice", "advice", f"{trial.text} would hold it{within}", values)
             found = True
-            break
     if tried and not found:
         text = f"nothing that was tried would hold it{within}, not even {words.either(tried)}"
         yield Reason("advice", "advice", text, {"tried": tried})
