@@ -26,3 +26,27 @@ def ball(stiffness=6.0, squeeze=0.003, friction=None, mass=0.3, limits=None, **m
 def ends(h):
     """Numbers of the last step of each stage."""
     return [int(np.flatnonzero(h.steps.stage == k)[-1]) for k in range(len(h.stages))]
+
+
+def gripper(pads, y=0.0, stiffness=5.0, squeeze=0.004):
+    """A ball between a thumb and two fingers opposite to it, whose joints all turn about y: along y only pads give
+    way. y : of the ball, off the middle.
+    """
+    cylinder = "<origin xyz='0 0 {0}'/><geometry><cylinder radius='0.008' length='{1}'/></geometry>"
+    parts = ["<robot name='gripper'><link name='palm'/>"]
+    for name, x, beside, yaw in (
+        ("thumb", -0.038, 0, 0),
+        ("index", 0.038, -0.022, np.pi),
+        ("ring", 0.038, 0.022, np.pi),
+    ):
+        link, base = "palm", f"<origin xyz='{x} {beside} 0.008' rpy='0 0 {yaw}'/>"
+        for part, length, effort in (("a", 0.045, 0.7), ("b", 0.038, 0.4)):
+            parts.append(
+                f"<joint name='{name}_{part}' type='revolute'><parent link='{link}'/><child link='{name}_link_{part}'/>"
+                f"{base}<axis xyz='0 1 0'/><limit lower='-0.8' upper='1.6' effort='{effort}' velocity='4'/></joint>"
+                f"<link name='{name}_link_{part}'><collision>{cylinder.format(length / 2, length)}</collision></link>"
+            )
+            link, base = f"{name}_link_{part}", f"<origin xyz='0 0 {length}'/>"
+    hand = hl.Hand.from_urdf("".join([*parts, "</robot>"]), joint_stiffness=stiffness, pad_flexibility=pads)
+    sphere = hl.Sphere(0.03, (0, y, 0.085), mass=0.2)
+    return hand.at(hand.close_on(sphere)).grasp(sphere, friction=0.6, squeeze=squeeze)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.loading.hands import ball, cube, ends
+from tests.loading.hands import ball, cube, ends, gripper
 
 LOAD = (0.3, 0.1, -0.5, 0.002, 0.0, 0.001)
 TIGHT = 1e-11
@@ -100,3 +100,20 @@ def test_squeeze_and_load_in_turn_differ_from_both_together_where_fingers_slip()
     assert any(e.kind == "slips" for e in (*h.events, *both.events))
     assert h.reached
     assert both.reached
+
+
+@pytest.mark.parametrize("pads", [0.0, 1e-8, 1e-6, 1e-4])
+def test_stiff_directions_lose_no_object_whatever_the_steps(pads):
+    """Two fingers beside each other slide outward alike; between them nothing but the pads gives way."""
+    for steps in (8, 20, 40):
+        h = gripper(pads).follow(steps=steps)
+        assert h.reached, (steps, h.why)
+        assert abs(h.displacement[[1, 3, 5]]).max() < 1e-5, "the middle stays the middle"
+
+
+def test_fingertips_without_pads_are_named_where_that_may_be_why_it_is_lost():
+    """The load is far beyond what friction holds."""
+    for pads, named in ((0.0, 1), (1e-4, 0)):
+        verdict = gripper(pads).replace(wrench=(0, 0, -30.0, 0, 0, 0)).check()
+        assert verdict.word == "NOT HELD"
+        assert len(verdict.about("rigid_tips")) == named

@@ -9,6 +9,7 @@
 | `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
 | `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
+| `rigid_tips` | fingertips without pads, where that may be why the object is lost |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
 | `friction` | how much of their friction the contacts use that stick |

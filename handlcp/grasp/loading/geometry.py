@@ -19,9 +19,9 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows, shifted
 
-__all__ = ["FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "supports"]
+__all__ = ["RIGID", "FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "supports"]
 
-_RIGID = 1e-6
+RIGID = 1e-6  # of the mean flexibility: what gives way by less is rigid
 
 
 class Where(NamedTuple):
@@ -110,7 +110,7 @@ def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
 def least_flexibility(spec: GraspSpec) -> float:
     """[m/N] that whatever is rigid has while a path is followed: a millionth of what the fingers have."""
     m = 3 * spec.of_fingers
-    return _RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
+    return RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
 
 
 def supports(spec: GraspSpec) -> Array:

@@ -17,7 +17,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.others import other_equilibria
-from handlcp.grasp.verdict.path_reasons import compared, lost_reason, place_reasons, reached_reasons
+from handlcp.grasp.verdict.path_reasons import compared, lost_reason, place_reasons, reached_reasons, rigid_reasons
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
 
@@ -69,6 +69,7 @@ def _reasons(
     if spec.mechanism is not None:
         yield from spec.mechanism.command_reasons(spec)
     yield from place_reasons(spec, path)
+    yield from rigid_reasons(spec)
     if solution.held:
         text = "one solve, all at once about this posture, finds an equilibrium, which this loading does not reach"
         yield Reason("followed_forces", "note", text)

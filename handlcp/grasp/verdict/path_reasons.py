@@ -19,10 +19,11 @@ from handlcp.grasp.answer.small_motions import NOTICED, Motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.loading.geometry import RIGID
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons"]
+__all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons", "rigid_reasons"]
 
 _SLIDES = 1e-4  # of the grasp's size: what slides less on its way, and sticks at its end, is not said to slide
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn
@@ -32,6 +33,16 @@ def lost_reason(path: Loading) -> Reason:
     """Where the object is lost, and why."""
     values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
     return Reason("lost", "decides", f"the object is {path.why}", values)
+
+
+def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
+    """Of fingertips that give way in no direction but those of their joints, where the object is lost."""
+    k = 3 * spec.of_fingers
+    E = spec.flexibility[:k, :k]
+    if spec.mechanism is None or not E.any() or np.linalg.eigvalsh(E)[0] > RIGID * float(E.diagonal().mean()):
+        return
+    text = "the fingertips have no pads: where joints do not give way nothing does, and small differences decide what"
+    yield Reason("rigid_tips", "warning", f"{text} slips; pass pad_flexibility, such as 1e-4 m/N for rubber")
 
 
 def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:
