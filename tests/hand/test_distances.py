@@ -95,6 +95,26 @@ def test_every_gap_is_the_shortest_way_in(tmp_path: Path) -> None:
             assert not _touch(tip, R, p + (found.gap - CLEAR) * way / np.linalg.norm(way), obj)
 
 
+def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path: Path) -> None:
+    """Also where coal's normal is off, or its distance -1.8e308: 10 µm along the normal they touch, 10 µm back not."""
+    rng = np.random.default_rng(0)
+    barrel = _lathe(
+        tmp_path / "barrel.obj", [(0.0, -0.03), (0.015, -0.03), (0.02, 0.0), (0.012, 0.03), (0.0, 0.03)], 24
+    )
+    tips = Mesh(barrel, 1.0).geometry, coal.Cylinder(0.01, 0.03)
+    objects = Box((0.04, 0.05, 0.08)), Cylinder(0.03, 0.1), Ellipsoid((0.02, 0.03, 0.04))
+    for k in range(240):
+        tip, obj, R, p = tips[k % 2], objects[k % 3], _turn(rng), rng.normal(size=3)
+        p *= 0.12 / np.linalg.norm(p)
+        for _ in range(3):
+            found = shape_near(tip, R, p, obj)
+            p = p + found.gap * found.normal
+        last = shape_near(tip, R, p, obj)
+        assert abs(last.gap) < 2e-7
+        assert not _touch(tip, R, p - CLEAR * last.normal, obj)
+        assert _touch(tip, R, p + CLEAR * last.normal, obj)
+
+
 @pytest.mark.parametrize("shift", [0.0, 1e-3, -4e-3])
 def test_a_cylinder_lying_in_a_slab_is_as_deep_as_its_radius_and_the_slab(shift: float) -> None:
     """A finger of radius 8 mm lies `shift` above the middle of a slab, 20 mm thick: out through the nearer side."""

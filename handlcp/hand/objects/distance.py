@@ -35,6 +35,7 @@ _REQUEST.gjk_tolerance = _REQUEST.epa_tolerance = 1e-10
 _REQUEST.gjk_max_iterations = _REQUEST.epa_max_iterations = 1000
 
 _AGREES, _POINTS, _CLOSE = 1e-6, 1e-4, 1e-9  # of the smaller shape's size: distances, points; what own ones aim for
+_MOVES = 1e-5, 1e-4, 1e-3  # of the smaller shape's size: how far touching shapes are moved apart
 _LEAST = 5e-7  # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
 
 
@@ -60,6 +61,9 @@ def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[str,
             return claimed
         if found.most - found.least <= pair.allowed:
             return -found.most, found.first, found.second, found.normal
+    touching = pair.touching(claimed)
+    if touching is not None:
+        return touching
     raise Unsupported(f"no distance between {names[0]} and {names[1]} could be confirmed: coal says {claimed[0]:.3g} m")
 
 
@@ -94,8 +98,40 @@ class _Pair:
         gap, a, b, n = claimed
         if not (np.isfinite(gap) and abs(gap) < 1e100 and abs(float(n @ n) - 1.0) < 1e-9):
             return False  # the normal is not a number where any of it is not
-        one, two = self.furthest(n[None])
         (R, p), (Q, q) = self._at, self._there
         out = max(beyond(self._first, R.T @ (a - p)), beyond(self._second, Q.T @ (b - q)))
         fits = out <= _POINTS * self.size and float(abs(b - a - gap * n).max()) <= _POINTS * self.size
-        return bool(fits and abs(float(n @ (two - one)[0]) - gap) <= self.allowed)
+        return bool(fits and abs(self._slab(n) - gap) <= self.allowed)
+
+    def touching(self, claimed: Distance) -> Distance | None:
+        """The distance of shapes that just touch; None: it cannot be confirmed, or they do not.
+
+        At a gap of 0 coal's normal is the direction of a vector of no length, and may be no number at all. Moved apart
+        a little the shapes show it. The gap is then between the slab across it where they are, and the points moved
+        back.
+        """
+        n = claimed[3]
+        ways = (self.way, n) if abs(float(n @ n) - 1.0) < 1e-9 else (self.way,)
+        tried = (self._moved_back(share * self.size, way) for way in ways for share in _MOVES)
+        return next((found for found in tried if found is not None), None)
+
+    def _moved_back(self, far: float, way: Array) -> Distance | None:
+        """As `touching`, from the shapes moved apart by `far` [m]: first along `way`, then along the normal there, and
+        the points moved back are as near to each other as they can be.
+        """
+        for _ in range(2):
+            step = far * way
+            gap, a, b, n = _by_coal(self._first, self._at, self._second, (self._there[0], self._there[1] + step))
+            if not (0.0 < gap < 2.0 * far + self.allowed and abs(float(n @ n) - 1.0) < 1e-9):
+                return None
+            across, back = self._slab(n), b - step
+            apart = float(np.sqrt((back - a) @ (back - a)))
+            if max(abs(across), apart) <= 2.0 * self.allowed and self.agrees((across, a, back, n)):
+                return across, a, back, n
+            way = n
+        return None
+
+    def _slab(self, n: Array) -> float:
+        """How wide the slab between the supporting planes across n is [m]: no more than the gap."""
+        one, two = self.furthest(n[None])
+        return float(n @ (two - one)[0])
