@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 
 __all__ = ["main"]
 
@@ -23,6 +24,9 @@ def _interrupted(*_: object) -> None:
     """End at once: an exception would be swallowed, or printed, wherever it happens to arrive."""
     if os.isatty(2):
         os.write(2, b"\x1b[?25h\n")  # a progress bar hides the cursor
+    children = getattr(sys.modules.get("multiprocessing"), "active_children", list)  # imported, where any were started
+    for process in children():
+        process.kill()  # else it would compute on
     os._exit(INTERRUPTED)
 
 

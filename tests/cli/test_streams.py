@@ -143,6 +143,21 @@ scene.load = load
 sys.argv[1:] = ["solve", "x"]
 runpy.run_module("handlcp", run_name="__main__")
 """
+WORKERS = """
+import os, runpy, signal, sys, time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from handlcp import scene
+def load(file):
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        print(pool.submit(os.getpid).result() > 0, flush=True)
+        pool.submit(time.sleep, 1000)
+        time.sleep(0.5)
+        os.kill(os.getpid(), signal.SIGINT)
+scene.load = load
+sys.argv[1:] = ["solve", "x"]
+runpy.run_module("handlcp", run_name="__main__")
+"""
 
 
 @posix
@@ -154,6 +169,12 @@ def test_ctrl_c_during_imports_ends_quietly_with_130(module):
 @posix
 def test_ctrl_c_ends_quietly_where_python_swallows_exceptions():
     assert run("-c", WORK) == (130, b"", b"")
+
+
+@posix
+def test_ctrl_c_ends_the_processes_that_compute():
+    """They have the same stdout, which ends with the last of them."""
+    assert run("-c", WORKERS, timeout=30)[0] == 130
 
 
 @posix
