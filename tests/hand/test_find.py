@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -41,6 +44,53 @@ def test_the_best_is_held_by_the_full_check(found):
     assert found[0].verdict.ok
     verdict = found[0].grasp.check()
     assert verdict.word == found[0].verdict.word == "HELD"
+
+
+def test_the_best_was_followed_without_a_snap(found):
+    assert found[0].sure
+    assert found[0].verdict.loading.reached
+    assert "snaps" not in [event.kind for event in found[0].verdict.loading.events]
+
+
+def _not_followed(verdict):
+    reason = replace(
+        verdict.reasons[0], code="not_followed", severity="warning", sentence="the loading was lost sight of"
+    )
+    return replace(verdict, reasons=(*verdict.reasons, reason), loading=None)
+
+
+def _snapping(verdict):
+    path = verdict.loading
+    return replace(verdict, loading=replace(path, events=(replace(path.events[0], kind="snaps"),)))
+
+
+@pytest.mark.parametrize(("doubtful", "said"), [(_not_followed, "lost sight of"), (_snapping, "snaps elsewhere")])
+def test_what_was_not_followed_or_snapped_is_not_taken(hand, found, monkeypatch, doubtful, said):
+    verdict = doubtful(found[0].verdict)
+    assert verdict.ok
+    monkeypatch.setattr(type(found[0]), "verdict", verdict)
+    none = hl.find_grasp(hand, hl.Sphere(0.03, mass=0.2), tries=SMALL, throw=False)
+    assert not none
+    assert said in none.why
+
+
+def test_what_was_found_prints_in_80_columns_with_the_warnings(found, monkeypatch):
+    none = hl.find_grasp(found[0].state.hand, hl.Sphere(0.5, mass=0.1), tries=SMALL, throw=False)
+    warned = _not_followed(found[0].verdict)
+    monkeypatch.setattr(type(found[0]), "verdict", property(lambda _: warned))
+    for thing in (found, none):
+        assert max(map(len, str(thing).splitlines())) <= 80
+    assert "Warning: the loading was lost sight of." in str(found)
+
+
+def test_what_was_found_is_plain_data_and_a_table(found):
+    read = json.loads(found.to_json())
+    assert len(read["grasps"]) == len(found)
+    assert read["grasps"][0]["q"] == found[0].q.tolist()
+    assert read["grasps"][0]["verdict"]["word"] == "HELD"
+    pytest.importorskip("pandas")
+    table = found.to_frame()
+    assert table["margin"].tolist() == [one.margin for one in found]
 
 
 def test_margins_are_what_forces_and_torques_leave(found):
@@ -142,3 +192,5 @@ def test_hand_and_object_are_what_they_are_called(hand):
         hl.find_grasp("hand", hl.Sphere(0.03))
     with pytest.raises(hl.InputError, match="obj"):
         hl.find_grasp(hand, "ball")
+    with pytest.raises(hl.InputError, match=r"obj: expected an object in metres.*millimetres"):
+        hl.find_grasp(hand, hl.Sphere(30.0))

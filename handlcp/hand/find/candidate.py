@@ -73,6 +73,32 @@ class Candidate:
         section = as_section("cone", planar=False)
         return judged(self.grasp.spec, self.grasp.scene, section, ("squeeze", "load"), self.solution)
 
+    @property
+    def sure(self) -> bool:
+        """Whether the verdict is HELD, by a loading that was followed and on which the object never snapped elsewhere:
+        where a snap ends depends on the steps.
+        """
+        path = self.verdict.loading
+        return self.verdict.ok and path is not None and all(event.kind != "snaps" for event in path.events)
+
+    @property
+    def doubt(self) -> str:
+        """Why the verdict is not sure, in words; the verdict's text where it is not HELD."""
+        if not self.verdict.ok:
+            return f"{self.verdict.word} says the check of it: {self.verdict.text}"
+        told = self.verdict.about("not_followed")
+        return told[0].sentence if told else "the object snaps elsewhere while it is loaded"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI units in the keys: the posture, the object's frame in world axes, margins, forces."""
+        R, o = self.object.frame
+        return {
+            "q": self.q.tolist(), "object": repr(self.object), "object_position_m": o.tolist(),
+            "object_rotation": R.tolist(), "margin": self.margin, "friction_reserve": self.friction_reserve,
+            "torque_reserve": self.torque_reserve, "pressing": self.pressing,
+            "normal_force_N": dict(zip(self.solution.names, self.solution.normal_force.tolist(), strict=True)),
+        }  # fmt: skip
+
     def __str__(self) -> str:
         forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
         return (

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import overload
+from typing import Any, overload
 
+from handlcp.grasp.answer.shown import Data
 from handlcp.hand.find.candidate import Candidate
+from handlcp.text_table import wrapped
+from handlcp.views import view
 
 __all__ = ["Found", "told"]
 
@@ -16,8 +19,9 @@ _STEPS = {
 }  # fmt: skip
 
 
-class Found(Sequence[Candidate]):
-    """Grasps, sorted by `Candidate.rank`, the best first. That one is checked: its verdict is HELD.
+class Found(Data, Sequence[Candidate]):
+    """Grasps, sorted by `Candidate.rank`, the best first. That one is checked: its verdict is HELD. Prints in lines of
+    at most 80 columns, with the warnings of that verdict.
 
     tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked".
     why : what became of the search in one sentence.
@@ -37,7 +41,27 @@ class Found(Sequence[Candidate]):
         return self._candidates[at]
 
     def __str__(self) -> str:
-        return "\n".join([self.why, *(f"{k}: {one}" for k, one in enumerate(self))])
+        warnings = [f"Warning: {reason.sentence}." for reason in self[0].verdict.warnings] if self else []
+        grasps = [wrapped(f"{k}: {one}", "   ") for k, one in enumerate(self)]
+        return "\n".join([wrapped(f"{self.why}."), *map(wrapped, warnings), *grasps])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI units in the keys: what became of the search, and its grasps as `Candidate.to_dict` has them,
+        the best with its verdict.
+        """
+        grasps = [one.to_dict() for one in self]
+        if grasps:
+            grasps[0]["verdict"] = self[0].verdict.to_dict()
+        return {"why": self.why, "tried": dict(self.tried), "grasps": grasps}
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, and the largest
+        normal force largest_force_N. Raises Unsupported without pandas.
+        """
+        keys = "margin", "friction_reserve", "torque_reserve", "pressing"
+        columns: dict[str, Any] = {key: [getattr(one, key) for one in self] for key in keys}
+        columns["largest_force_N"] = [float(one.solution.normal_force.max()) for one in self]
+        return view("data_frame")(columns)
 
     def __repr__(self) -> str:
         return f"Found({len(self)} grasps)"

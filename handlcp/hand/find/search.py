@@ -35,7 +35,7 @@ _FIRM = 1.0  # [N] the load of an object that weighs less
 
 class Search:
     """The search of one hand for one object. tried : how many places came how far. refused : the
-    grasps that one solve holds and the check does not.
+    grasps that one solve holds and the check does not, or not surely.
 
     asked : what is passed on to `state.grasp`; without `squeeze` and `grip_force` each finger presses as planned.
     """
@@ -69,10 +69,10 @@ class Search:
         return found
 
     def _checked(self, found: list[Candidate], most: int) -> list[Candidate]:
-        """Those from the first one on that is held when checked; none where none of the first so many is."""
+        """Those from the first one on that the check is sure of; none where it is of none of the first so many."""
         for k, candidate in enumerate(found[:most]):
             self.tried["checked"] += 1
-            if candidate.verdict.ok:
+            if candidate.sure:
                 return found[k:]
             self.refused.append(candidate)
         return []
