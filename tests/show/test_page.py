@@ -49,6 +49,13 @@ def points_of(data, layer, frame):
     return np.concatenate(out)
 
 
+def largest_first(data):
+    """Names of the joints by their share of the limit, in the frame that a page shows first."""
+    torques = data["frames"][data["first"]]["torques"]
+    shares = [(abs(t) / j["limit"], j["name"]) for t, j in zip(torques, data["joints"], strict=True)]
+    return [name for _, name in sorted(shares, key=lambda pair: -pair[0])]
+
+
 @cache
 def soft_ball():
     """A ball that five soft fingers lose: they move far before."""
@@ -81,6 +88,9 @@ def test_a_browser_draws_the_hand_with_its_forces_and_the_loading_as_a_slider(tm
     assert seen.words["when"] == data["frames"][5]["label"] != data["frames"][0]["label"]
     assert data["frames"][5]["contacts"][0]["row"][1] in seen.words["contacts"]
     assert "finger_1_proximal" in seen.words["torques"]
+    assert "finger_<wbr>1_<wbr>proximal" in seen.source, "where a name may break"
+    order = [seen.words["torques"].index(name) for name in largest_first(data)]
+    assert order == sorted(order), "in falling order of their shares in the frame shown first"
 
 
 def test_a_browser_draws_an_object_that_escapes_and_names_are_text(tmp_path):
@@ -227,6 +237,21 @@ def test_a_loading_of_another_grasp_is_refused(tmp_path):
     other = contacts_only(hl.Coulomb(0.5), (0, 0, -1, 0, 0, 0), ("x", "y", "z")).follow(steps=2)
     with pytest.raises(InputError, match="same grasp"):
         s.page(tmp_path / "a.html", loading=other)
+
+
+def test_a_page_has_one_verdict(tmp_path):
+    """That of `check`, with the loading that it is about; of a loading alone, whether its end is reached."""
+    grasp = soft_ball()
+    s, h = grasp.solve(throw=False), soft_ball().follow(steps=6)
+    heading = re.compile(r'<p class="word \w+">(.*?)</p>')
+    alone = s.page(tmp_path / "loading.html", loading=h).read_text(encoding="utf-8")
+    assert heading.findall(alone) == ["REACHED" if h.reached else "LOST"]
+    judged = grasp.check(solution=s)
+    assert judged.loading is not None
+    told = s.page(tmp_path / "verdict.html", verdict=judged)
+    assert heading.findall(told.read_text(encoding="utf-8")) == [judged.word]
+    assert data_of(told)["path"]["reached"] == judged.loading.reached
+    assert heading.findall(s.page(tmp_path / "solve.html").read_text(encoding="utf-8")) == [s.verdict.word]
 
 
 def test_commands_write_pages(tmp_path):

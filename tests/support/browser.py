@@ -29,7 +29,7 @@ class Opened(HTMLParser):
         known = {name: value or "" for name, value in attrs}
         if tag == "html":
             self.told = {name.removeprefix("data-"): value for name, value in known.items()}
-        if tag not in ("meta", "input", "img", "br", "link"):
+        if tag not in ("meta", "input", "img", "br", "wbr", "link"):
             self._open.append((tag, known.get("id", "")))
 
     def handle_endtag(self, tag: str) -> None:

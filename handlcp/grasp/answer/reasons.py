@@ -21,6 +21,7 @@ __all__ = [
 
 HARDLY = 0.95  # of the friction limit: a contact that uses more has hardly any margin
 _LITTLE = 5e-4  # of the friction limit: less is not worth a word
+_STILL = 1e-7  # [m] an object that moves less is not said to move
 _TWIST = 1e-4  # [rad] a soft finger that turns less on the object is not said to twist
 _CODES = {Status.NOT_HOLDABLE: "not_holdable", Status.NO_EQUILIBRIUM: "no_equilibrium"}
 
@@ -120,6 +121,8 @@ def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
     strength, values = float(np.linalg.norm(load)), {"move_m": move, "turn_rad": turn}
     if max(move, turn * size) < words.NOTHING:
         return Reason("motion", "note", "the object stays where it is", values)
+    if max(move, turn * size) < _STILL:
+        return Reason("motion", "note", "the object does not move noticeably", values)
     along = float(u[:3] @ load) / strength if strength > 0 else 0.0
     moves, part = words.lengths([move, abs(along)])
     text = f"the object moves {moves}"

@@ -45,9 +45,10 @@ class Shown(Data):
     ) -> Path:  # fmt: skip
         """A page to turn the grasp on: one HTML file that needs no network. Returns the file.
 
-        path : it ends in .html. obj, verdict : as in `plot`. loading : what `grasp.follow()` returned, which the page
-        shows step by step; None: this solution alone. Raises InputError for a file that cannot be written, Unsupported
-        without trimesh, which brings the viewer.
+        path : it ends in .html. obj : as in `plot`. loading : what `grasp.follow()` returned, which the page shows step
+        by step; None: the loading that the verdict is about, if any. verdict : of `grasp.check()`; None: whether the
+        loading reached its end, or without a loading what this solution alone says.
+        Raises InputError for a file that cannot be written, Unsupported without trimesh, which brings the viewer.
         """
         written: Path = view("page")(self, path, obj, title, verdict, loading)
         return written

@@ -31,22 +31,27 @@ def save(
     grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "",
     verdict: Verdict | None = None, loading: Loading | None = None,
 ) -> Path:  # fmt: skip
-    """Write the page of a solved grasp. obj : what to draw as the object where the grasp knows none. verdict : of
-    `check`; None: the solution's. loading : of the same grasp, for the slider; None: none.
+    """Write the page of a solved grasp. obj : what to draw as the object where the grasp knows none.
+
+    loading : of the same grasp, for the slider; None: the one that the verdict is about. verdict : of `check`; None:
+    whether the loading reached its end, or without one what the solution says.
 
     Raises InputError for a file that cannot be written, or another grasp's loading; Unsupported without trimesh.
     """
     target = file.checked(path)
+    if loading is None and verdict is not None:
+        loading = verdict.loading
     if loading is not None and loading.steps.names != solution.names:
         raise InputError("loading", "one of the same grasp: grasp.follow()", f"contacts {loading.steps.names}")
     said = solution.verdict if verdict is None else verdict
     drawn = Content(grasp, solution, obj, verdict=said)
+    words = head.verdict(said) if verdict is not None or loading is None else head.outcome(loading)
     shown, steps = [of_solution(grasp, solution, drawn.acts_at)], None
     if loading is not None:
         steps = path_of(loading, 1)
         shown += at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
     found = content(drawn, shown, steps, escape_of(drawn))
-    return file.write(_document(title, head.verdict(said), found), target)
+    return file.write(_document(title, words, found), target)
 
 
 def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, verdict: Verdict | None = None) -> Path:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
+from handlcp.errors import HandLCPError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit.geometry import geometry_doubts
 from handlcp.hand.robot.audit.joints import joint_doubts
@@ -17,9 +18,9 @@ from handlcp.hand.robot.joints import joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.source.xml import robot_of
-from handlcp.hand.robot.urdf import package_folders
+from handlcp.hand.robot.urdf import build_model, package_folders
 
-__all__ = ["Audit", "audit_of", "audit_urdf", "doubt_reasons", "doubts_of"]
+__all__ = ["Audit", "audit_of", "audit_urdf", "doubt_reasons", "doubts_of", "file_doubts"]
 
 _HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
@@ -91,10 +92,19 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     """
     root, file, found = robot_of("path", path, base)
     name, folders = file.name if file is not None else root.get("name", ""), package_folders(package_dirs, file)
-    described = Description(name, None, joint_facts(root), root, folders, (), found)  # what Pinocchio refuses, too
+    described = Description(name, None, joint_facts(root), root, folders, (), found)
+    try:
+        kinematics = Kinematics(build_model("path", root, name), described.facts)
+    except HandLCPError:  # what makes no hand has doubts, too
+        kinematics = None
+    return audit_of(name, file_doubts(described, kinematics))
+
+
+def file_doubts(described: Description, kinematics: Kinematics | None) -> tuple[Doubt, ...]:
+    """Those about a file of which nothing else is known: no file says how stiff its joints are."""
     what = "the file says nothing of joint stiffness"
     advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
-    return audit_of(name, (*doubts_of(described), Doubt("hand", what, advice, "minor", "stiffness")))
+    return (*doubts_of(described, (), kinematics), Doubt("hand", what, advice, "minor", "stiffness"))
 
 
 def doubts_of(

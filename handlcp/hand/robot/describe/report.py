@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.hand.robot.audit.audit import Audit, audit_of, doubts_of
+from handlcp.hand.robot.audit.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe.rows import CouplingRow, JointRow, LinkRow, TipRow
 from handlcp.hand.robot.describe.size import size_of
 from handlcp.hand.robot.describe.text import text_of
@@ -94,7 +94,7 @@ def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) 
     facts = {f.name: f for f in described.facts}
     limits = read_torque_limits(None, kinematics.joint_names, facts)
     tips = tuple(_candidate(c, c.name in taken) for c in found)
-    audit = audit_of(described.source, doubts_of(described, (), kinematics))
+    audit = audit_of(described.source, file_doubts(described, kinematics))
     return _made(described, kinematics, tips, (limits.limits, limits.known), {}, audit)
 
 

@@ -7,6 +7,13 @@ function element(name, text = "", cls = "") {
   return made;
 }
 
+/** An element with a name that may break behind each "_"; what stands in it is text. */
+function named(kind, name) {
+  const made = element(kind);
+  for (const [k, piece] of name.split(/(?<=_)/).entries()) made.append(...(k ? [element("wbr")] : []), piece);
+  return made;
+}
+
 /** A switch for each layer; toggle(layer, on) is called. */
 function fillLegend(list, lines, toggle) {
   const known = new Map();
@@ -52,24 +59,27 @@ function fillContacts(table, data, frame) {
   head.append(...shown.map((title) => element("th", title)));
   const rows = frame.contacts.map((contact, i) => {
     const row = element("tr");
-    row.append(element("td", data.contacts[i].name), ...contact.row.map((text, k) => element("td", text, k ? "" : contact.state)));
+    row.append(named("td", data.contacts[i].name), ...contact.row.map((text, k) => element("td", text, k ? "" : contact.state)));
     return row;
   });
   table.replaceChildren(head, ...rows);
 }
 
-/** Bars of torque over limit, the largest of all frames on top; in N·m where no limit is known. */
+/** Bars of torque over limit, those of the frame shown first in falling order; in N·m where no limit is known. */
 class Torques {
   constructor(box, section, data) {
     this.data = data;
     section.hidden = !data.joints.length;
-    const most = data.joints.map((_, j) => Math.max(...data.frames.map((f) => f.torques ? share(f.torques[j], data.joints[j].limit) : -1)));
-    this.order = data.joints.map((_, j) => j).sort((a, b) => most[b] - most[a]);
+    const known = data.frames.filter((f) => f.torques), first = data.frames[data.first].torques;
+    const most = data.joints.map((joint, j) => Math.max(0, ...known.map((f) => share(f.torques[j], joint.limit))));
+    const at = first ? first.map((t, j) => share(t, data.joints[j].limit)) : most;
+    this.order = data.joints.map((_, j) => j).sort((a, b) => at[b] - at[a] || most[b] - most[a]);
     this.full = Math.max(1, ...most);
+    this.largest = Math.max(0, ...known.flatMap((f) => f.torques.map(Math.abs)));
     this.rows = this.order.map((j) => {
       const row = element("div"), words = element("div"), gauge = element("div", "", "gauge"), bar = element("i");
       const text = element("span");
-      words.append(element("span", data.joints[j].name), text);
+      words.append(named("span", data.joints[j].name), text);
       gauge.append(bar);
       row.append(words, gauge);
       box.append(row);
@@ -84,7 +94,7 @@ class Torques {
       const { limit } = this.data.joints[j], s = shares[j] ?? 0;
       gauge.hidden = limit === null;
       bar.style.width = `${100 * s / this.full}%`;
-      const value = frame.torques ? number(frame.torques[j]) : "–";
+      const value = frame.torques ? rounded(frame.torques[j], limit || this.largest) : "–";
       text.textContent = limit === null ? `${value} N·m, limit unknown` : `${value} of ${number(limit)} N·m, ${Math.round(100 * s)} %`;
       row.className = "joint" + (s > 1 ? " over" : s > 0 && s === most ? " most" : "");
     }
@@ -93,6 +103,12 @@ class Torques {
 
 function share(torque, limit) {
   return limit === null ? 0 : limit > 0 ? Math.abs(torque) / limit : 0;
+}
+
+/** With as many decimals as a thousandth of a scale needs: the limit, or the largest torque. */
+function rounded(value, scale) {
+  const text = value.toFixed(scale > 0 ? Math.min(9, Math.max(0, Math.round(3 - Math.log10(scale)))) : 3);
+  return Number(text) ? text : "0";
 }
 
 function number(value) {
