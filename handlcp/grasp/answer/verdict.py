@@ -11,6 +11,7 @@
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
+| `no_load` | neither a weight nor a wrench loads the object |
 | `friction` | how much of their friction the contacts use that stick |
 | `forces_open`, `loose`, `others` | what the equations leave open |
 | `not_followed`, `only_followed` | the order of loading was not followed; one solve and the steps disagree |

@@ -13,6 +13,7 @@ from handlcp.grasp.answer.reasons import (
     friction_reasons,
     large_motion,
     motion_reason,
+    no_load,
     open_reasons,
 )  # fmt: skip
 from handlcp.grasp.answer.small_motions import NOTICED, Motions
@@ -55,6 +56,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
+    yield from no_load(spec)
     if end.held:
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:

@@ -9,6 +9,7 @@ from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
 from handlcp.hand.find.found import Found, told
 from handlcp.hand.find.search import Search
+from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 
@@ -50,7 +51,7 @@ def find_grasp(
     if not isinstance(hand, HandModel):
         raise InputError("hand", "a Hand", repr(hand))
     if not isinstance(obj, Object):
-        raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))
+        raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
     tips, count = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1)
     yes_or_no("throw", throw)
     if squeeze is not None and grip_force is not None:
