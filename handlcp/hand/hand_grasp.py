@@ -144,7 +144,7 @@ class HandGrasp(Grasp):
 
         object : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
         given beside it stays. load : (6,) force [N] and torque [N·m] besides the weight, as `wrench` of `state.grasp`.
-        wrench : the whole load, weight included: without it, the object weighs nothing. It comes beside none of these.
+        wrench : the whole load, in place of the weight and of what was given beside it; it comes beside none of these.
         friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs (in a squeeze or a grip
         force by fingertip the others have 0). flexibility : in place
         of the hand's own; 0, or at least what the joints have where they also turn soft fingertips or bend under

@@ -55,7 +55,7 @@ def test_a_scene_of_meshes_is_the_mesh_that_it_shows(state, cube):
     )
     one, other = hl.Mesh(scene, mass=0.2), hl.Mesh(cube, mass=0.2)
     np.testing.assert_allclose(one.center_of_mass, (0, 0, 0.08), atol=1e-15)
-    np.testing.assert_allclose(state.grasp(one).positions, state.grasp(other).positions, atol=1e-12)
+    np.testing.assert_allclose(state.grasp(one).spec.positions, state.grasp(other).spec.positions, atol=1e-12)
     assert "mesh" in refused(lambda: hl.Mesh(trimesh.Scene(), mass=0.2))
 
 
