@@ -66,7 +66,7 @@ class UnknownName(InputError):
         listed = ", ".join(self.valid) or "none at all"
         near = [m for n in self.names for m in get_close_matches(n, self.valid, 1, 0.6)]
         hint = f"; did you mean {' and '.join(repr(m) for m in dict.fromkeys(near))}?" if near else ""
-        super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names) + hint)
+        super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names) + hint or "none")
 
 
 class URDFError(InputError):
@@ -83,7 +83,8 @@ class NotReached(InputError):
     def __init__(self, argument: str, expected: str, gaps: dict[str, float]) -> None:
         self.gaps = dict(gaps)
         came = ", ".join(f"{name} {_where(gap * 1e3)}" for name, gap in self.gaps.items())
-        super().__init__(argument, expected, came)
+        far = any(gap > 1.0 for gap in self.gaps.values())  # more than any hand is wide
+        super().__init__(argument, expected, came + (" (are lengths given in metres?)" if far else ""))
 
 
 class NoGraspFound(HandLCPError):

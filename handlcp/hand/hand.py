@@ -25,8 +25,14 @@ from handlcp.hand.robot.source.read import describe_model, describe_xml
 from handlcp.hand.robot.source.xml import MJCF, URDF
 from handlcp.hand.robot.tip_geometry import TipGeometry, read_radii
 from handlcp.hand.state import HandState
+from handlcp.keywords import helped, needed
 
 __all__ = ["Hand"]
+
+_STIFFNESS = (
+    "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by joint name, "
+    "or a matrix (no file says it)"
+)
 
 
 class Hand(HandModel):
@@ -40,6 +46,7 @@ class Hand(HandModel):
     _by_tip: dict[str, Any]  # what was passed fingertip by fingertip
 
     @classmethod
+    @needed("joint_stiffness", _STIFFNESS)
     def from_urdf(
         cls,
         source: Any,
@@ -83,6 +90,7 @@ class Hand(HandModel):
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
 
     @classmethod
+    @needed("joint_stiffness", _STIFFNESS)
     def from_mjcf(
         cls,
         source: Any,
@@ -106,6 +114,7 @@ class Hand(HandModel):
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
 
     @classmethod
+    @needed("joint_stiffness", _STIFFNESS)
     def from_model(
         cls,
         model: Any,
@@ -140,6 +149,7 @@ class Hand(HandModel):
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
         return hand
 
+    @helped()
     def replace(
         self,
         *,

@@ -28,6 +28,7 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.reach import out_of_reach
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
+from handlcp.keywords import helped
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.tolerances import SEMIDEFINITE
 
@@ -130,17 +131,22 @@ class HandGrasp(Grasp):
         """(n, 3) the offset without what effects add to it: gaps, preloads and `offset` [m]."""
         return self.spec.offset
 
+    @helped(joint_stiffness="it is the hand's: hand.replace(joint_stiffness=...)", faces="grasp.solve(faces=...)",
+            solver="grasp.solve(solver=...)", order="grasp.check(order=...)",
+            torque_limits="they are the hand's: hand.replace(torque_limits=...)")  # fmt: skip
     def replace(
         self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
         friction: Any = None, effects: Any = None, environment: Any = None, gravity: Any = None, mass: Any = None,
         object: Any = None, squeeze: Any = None, grip_force: Any = None, joint_offset: Any = None,
-        finger_weight: Any = None, fingers: Any = None, max_gap: Any = None,
+        finger_weight: Any = None, fingers: Any = None, max_gap: Any = None, load: Any = None,
     ) -> Self:  # fmt: skip
         """The grasp made again with other arguments, each as in `state.grasp`, in the same posture; None: as it was.
 
         object : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
-        given beside it stays. wrench : the whole load, weight included, and not beside these three.
-        friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs. flexibility : in place
+        given beside it stays. load : (6,) force [N] and torque [N·m] besides the weight, as `wrench` of `state.grasp`.
+        wrench : the whole load, in place of the weight and of what was given beside it; it comes beside none of these.
+        friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs (in a squeeze or a grip
+        force by fingertip the others have 0). flexibility : in place
         of the hand's own; 0, or at least what the joints have where they also turn soft fingertips or bend under
         forces. squeeze, grip_force, joint_offset : at most one, in place of the earlier command. effects, environment :
         () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
@@ -149,7 +155,7 @@ class HandGrasp(Grasp):
         given = dict(
             wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
             environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
-            joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap,
+            joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap, load=load,
         )  # fmt: skip
         made = type(self)(hand_remade(self.spec, given))
         if isinstance(asked := made.spec.asked, HandAsked) and asked.flexibility is not None:

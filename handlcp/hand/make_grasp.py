@@ -43,6 +43,7 @@ def make_grasp(
     friction : of all contacts with an object: a coefficient, a law, or a mapping by fingertip of these (others: 0.6);
         None: 0.6. Contacts bring their own.
     wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
+        (In `grasp.replace` that is `load`; `wrench` is the whole load there, weight included.)
     gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
     preload : [m] a number or (n,), squeeze of the normals whether or not the joints can make it: `out_of_reach` of the
         grasp says what they cannot. offset : (n, 3) [m], contact axes, as in `Grasp`. Both come beside a command.

@@ -24,6 +24,7 @@ from handlcp.grasp.effects.joint_offset import Reach
 __all__ = ["TOUCHING", "TipMotions", "by_tip", "gripping", "overlaps", "squeezing"]
 
 RANK = 1e-2  # directions in which the joints move the tips less than this share of their best are out of reach
+_DEEP = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
 TOUCHING = 1e-6  # [m] overlaps up to this are what is left of touching
 
 
@@ -31,15 +32,16 @@ def by_tip(argument: str, value: Any, names: Sequence[str]) -> Array:
     """(k,) ≥ 0 from a number, (k,), or a mapping by fingertip (others: 0). Raises InputError, UnknownName."""
     if isinstance(value, Mapping):
         given = per_name(argument, value, names, "a fingertip")
-        return read_only(
-            np.array([number(f"{argument}[{name!r}]", given.get(name, 0.0), minimum=0.0) for name in names])
-        )
-    if dimensions(value) == 0:
-        return read_only(np.full(len(names), number(argument, value, minimum=0.0)))
-    values = array(argument, value, (len(names),))
-    if (values < 0.0).any():
-        raise InputError(argument, "numbers ≥ 0", values.tolist())
-    return values
+        values = np.array([number(f"{argument}[{name!r}]", given.get(name, 0.0), minimum=0.0) for name in names])
+    elif dimensions(value) == 0:
+        values = np.full(len(names), number(argument, value, minimum=0.0))
+    else:
+        values = array(argument, value, (len(names),))
+        if (values < 0.0).any():
+            raise InputError(argument, "numbers ≥ 0", values.tolist())
+    if argument == "squeeze" and (deepest := float(values.max(initial=0.0))) > _DEEP:
+        raise InputError(argument, f"depths in metres, up to {_DEEP:g}", f"{deepest:g}: are these millimetres?")
+    return read_only(values)
 
 
 def overlaps(gaps: Array) -> Array:

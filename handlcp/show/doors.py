@@ -11,11 +11,14 @@ from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import HandGrasp
 from handlcp.show.file import checked, write
 from handlcp.show.frame import data_frame, solution_frame
-from handlcp.show.html import html
+from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
 from handlcp.study.plain import plain
 
-__all__ = ["data_frame", "html", "loading_dict", "loading_page", "page", "plot", "solution_frame", "to_dict", "to_json"]
+__all__ = [
+    "data_frame", "html", "loading_dict", "loading_page", "loading_plot", "page", "plot", "solution_frame",
+    "table_html", "text_html", "to_dict", "to_json",
+]  # fmt: skip
 
 
 def plot(
@@ -43,6 +46,13 @@ def page(
     from handlcp.show.page.document import save  # pages alone need the viewer
 
     return save(grasp_of(solution), solution, path, obj, title, verdict, loading)
+
+
+def loading_plot(loading: Loading, path: Any = None, title: str = "") -> Any:
+    """See `Loading.plot`."""
+    from handlcp.show.loading import figure, save
+
+    return figure(loading, title) if path is None else save(loading, path, title)
 
 
 def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:

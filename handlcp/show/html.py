@@ -11,7 +11,7 @@ from handlcp.grasp import GraspSolution
 from handlcp.grasp.answer.printed import contact_columns
 from handlcp.text_table import TextTable
 
-__all__ = ["html"]
+__all__ = ["html", "table_html", "text_html"]
 
 _COLOURS = {"HELD": "#00734d", "UNDECIDED": "#8a6100"}  # the rest is red
 _BAD = "#b03a00"
@@ -30,6 +30,16 @@ def html(solution: GraspSolution) -> str:
         if (check := getattr(solution, "torque_check", None)) is not None:
             parts.append(_table(check.table, [_bar(r) for r in check]))
     return f'<div style="max-width:46em">{"".join(parts)}</div>'
+
+
+def table_html(table: TextTable) -> str:
+    """A table alone."""
+    return _table(table, [""] * len(table.rows))
+
+
+def text_html(value: Any) -> str:
+    """What prints, in its lines."""
+    return f'<pre style="margin:0;background:none">{escape(str(value))}</pre>'
 
 
 def _table(table: TextTable, bars: list[str]) -> str:

@@ -136,6 +136,50 @@ def test_a_wrench_is_the_whole_load_and_a_weight_changes_beside_it(grasp):
     same("hand/test_replace: a wrench beside a mass", str(refused.value))
 
 
+LOADS = [(0.3, 0, -5.0, 0, 0, 0.01), np.zeros(6), [0, 4.0, 0, 0.02, 0, 0]]
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_a_load_is_besides_the_weight_as_the_wrench_of_a_fresh_grasp(state, grasp, load):
+    assert_same(grasp.replace(load=load), afresh(state, wrench=load), solve=True)
+    heavy, moon = hl.Box(0.05, (0, 0, 0.08), 0.4), (0, 0, -1.62)
+    changed = grasp.replace(load=load, mass=0.4, gravity=moon, squeeze=3e-3)
+    assert_same(changed, afresh(state, heavy, wrench=load, gravity=moon, squeeze=3e-3))
+    assert_same(grasp.replace(load=load, object=heavy), afresh(state, heavy, wrench=load))
+    assert_same(changed.replace(load=(0, 0, 0, 0, 0, 0)).replace(load=load), changed)
+    off = state.grasp(BOX, reference=(0.01, 0, 0.05), squeeze=4e-3)
+    assert_same(off.replace(load=load), state.grasp(BOX, reference=(0.01, 0, 0.05), squeeze=4e-3, wrench=load))
+
+
+def test_a_load_after_a_wrench_brings_the_weight_back(state, grasp):
+    w = np.array([0.3, 0, -5.0, 0, 0, 0.01])
+    whole = grasp.replace(wrench=w)
+    assert_same(whole.replace(load=w), grasp.replace(load=w))
+    assert_same(type(grasp)(grasp.spec.replace(asked=None)).replace(load=w), afresh(state, wrench=w))
+
+
+def test_a_load_is_six_numbers_and_not_beside_a_wrench(grasp):
+    with pytest.raises(hl.InputError, match="6") as refused:
+        grasp.replace(load=(0, 5, 0))
+    assert refused.value.argument == "load"
+    with pytest.raises(hl.InputError) as refused:
+        grasp.replace(load=np.zeros(6), wrench=np.zeros(6))
+    same("hand/test_replace: a wrench beside a load", str(refused.value), "weight included")
+
+
+def test_unknown_names_are_told_what_was_meant(state, grasp):
+    said = []
+    for replace, name in (
+        (grasp.replace, "frction"), (grasp.replace, "joint_stiffness"), (grasp.replace, "faces"),
+        (state.hand.replace, "stiffness"), (grasp.replace, "zzz"),
+    ):  # fmt: skip
+        with pytest.raises(TypeError) as refused:
+            replace(**{name: 1})
+        said.append(str(refused.value))
+    same("hand/test_replace: unknown names", "\n".join(said), "'friction'?", "hand.replace(joint_stiffness", "'joint_s")
+    assert "max_gap" in said[-1]
+
+
 def test_another_object_is_looked_for_and_so_is_the_table_under_it(state, grasp):
     wider = hl.Box(0.0502, (0, 0, 0.0801), 0.4)
     assert_same(grasp.replace(object=wider, max_gap=2e-3), afresh(state, wider, max_gap=2e-3), solve=True)

@@ -15,8 +15,8 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.lcp.status import Status
 
 __all__ = [
-    "contacts_reason", "equilibrium_reason", "friction_reasons", "large_motion", "motion_reason", "open_reasons",
-    "reasons_of",
+    "contacts_reason", "equilibrium_reason", "friction_reasons", "large_motion", "motion_reason", "no_load",
+    "open_reasons", "reasons_of",
 ]  # fmt: skip
 
 HARDLY = 0.95  # of the friction limit: a contact that uses more has hardly any margin
@@ -37,6 +37,7 @@ def reasons_of(s: Any) -> Iterator[Reason]:
         yield _contacts(s)
         yield from friction_reasons(s.names, s.friction_used, s.contact_state)
         yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
+        yield from no_load(s.spec)
         yield from open_reasons(s.uniqueness)
         yield from large_motion(motions(s))
 
@@ -131,6 +132,13 @@ def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
         text += f" {way} the load" if part == moves else f", {part} of it {way} the load,"
     text = f"{text} and turns {words.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
     return Reason("motion", "note", text, values)
+
+
+def no_load(spec: Any) -> Iterator[Reason]:
+    """Of a grasp whose object nothing loads: a mass may have been forgotten."""
+    if not spec.wrench.any():
+        text = "no load: the object has no weight and no wrench was given"
+        yield Reason("no_load", "note", text)
 
 
 def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:

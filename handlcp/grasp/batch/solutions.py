@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import Unsupported
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.columns import Group, groups_of
@@ -22,7 +23,7 @@ from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.solve.stages import answered
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
-from handlcp.text_table import wrapped
+from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 __all__ = ["Solutions"]
@@ -30,7 +31,7 @@ __all__ = ["Solutions"]
 _INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 
-class Solutions(Sequence[GraspSolution]):
+class Solutions(Data, Sequence[GraspSolution]):
     """The solutions of `solve_many`, in the order of its m grasps, and what they say as arrays, read-only.
 
     A solution is made when it is looked at, and kept as long as somebody holds it; the arrays are computed when first
@@ -139,6 +140,13 @@ class Solutions(Sequence[GraspSolution]):
     def to_frame(self) -> Any:
         """The same as a pandas table, a row for each grasp. Raises Unsupported without pandas."""
         return view("data_frame")(self.to_dict())
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how many came to what."""
+        counts = Counter(self.status.tolist()).most_common()
+        rows = tuple((name, str(k)) for name, k in counts)
+        text: str = view("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
+        return text
 
     def __str__(self) -> str:
         """How many came to what."""

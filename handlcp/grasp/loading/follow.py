@@ -93,6 +93,13 @@ class Loading(Data):
         written: Path = view("loading_page")(self, path, obj, title, verdict)
         return written
 
+    def plot(self, path: Any = None, *, title: str = "") -> Any:
+        """The figure of the loading: forces, friction, object motion and torques over its stages, and its events.
+
+        path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
+        """
+        return view("loading_plot")(self, path, title)
+
     def to_frame(self) -> Any:
         """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
         return view("data_frame")(self.steps.to_dict(self.stages))
@@ -101,6 +108,11 @@ class Loading(Data):
         """The whole path as plain data: SI units in the key names, None for what is not a finite number."""
         found: dict[str, Any] = view("loading_dict")(self)
         return found
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what prints."""
+        text: str = view("text_html")(self)
+        return text
 
     def __str__(self) -> str:
         """The outcome, what happens on the way, and what the last step is like."""

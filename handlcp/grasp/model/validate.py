@@ -15,9 +15,11 @@ from handlcp.grasp.model.vectors import block_diagonal, cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
 __all__ = [
-    "blocks", "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed", "reference",
-    "wrench",
+    "WRENCH", "blocks", "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed",
+    "reference", "wrench",
 ]  # fmt: skip
+
+WRENCH = "force [N], then torque [N·m]: finite numbers"
 
 
 def contacts(value: Any) -> tuple[Contact, ...]:
@@ -102,7 +104,7 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0) -> Array:
     if value is None:
         return read_only(np.zeros(6))
     shapes: tuple[tuple[int, ...], ...] = ((6,),) if normal is None else ((6,), (3,))
-    w = array("wrench", value, *shapes)
+    w = array("wrench", value, *shapes, what=WRENCH)
     if w.shape == (3,):
         if normal is None or abs(normal[2]) != 1.0:
             raise InputError("wrench", "shape (6,) unless the plane is xy", "shape (3,)")

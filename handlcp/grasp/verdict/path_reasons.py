@@ -13,6 +13,7 @@ from handlcp.grasp.answer.reasons import (
     friction_reasons,
     large_motion,
     motion_reason,
+    no_load,
     open_reasons,
 )  # fmt: skip
 from handlcp.grasp.answer.small_motions import NOTICED, Motions
@@ -69,6 +70,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
+    yield from no_load(spec)
     if end.held:
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:

@@ -27,6 +27,7 @@ from handlcp.hand.robot.posture import Posture
 __all__ = ["GRAVITY", "HandAsked"]
 
 GRAVITY = (0.0, 0.0, -9.81)
+_GRAVITY = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +72,7 @@ class HandAsked:
             contacts = validate.contacts((*contacts, *around.contacts))
         positions, frames, normal = validate.placed(self.plane, contacts)
         positions, frames, planar = read_only(positions), read_only(frames), normal is not None
-        g = array("gravity", self.gravity, (3,))
+        g = array("gravity", self.gravity, (3,), what=_GRAVITY)
         mechanism = mechanism_of(self.state, tips, positions[:k], frames[:k], obj, g, read_only(np.zeros((k, 3))))
         given = self.flexibility
         E = finger_flexibility(mechanism) if given is None else validate.flexibility(given, k, planar)

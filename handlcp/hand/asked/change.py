@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import read_only
+from handlcp.check import array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, environment_of, of_fingers_alone, rubbed, said, under
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import laws_by_name
+from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.asked import HandAsked
-from handlcp.hand.asked.load import weight_of
+from handlcp.hand.asked.load import load_of, weight_of
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 from handlcp.hand.objects.object import Object
 
@@ -36,6 +37,12 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
     assert isinstance(mechanism, HandMechanism)
     asked = spec.asked if isinstance(spec.asked, HandAsked) else _asked_of(spec, mechanism)
     changes = _load(asked, spec, mechanism, given)
+    if set(given) == {"load"}:  # all else stays as it is, and is shared
+        under_it: HandAsked = again(asked, changes)
+        whole = load_of(
+            under_it.wrench, spec.reference, mechanism.target, mechanism.gravity, spec.positions, spec.plane
+        )  # fmt: skip
+        return under(spec, whole, under_it)
     if any(name in given for name in _COMMANDS):  # one takes the place of another
         changes = dict.fromkeys(_COMMANDS) | changes
     if any(name in given for name in _PLACE):
@@ -47,13 +54,19 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
 
 
 def _load(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, given: dict[str, Any]) -> dict[str, Any]:
-    """The changes with what they say of the load: a wrench is the whole of it; a weight changes beside the rest."""
+    """The changes with what they say of the load: a wrench is the whole of it; a load, and a weight, are parts."""
     weighing = [name for name in _WEIGH if name in given]
+    if "wrench" in given and "load" in given:
+        expected = "None beside load: wrench is the whole load, weight included; load is what comes besides the weight"
+        raise InputError("wrench", expected, repr(given["wrench"])[:80])
     if "wrench" in given and weighing:
-        expected = f"None beside {weighing[0]}: it is the whole load, weight included (replace one after the other)"
+        expected = f"None beside {weighing[0]}: it is the whole load, weight included (load= is besides the weight)"
         raise InputError("wrench", expected, repr(given["wrench"])[:80])
     if "wrench" in given:
         return given | {"load": given["wrench"], "wrench": None}
+    if "load" in given:
+        shapes = ((6,),) if spec.plane is None else ((6,), (3,))
+        return given | {"load": None, "wrench": array("load", given["load"], *shapes, what=validate.WRENCH)}
     if weighing and asked.load is not None:
         own = weight_of(mechanism.target, mechanism.gravity, spec.reference)
         return given | {"load": None, "wrench": spec.wrench - own}

@@ -13,7 +13,7 @@ from handlcp.grasp.friction import Coulomb, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.hand.objects.detect import touching
-from handlcp.hand.objects.meshes import in_memory
+from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres, far_from
 from handlcp.hand.robot.posture import Posture
@@ -40,11 +40,10 @@ def given_by(
 ) -> tuple[tuple[int, ...], tuple[Contact, ...], Array]:
     """Numbers of the fingertips and their contacts, which bear the fingertips' names and just touch."""
     hand = state.hand
+    if in_memory(target):
+        raise InputError("target", HOW_TO_MESH, repr(target)[:80])
     if friction is not None:
         raise InputError("friction", "None when contacts are given (each Contact has its own)", repr(friction))
-    if in_memory(target):
-        expected = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
-        raise InputError("target", expected, repr(target)[:80])
     if isinstance(target, Mapping):
         if fingers is None:
             fingers = [name for name in hand.fingertips if name in target]

@@ -9,6 +9,7 @@ from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
 from handlcp.hand.find.found import Found, told
 from handlcp.hand.find.search import Search
+from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.model import HandModel
@@ -54,7 +55,7 @@ def find_grasp(
     if not isinstance(hand, HandModel):
         raise InputError("hand", "a Hand", repr(hand))
     if not isinstance(obj, Object):
-        raise InputError("obj", "a Box, Sphere, Cylinder, Ellipsoid or Mesh", repr(obj))
+        raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
     ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
     tips, tries = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1)
     yes_or_no("throw", throw)

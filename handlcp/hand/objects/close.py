@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.hand.objects.detect import nearest
-from handlcp.hand.objects.meshes import in_memory
+from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.model import HandModel
@@ -51,8 +51,7 @@ def close_on(
     Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
     """
     if not isinstance(obj, Object):
-        made = ": hl.Mesh(obj, mass=...) of it" if in_memory(obj) else ""
-        raise InputError("obj", f"a Box, Sphere, Cylinder, Ellipsoid or Mesh{made}", repr(obj)[:80])
+        raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
     tolerance = number("tolerance", tolerance, above=0.0)
     tips = hand.tip_numbers("fingers", fingers)
     ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)

@@ -13,9 +13,20 @@ from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.hull import hull
 
-__all__ = ["MOST", "Surfaces", "closed", "in_memory", "load_mesh", "triangles_of"]
+__all__ = [
+    "HOW_TO_MESH",
+    "MOST",
+    "Surfaces",
+    "closed",
+    "in_memory",
+    "load_mesh",
+    "surfaces_of",
+    "triangles_of",
+    "what_to_pass",
+]
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
+HOW_TO_MESH = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
 MOST = 200_000  # triangles: these take half a minute, and more gain nothing at the size of a fingertip
 _FLAT = 1e-9  # of the size cubed: a mesh with less volume than this encloses nothing
 _WIDE = 5.0  # [m] a mesh for a hand that is wider was not drawn in metres
@@ -52,8 +63,21 @@ class Surfaces:
 
 
 def in_memory(value: Any) -> bool:
-    """Whether it is a mesh and no file: a `trimesh.Trimesh`, or what has corners and triangles as it has."""
-    return hasattr(value, "vertices") and hasattr(value, "faces")
+    """Whether it is a mesh and no file: a `trimesh.Trimesh`, what has corners and triangles as it has, or a Scene."""
+    return (hasattr(value, "vertices") and hasattr(value, "faces")) or hasattr(value, "to_geometry")
+
+
+def what_to_pass(value: Any) -> str:
+    """Instead of what is no object."""
+    return HOW_TO_MESH if in_memory(value) else "a Box, Sphere, Cylinder, Ellipsoid or Mesh"
+
+
+def surfaces_of(value: Any) -> Surfaces:
+    """Of a mesh in memory; of a `trimesh.Scene` all meshes, where they stand in it. Raises InputError."""
+    whole = value.to_geometry() if hasattr(value, "to_geometry") else value
+    if not (hasattr(whole, "vertices") and hasattr(whole, "faces")):
+        raise InputError("path", "a trimesh.Trimesh, or a scene of such meshes", repr(value)[:80])
+    return Surfaces(whole.vertices, whole.faces, getattr(value, "units", None))
 
 
 def load_mesh(source: Any, scale: Array | None) -> Solid:

@@ -16,7 +16,7 @@ from handlcp.hand.objects.surface import on_surface
 
 __all__ = ["WEIGHS", "Object", "Solid", "read_placement"]
 
-_RIGID, _EXACT = 1e-6, 1e-14  # what a rotation may miss, and what rounding makes it miss
+_RIGID, _EXACT = 1e-4, 1e-14  # what a rotation rounded to a few digits may miss, and what float64 makes it miss
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 WEIGHS = Description(
@@ -135,7 +135,7 @@ class Object:
 def read_placement(value: Any) -> Any:
     """pin.SE3 from an SE3, a (4, 4) homogeneous matrix, a position (3,) or None: the origin. Raises InputError.
 
-    A rotation that is one to 1e-6 becomes the nearest exact one.
+    A rotation that is one to 1e-4, such as one printed with five digits, becomes the nearest exact one.
     """
     if value is None:
         return pin.SE3.Identity()
@@ -149,13 +149,13 @@ def read_placement(value: Any) -> Any:
         return pin.SE3(np.eye(3), a)
     if not np.isfinite(a).all():
         raise InputError("placement", expected, repr(a.tolist()))
-    if abs(a[3] - _LAST_ROW).max() > _RIGID:
+    if abs(a[3] - _LAST_ROW).max() > 1e-6:
         raise InputError("placement", "a homogeneous matrix whose last row is 0, 0, 0, 1", a[3].tolist())
     R = a[:3, :3]
     miss = float(abs(R.T @ R - np.eye(3)).max())
     if miss > _RIGID or np.linalg.det(R) < 0.0:
         what = "a mirror" if miss <= _RIGID else f"one that is {miss:.3g} off (a scale, or a matrix of another kind?)"
-        raise InputError("placement", "a rotation, orthonormal to 1e-6, and a position", what)
+        raise InputError("placement", "a rotation, orthonormal to 1e-4, and a position", what)
     if miss > _EXACT:
         U, _, V = np.linalg.svd(R)
         R = U @ V

@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
-from handlcp.hand.objects.meshes import Surfaces, in_memory, load_mesh
+from handlcp.hand.objects.meshes import in_memory, load_mesh, surfaces_of
 from handlcp.hand.objects.object import Object, Solid
 from handlcp.hand.objects.surface import BALL, BOX, CYLINDER, ELLIPSOID
 from handlcp.hand.objects.triangles import Surface, closest_of
@@ -73,8 +73,8 @@ class Ellipsoid(Object):
 
 
 class Mesh(Object):
-    """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh`, in metres after `scale` (a number or
-    (3,); None: 1, unless the mesh is wider than 5 m or says that its units are others, which is asked about).
+    """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh` or Scene, in metres after `scale` (a
+    number or (3,); None: 1, unless the mesh is wider than 5 m or says that its units are others, which is asked about).
 
     A Trimesh brings no mass: mass or density are given here.
 
@@ -92,7 +92,7 @@ class Mesh(Object):
         scales = array("scale", 1.0 if scale is None else scale, (), (3,))
         if not (scales > 0).all():
             raise InputError("scale", "numbers above 0", repr(scale))
-        inside = Surfaces(path.vertices, path.faces, getattr(path, "units", None)) if in_memory(path) else None
+        inside = surfaces_of(path) if in_memory(path) else None
         solid = load_mesh(path if inside is None else inside, None if scale is None else np.ones(3) * scales)
         self.path = None if inside is not None else Path(path)
         self.scale, self.convex = scales, solid.triangles is None

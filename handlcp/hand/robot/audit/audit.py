@@ -5,10 +5,11 @@ from __future__ import annotations
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, overload
 
 from handlcp.errors import HandLCPError
+from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit.geometry import geometry_doubts
 from handlcp.hand.robot.audit.joints import joint_doubts
@@ -28,7 +29,7 @@ WIDTH = 80
 
 
 @dataclass(frozen=True, slots=True)
-class Audit(Sequence[Doubt]):
+class Audit(Data, Sequence[Doubt]):
     """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
     in lines of at most 80 columns.
     """
@@ -60,6 +61,10 @@ class Audit(Sequence[Doubt]):
         """How many of each severity, such as "1 serious, 2 minor"."""
         count = Counter(d.severity for d in self.doubts)
         return ", ".join(f"{count[s]} {s}" for s in SEVERITIES if count[s]) or "no doubts"
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: the source, the summary, and each doubt's joint, what, advice, severity, about."""
+        return {"source": self.source, "summary": self.summary, "doubts": [asdict(d) for d in self.doubts]}
 
     def __str__(self) -> str:
         lines = [f"{self.source}: {self.summary}"]

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.grasp.answer.shown import Data
 from handlcp.hand.robot.audit.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe.rows import CouplingRow, JointRow, LinkRow, TipRow
 from handlcp.hand.robot.describe.size import size_of
@@ -25,7 +26,7 @@ __all__ = ["HandDescription", "describe_hand", "describe_urdf"]
 
 
 @dataclass(frozen=True)
-class HandDescription:
+class HandDescription(Data):
     """A hand in words and numbers; iterates over its joints, prints in lines of at most 80 columns.
 
     name : the robot's. source : the file's. joints : the independent ones, in the order of every vector over joints.
@@ -63,14 +64,10 @@ class HandDescription:
             for t in self.fingertips
         ]  # fmt: skip
         links = [{"name": k.name, "mass_kg": k.mass, "joint": k.joint, "geometry": k.geometry} for k in self.links]
-        doubts = [
-            {"joint": d.joint, "what": d.what, "advice": d.advice, "severity": d.severity, "about": d.about}
-            for d in self.audit
-        ]
         return {
             "name": self.name, "source": self.source, "mass_kg": self.mass, "size_m": list(self.size),
             "joints": joints, "fingertips": tips, "couplings": [c._asdict() for c in self.couplings], "links": links,
-            "doubts": doubts,
+            "doubts": self.audit.to_dict()["doubts"],
         }  # fmt: skip
 
     def __str__(self) -> str:

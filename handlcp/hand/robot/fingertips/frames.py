@@ -82,10 +82,10 @@ def _obvious(description: Description) -> list[tuple[str, str, Array | None]]:
         return [(c.name, c.link, c.point) for c in taken]
     if not found:
         every = [f.name for f in description.model.frames if f.name != "universe"]
-        raise UnknownName("fingertips", "names of fingertips (nothing looks like one)", ["None"], every)
+        raise UnknownName("fingertips", "names of fingertips (nothing looks like one)", [], every)
     proposed = "; ".join(str(c) for c in found)
     expected = f"the names of the fingertips, which are not obvious ({proposed}): some"
-    raise UnknownName("fingertips", expected, ["None"], [c.name for c in found])
+    raise UnknownName("fingertips", expected, [], [c.name for c in found])
 
 
 def _named(given: Any) -> list[tuple[Any, Any, Array | None]]:
