@@ -319,3 +319,11 @@ def test_an_accuracy_that_makes_no_sense_exits_2(options):
     done = run("solve", CUBE, *options)
     assert done.exit_code == 2
     assert "accuracy" in done.stderr
+
+
+def test_an_empty_line_follows_a_tables_caption():
+    """That of slips on the whole way, which the scene's three sliding fingers have."""
+    lines = run("solve", ROOT / "examples" / "psyonic_grasp.toml").stdout.splitlines()
+    (at,) = (i for i, line in enumerate(lines) if line.strip() == "slip: on the whole way")
+    assert not lines[at + 1].strip()
+    assert lines[at + 2].startswith("Joint torques")
