@@ -52,7 +52,7 @@ def scaled(factor):
     ("what", "bad"),
     [
         ("a scale", scaled(1.1)),
-        ("nearly a rotation", scaled(1 + 2e-6)),
+        ("nearly a rotation", scaled(1 + 2e-4)),
         ("a mirror", np.diag([1.0, 1.0, -1.0, 1.0])),
         ("transposed", TURN.homogeneous.T),
         ("not a number", np.full((4, 4), np.nan)),

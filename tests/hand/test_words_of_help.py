@@ -10,6 +10,7 @@ import pytest
 import trimesh
 
 import handlcp as hl
+from tests.support.show import html
 from tests.support.texts import same
 
 BOX = hl.Box(0.05, (0, 0, 0.08), 0.2)
@@ -121,9 +122,9 @@ def test_answers_are_data_and_what_notebooks_show(hand, state, tmp_path):
     grasp = state.grasp(BOX, 0.8, squeeze=0.004)
     many = hl.solve_many([grasp, grasp.replace(friction=0.0)])
     assert json.loads(many.to_json())["held"] == many.held.tolist()
-    assert f"of {len(many)} grasps" in many._repr_html_()
+    assert f"of {len(many)} grasps" in html(many)
     loading = grasp.follow(steps=2)
-    assert "reached the end" in loading._repr_html_()
+    assert "reached the end" in html(loading)
     assert loading.plot(tmp_path / "loading.png") == tmp_path / "loading.png"
     assert loading.plot(title="A cube").axes
     doubts = json.loads(hand.audit().to_json())["doubts"]

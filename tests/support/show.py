@@ -62,7 +62,7 @@ def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:
     return [str(s) for s in summary(events, grasp.spec)]
 
 
-def html(solution: hl.GraspSolution) -> str:
+def html(solution: Any) -> str:
     """What a notebook shows of it."""
     return solution._repr_html_()
 
