@@ -176,7 +176,7 @@ def test_without_a_load_there_is_nothing_to_move_along():
     grasp = pinch(force=0.0)
     text = grasp.solve().verdict.text
     same("grasp/test_verdict: no load", text)
-    assert "load" not in text
+    assert "the load" not in text
 
 
 def test_what_bounds_and_readings_do_to_fingers_is_said_with_their_names():
