@@ -5,7 +5,8 @@ A bad argument is an `InputError`, which is also a `ValueError`; it names the ar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -22,9 +23,19 @@ __all__ = [
     "Unsupported",
     "brief",
     "unreadable",
+    "writing",
 ]
 
 _LONGEST = 600  # characters of what came in a message
+
+
+@contextmanager
+def writing(argument: str, file: Path) -> Iterator[None]:
+    """Around what writes a file. Raises InputError where it cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(argument, "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
 
 
 def brief(value: object) -> str:

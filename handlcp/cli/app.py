@@ -7,7 +7,6 @@ stderr; 130 after Ctrl-C; 141 where the reader of the output closed it, as `head
 from __future__ import annotations
 
 import errno
-import json as jsonlib
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -20,7 +19,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from handlcp.errors import HandLCPError, InputError, brief
-from handlcp.study.plain import plain
+from handlcp.study.plain import json_text
 from handlcp.version import VERSION
 
 __all__ = ["Json", "app", "print_json", "print_tables", "progress_bar", "say", "sides_of", "titled"]
@@ -110,19 +109,13 @@ def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
 
 
 def print_json(value: dict[str, Any]) -> None:
-    """One object on stdout; numbers that are not finite become null."""
-    typer.echo(json_text(value))
-
-
-def json_text(value: dict[str, Any]) -> str:
-    """Its text, in ASCII where stdout has no other characters."""
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    text = jsonlib.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    """One object on stdout; numbers that are not finite become null. In ASCII where stdout has no other characters."""
+    text = json_text(value)
     try:
-        text.encode(encoding)
+        text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
     except UnicodeEncodeError:
-        return jsonlib.dumps(plain(value), indent=2, allow_nan=False)
-    return text
+        text = json_text(value, ascii_only=True)
+    typer.echo(text)
 
 
 def titled(title: str) -> Console:

@@ -32,7 +32,7 @@ from handlcp.keywords import helped
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["HandGrasp"]
+__all__ = ["HandGrasp", "grasp_of"]
 
 
 class HandGrasp(Grasp):
@@ -207,6 +207,11 @@ class HandGrasp(Grasp):
     def _of_kind(self, kind: Any) -> Any:
         """The effect of this kind among those asked for; None: there is none."""
         return next((e for e in self.spec.effects if isinstance(e, kind)), None)
+
+
+def grasp_of(spec: GraspSpec) -> Grasp:
+    """The grasp of a specification, a hand's where it has one."""
+    return Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
 
 
 def _of_the_joints(spec: GraspSpec, beside: str) -> None:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
-from handlcp.hand import HandGrasp
+from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.file import checked, write
 from handlcp.show.frame import data_frame, solution_frame
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
-from handlcp.study.plain import plain
+from handlcp.study.plain import json_text
 
 __all__ = [
     "data_frame", "html", "loading_dict", "loading_page", "loading_plot", "page", "plot", "solution_frame",
@@ -34,7 +33,7 @@ def plot(
     if verdict is not None and followed is not None and followed.reached and followed.solution.held:
         figure = verdict_picture(followed, verdict, title, obj)
     else:
-        figure = draw(grasp_of(solution), solution, obj, title, verdict)
+        figure = draw(_asked(solution), solution, obj, title, verdict)
     return figure if file is None else write(figure, file, DPI)
 
 
@@ -45,7 +44,7 @@ def page(
     """See `GraspSolution.page`."""
     from handlcp.show.page.document import save  # pages alone need the viewer
 
-    return save(grasp_of(solution), solution, path, obj, title, verdict, loading)
+    return save(_asked(solution), solution, path, obj, title, verdict, loading)
 
 
 def loading_plot(loading: Loading, path: Any = None, title: str = "") -> Any:
@@ -64,7 +63,7 @@ def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:
     """See `GraspSolution.to_dict`."""
-    grasp = grasp_of(solution)
+    grasp = _asked(solution)
     return record(grasp, solution, grasp.explain())
 
 
@@ -77,20 +76,18 @@ def loading_dict(loading: Loading) -> dict[str, Any]:
 
 def to_json(value: dict[str, Any], path: Any = None) -> str | Path:
     """Plain data as JSON: the text, or the file. Raises InputError for a file that cannot be written."""
-    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json_text(value)
     if path is None:
         return text
     file = Path(path)
-    try:
+    with writing("path", file):
         file.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError("path", "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
     return file
 
 
-def grasp_of(solution: GraspSolution) -> Grasp:
+def _asked(solution: GraspSolution) -> Grasp:
     """The grasp that a solution answers. Raises InputError for one that does not know what was solved."""
     spec = solution.spec
     if spec is None:
         raise InputError("solution", "one made by grasp.solve()", "one that does not know its grasp")
-    return Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
+    return grasp_of(spec)

@@ -7,7 +7,7 @@ import stat
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, Unsupported
+from handlcp.errors import InputError, Unsupported, writing
 
 __all__ = ["Figure", "checked", "new_figure", "writable", "write"]
 
@@ -61,8 +61,6 @@ def new_figure(**style: Any) -> Figure:
 
 def write(figure: Figure, file: Path, dpi: int) -> Path:
     """Write the figure. Raises InputError for a file that cannot be written."""
-    try:
+    with writing("plot", file):
         figure.savefig(file, dpi=dpi, facecolor="white")
-    except OSError as error:
-        raise InputError("plot", "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
     return file

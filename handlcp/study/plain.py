@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["pick", "plain"]
+__all__ = ["json_text", "pick", "plain"]
 
 
 def pick(source: Any, *names: str, **renamed: str) -> dict[str, Any]:
@@ -23,3 +24,8 @@ def plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return plain(value.tolist())
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def json_text(value: Any, ascii_only: bool = False) -> str:
+    """The value as JSON; numbers that are not finite are null."""
+    return json.dumps(plain(value), indent=2, ensure_ascii=ascii_only, allow_nan=False)

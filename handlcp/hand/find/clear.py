@@ -64,10 +64,6 @@ class Links:
             [self._points[self._of == k].mean(axis=0) for k in range(len(self._links))]
         ).reshape(-1, 3)
 
-    def out_of(self, home: Object, place: Place) -> bool:
-        """Whether no link is inside the object, whose frame is at the origin in `home`."""
-        return not self._links or bool((self._beyond(home, place)[0] >= 0.0).all())
-
     def pushes(self, home: Object, place: Place) -> tuple[Array, Array, Array, Array]:
         """Of the links inside the object: gap (m,) of each link's deepest point [m], below 0; that point (m, 3); the
         normal (m, 3) from it into the object; and n · J (m, nv) of the point. World axes.

@@ -10,7 +10,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.loading.follow import Loading
-from handlcp.hand import HandGrasp
+from handlcp.hand.hand_grasp import grasp_of
 
 __all__ = ["STILL", "grasp_at_end", "moved", "slipped", "solution_at_end"]
 
@@ -20,8 +20,7 @@ STILL = 1e-4  # [rad] an object that turns less is not said to turn
 def grasp_at_end(loading: Loading) -> Grasp:
     """With the contacts and the load of the last step, the hand in its posture there."""
     last = loading.last
-    spec = loading.steps.grasp.made(last.look, last.loads)
-    return Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
+    return grasp_of(loading.steps.grasp.made(last.look, last.loads))
 
 
 def solution_at_end(loading: Loading) -> GraspSolution:

@@ -12,7 +12,7 @@ from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
-from handlcp.hand import HandGrasp
+from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.page import file, head
 from handlcp.show.page.content import content, escape_of, path_of
 from handlcp.show.page.library import three_js
@@ -59,8 +59,7 @@ def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, 
     start. verdict : of `check`; None: whether the loading reached its end. Raises as `save`.
     """
     target = file.checked(path)
-    spec = loading.steps.grasp.spec
-    grasp = Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
+    grasp = grasp_of(loading.steps.grasp.spec)
     drawn = Content(grasp, loading.solution, obj, verdict=verdict)
     shown = at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
     said = head.outcome(loading) if verdict is None else head.verdict(verdict)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, writing
 from handlcp.show.file import writable
 from handlcp.show.page.library import three_js
 
@@ -31,8 +31,6 @@ def checked(path: Any) -> Path:
 
 def write(text: str, file: Path) -> Path:
     """Write the page. Raises InputError for a file that cannot be written."""
-    try:
+    with writing("page", file):
         file.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise InputError("page", "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
     return file

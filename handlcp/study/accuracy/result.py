@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, writing
 from handlcp.study.accuracy.words import ROUNDING, microseconds, share
 from handlcp.text_table import wrapped
 from handlcp.views import view
@@ -229,13 +229,10 @@ class AccuracyCost:
     def to_csv(self, path: Any) -> Path:
         """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot be written."""
         file = Path(path)
-        try:
-            with file.open("w", newline="", encoding="utf-8") as out:
-                writer = csv.DictWriter(out, [f.name for f in fields(Row)])
-                writer.writeheader()
-                writer.writerows(asdict(r) for r in self.rows)
-        except OSError as error:
-            raise InputError("csv", "a file that can be written", f"{str(path)!r}: {error.strerror or error}") from None
+        with writing("csv", file), file.open("w", newline="", encoding="utf-8") as out:
+            writer = csv.DictWriter(out, [f.name for f in fields(Row)])
+            writer.writeheader()
+            writer.writerows(asdict(r) for r in self.rows)
         return file
 
 
