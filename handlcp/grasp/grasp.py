@@ -6,34 +6,28 @@ from collections.abc import Iterable
 from typing import Any, Self, overload
 
 from handlcp.check import Array, number, read_only, yes_or_no
-from handlcp.errors import InputError, NoSolutionFound
+from handlcp.errors import InputError
 from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
 from handlcp.grasp.analysis.compare_without import measured
-from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
 from handlcp.grasp.analysis.explanation import Explanation, explain
-from handlcp.grasp.analysis.required import Required, required_friction, required_preload
 from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
-from handlcp.grasp.analysis.suggestions import Suggestions
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.assembly.asked import Asked, alone, remade
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.friction import Pyramid, Section, as_section
-from handlcp.grasp.loading.follow import Loading, follow
+from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.questions import Questions
 from handlcp.grasp.solve.compiled_answer import start_from
-from handlcp.grasp.verdict.check import check
-from handlcp.grasp.verdict.suggested import suggested
 from handlcp.lcp import Auto, ContactSolver, Solver
 
 __all__ = ["Grasp"]
 
 
-class Grasp:
+class Grasp(Questions):
     """Fingers on an object under a load. Immutable.
 
     Parameters
@@ -175,68 +169,6 @@ class Grasp:
         """
         given = dict(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction)
         return type(self)(remade(self.spec, given | dict(effects=effects, environment=environment)))
-
-    def suggest(
-        self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", least: float = 0.05
-    ) -> Suggestions:
-        """Which effects that are left out would change the answer by more than `least` of its largest force, each
-        evaluated once; of a grasp that fails, also changes that were tried and hold it, the least of each kind.
-
-        solution : of this grasp, solved with `faces`; None: solved now. Raises InputError.
-        """
-        solution = self.solve(faces, throw=False) if solution is None else solution
-        if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
-            raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
-        number("least", least, minimum=0.0)
-        verdict = solution.verdict if solution.verdict.ok else self.check(faces=faces, solution=solution)
-        return suggested(self.spec, self._section(faces), solution, least, verdict)
-
-    def required_preload(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
-        """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""
-        return required_preload(self.spec, self._section(faces), tolerance)
-
-    def required_friction(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
-        """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
-        return required_friction(self.spec, self._section(faces), tolerance)
-
-    def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
-        """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.
-
-        faces : see `problem`. Friction can hold an object in several ways under one load; `solve` returns one of them.
-        """
-        return equilibria(self.spec, self._section(faces), number("seconds", seconds, above=0.0))
-
-    def check(
-        self, order: Any = ("squeeze", "load"), faces: int | str | Pyramid = "cone",
-        solution: GraspSolution | None = None,
-    ) -> Verdict:  # fmt: skip
-        """Does it hold? The verdict when it is squeezed, then loaded, as by `follow`: HELD if the end is reached within
-        torque limits. Links inside the object, joints past their ranges and doubtful limits are named; where it does
-        not hold, what was tried and would help. solution : of this grasp with these faces; None: solved now.
-        """
-        one = self.solve(faces, throw=False) if solution is None else solution
-        return check(self.spec, self.scene, self._section(faces), order, one)
-
-    def follow(
-        self, load: Any = None, order: Any = ("squeeze", "load"), geometry: str | None = None,
-        throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
-    ) -> Loading:  # fmt: skip
-        """The grasp loaded in quasi-static steps: is the end reached, what slips on the way, where is it lost and why.
-
-        load : (6,) beside the object's weight at the end, about the reference; None: the grasp's own; (m, 6): one after
-        the other. order : stages "squeeze" (preload and joint offset), "load" (weight and load), "together", or
-        `Stage`s. geometry : "followed", contacts detected anew in every step; "fixed", those of this posture; None: the
-        first where hand and object are known. steps : of a stage, more where something happens. tolerance : how far a
-        step's end may be from where its contacts were taken, as a share of their radii; None: 3e-4. faces : as in
-        `problem`. Raises InputError, Unsupported (known forces); with `throw`, NoSolutionFound where it is lost.
-        """
-        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance)
-        if throw and not found.reached:
-            raise NoSolutionFound(found.why, found, found.solution)
-        return found
-
-    def _section(self, faces: int | str | Pyramid) -> Section:
-        return as_section(faces, planar=self.scene.kind.planar)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what was asked."""

@@ -1,0 +1,1 @@
+"""What has to be built: torques, grips, stiffnesses that are enough."""

@@ -1,0 +1,1 @@
+"""How much load a grasp holds, and what gives out first."""

@@ -1,0 +1,1 @@
+"""How far a grasp is from failing, and the classic tests of closure."""

@@ -1,0 +1,1 @@
+"""Derivatives of an answer, from the contact conditions that hold at it."""
