@@ -63,12 +63,12 @@ class TorqueSaturation(Effect):
         return Trial(None, 0.0, f"all joints within their limits, {used.max():.0%} at most")
 
     def why(self, scene: Scene) -> str:
-        joints, _, limited = self._limited(scene)
+        joints, _, limited = self.limited(scene)
         return f"asked for: {len(limited)} of {len(joints.names)} joints have a limit to reach"
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Both ways, of every joint that has a limit and moves a contact whose force is unknown."""
-        joints, levers, k = self._limited(scene)
+        joints, levers, k = self.limited(scene)
         known = np.repeat(~scene.governed_mask, 3)
         rows = joints.rows(scene.soft).T[k].copy()
         rows[:, : 3 * scene.n][:, known] = 0.0
@@ -83,7 +83,7 @@ class TorqueSaturation(Effect):
 
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
         """How far joints yield, and torques that are the very limit where they do: none beyond it by rounding."""
-        hand, levers, k = self._limited(scene)
+        hand, levers, k = self.limited(scene)
         if not len(k):
             return joints
         total, yielded, limits = joints.torque.copy(), np.zeros(len(joints.torque)), hand.limits[k]
@@ -93,7 +93,7 @@ class TorqueSaturation(Effect):
         yielded[k] = np.where(moved | np.isnan(s), s, 0.0)
         return replace(joints, torque=total, yielded=yielded)
 
-    def _limited(self, scene: Scene) -> tuple[Mechanism, Array, Ints]:
+    def limited(self, scene: Scene) -> tuple[Mechanism, Array, Ints]:
         """The joints; the length of each one's lever on the unknown forces [m] (1 for a prismatic joint); and which of
         them have a limit and such a lever.
         """
