@@ -233,7 +233,8 @@ class _System:
         slope = bx @ c + _dots(self.programs, by, bz) - at.kappa / at.tau
         tau = (-(1.0 - centring) * rt + last / at.tau - x @ c - _dots(self.programs, y, z)) / slope
         x, y, z = x + tau[:, None] * bx, y + tau[:, None] * by, z + tau[:, None] * bz
-        s = -inner - self.scaling.times(self.scaling.times(z))
+        # By the rows, not by the scaling: rounding then stays in the complementarity, which further steps mend
+        s = tau[:, None] * self.programs.h - keep * rz - x @ self.programs.G.T
         return _Point(x, y, z, s, tau, (-last - at.kappa * tau) / at.tau)
 
 
