@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,12 @@ class JointStiffness(Elasticity):
     def stiffer(self, factor: float) -> JointStiffness:
         """The same with every spring so many times as stiff."""
         return JointStiffness(self._matrix * factor, self.uniform)
+
+    def by_joint(self, factors: Array) -> JointStiffness:
+        """The same with the spring of each joint so many times as stiff, f (nv,) > 0; K_ij grows by √(f_i f_j)."""
+        made, by = copy(self), np.sqrt(factors)
+        made._matrix, made.root = read_only(self._matrix * by * by[:, None]), read_only(self.root / by[:, None])
+        return made
 
 
 def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_stiffness") -> Elasticity:

@@ -135,8 +135,12 @@ class HandModel:
 
     def stiffer(self, factor: float) -> Self:
         """The same hand with springs that are so many times as stiff."""
+        return self.with_parts(stiffness=self.stiffness.stiffer(factor))
+
+    def with_parts(self, **parts: Any) -> Self:
+        """The same hand with other `stiffness` or `pads`."""
         made = object.__new__(type(self))
-        made.__dict__.update(self.__dict__, stiffness=self.stiffness.stiffer(factor))
+        made.__dict__.update(self.__dict__, **parts)
         return made
 
     def __setattr__(self, name: str, value: object) -> None:

@@ -1,0 +1,117 @@
+"""What becomes of many samples: held, over a torque limit, not held, or undecided; and by how much.
+
+    margin = 1 - the larger of  Σ|f_T| / Σ μ f_N  over all contacts with friction,  and  max |τ| / τ_max
+
+The first is the share of all friction that is used: 1 where every contact slides. The margin is below 0 where a joint
+is over its limit, and there is none (NaN) where nothing holds the object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Bools, Ints
+from handlcp.grasp import GraspSolution, Solutions, solve_many
+from handlcp.grasp.answer.friction_used import friction_margin
+from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
+from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.verdict.check import judged
+from handlcp.lcp import Status
+
+__all__ = ["CHECK", "SOLVE", "WORDS", "Outcomes", "checked", "joined", "solved"]
+
+SOLVE, CHECK = "solve", "check"
+WORDS = (HELD, OVER_LIMIT, NOT_HELD, UNDECIDED)  # by their codes
+
+
+@dataclass(frozen=True, slots=True)
+class Outcomes:
+    """codes (m,) : of `WORDS`. margin (m,). again (m,) : which samples were left by the solver's first stage, and were
+    solved in full.
+    """
+
+    codes: Ints
+    margin: Array
+    again: Bools
+
+
+def joined(parts: Sequence[Outcomes]) -> Outcomes:
+    """One after the other."""
+    return Outcomes(*[np.concatenate([getattr(p, name) for p in parts]) for name in ("codes", "margin", "again")])
+
+
+def solved(grasps: Sequence[Grasp], faces: int | str | Pyramid, workers: int | None, decide: int) -> Outcomes:
+    """By one certified solve each. decide : how many of those that the first stage leaves are solved in full."""
+    found = solve_many(grasps, faces, workers=workers, proof=False)
+    codes, margin = _codes(found), _margins(grasps, found)
+    again = np.zeros(len(grasps), bool)
+    chosen = np.flatnonzero(codes == WORDS.index(UNDECIDED))[:decide]
+    if len(chosen):
+        some = [grasps[k] for k in chosen.tolist()]
+        fully = solve_many(some, faces, workers=workers)
+        codes[chosen], margin[chosen], again[chosen] = _codes(fully), _margins(some, fully), True
+    return Outcomes(codes, margin, again)
+
+
+def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
+    """By `Grasp.check` each, without its advice: squeezed, then loaded, contacts followed."""
+    codes, margin = np.empty(len(grasps), np.int64), np.full(len(grasps), np.nan)
+    for k, g in enumerate(grasps):
+        section = as_section(faces, planar=g.scene.kind.planar)
+        one = g.solve(faces, throw=False, proof=False)
+        verdict = judged(g.spec, g.scene, section, ("squeeze", "load"), one)
+        codes[k] = WORDS.index(verdict.word)
+        path = verdict.loading
+        end = one if path is None else path.solution if path.reached else None
+        if end is not None and end.held:
+            margin[k] = margin_of(end)
+    return Outcomes(codes, margin, np.zeros(len(grasps), bool))
+
+
+def margin_of(solution: GraspSolution) -> float:
+    """Of one answer."""
+    scene = solution.scene
+    assert scene is not None  # every solution that is looked at here was made from one
+    slack = friction_margin(scene, solution.forces, getattr(solution, "torsion", None))
+    limit = float((scene.mu * scene.lawful(_padded(scene, solution.forces))[2 : 3 * scene.n : 3]).sum())
+    used = 0.0 if limit <= 0.0 else 1.0 - float(np.nansum(slack)) / limit
+    check = getattr(solution, "torque_check", None)
+    return 1.0 - max(used, 0.0 if check is None else float(check.utilisation.max(initial=0.0)))
+
+
+def _padded(scene: Any, forces: Array) -> Array:
+    return np.append(forces, np.zeros(len(scene.soft)))
+
+
+def _codes(found: Solutions) -> Ints:
+    """(m,) of solutions: held ones are over a limit where a joint is."""
+    codes = np.full(len(found), WORDS.index(UNDECIDED))
+    names = found.status
+    none = (names == Status.NOT_HOLDABLE.name) | (names == Status.NO_EQUILIBRIUM.name)
+    codes[none] = WORDS.index(NOT_HELD)
+    codes[found.held] = WORDS.index(HELD)
+    codes[found.held & (_most_used(found) > 1.0)] = WORDS.index(OVER_LIMIT)
+    return codes
+
+
+def _most_used(found: Solutions) -> Array:
+    """(m,) the largest utilisation of any joint; 0 without a hand or an answer."""
+    if not len(found) or getattr(found[0], "torque_check", None) is None:
+        return np.zeros(len(found))
+    return np.asarray(np.nan_to_num(found.utilisation).max(axis=1, initial=0.0))
+
+
+def _margins(grasps: Sequence[Grasp], found: Solutions) -> Array:
+    """(m,) NaN where nothing is held."""
+    if any(g.scene.scale is not None for g in grasps):  # forces in coordinates of their own: one by one
+        return np.array([margin_of(s) if s.held else np.nan for s in found])
+    forces, mu = found.forces, np.array([g.scene.mu for g in grasps])
+    limit = (mu * forces[:, :, 2]).sum(axis=1)
+    tangential = (np.hypot(forces[:, :, 0], forces[:, :, 1]) * (mu > 0.0)).sum(axis=1)
+    used = np.divide(tangential, limit, out=np.zeros(len(grasps)), where=limit > 0.0)
+    return np.where(found.held, 1.0 - np.maximum(used, _most_used(found)), np.nan)

@@ -1,0 +1,229 @@
+"""How sure a grasp is: chances with intervals, counts, the worst sample, and what matters most."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, Ints
+from handlcp.errors import InputError
+from handlcp.grasp import GraspSolution, Verdict
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.grasp import Grasp
+from handlcp.study.reliability.influence import Influence
+from handlcp.study.reliability.interval import Chance
+from handlcp.study.reliability.outcome import WORDS
+from handlcp.study.reliability.place import Placer
+from handlcp.study.reliability.points import Blocks
+from handlcp.study.reliability.run import Method, values_at
+from handlcp.text_table import TextTable, wrapped
+from handlcp.views import view
+
+__all__ = ["Reliability", "Sample"]
+
+_ROWS = 8  # of the printed table
+
+
+@dataclass(frozen=True, eq=False)
+class Sample(Data):
+    """One sample: number, its values by name (SI units), word ("HELD", "OVER LIMIT", "NOT HELD", "UNDECIDED"), margin
+    (NaN where nothing holds), and its grasp, which is made and solved when it is looked at.
+    """
+
+    number: int
+    values: dict[str, float]
+    word: str
+    margin: float
+    grasp: Grasp = field(repr=False)
+    method: Method = field(repr=False)
+
+    @cached_property
+    def solution(self) -> GraspSolution:
+        """One certified solve, with proof where nothing holds."""
+        return self.grasp.solve(self.method.faces, throw=False)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """As the sample was judged: of one solve, or of `grasp.check()`."""
+        if self.method.by == "check":
+            return self.grasp.check(faces=self.method.faces, solution=self.solution)
+        return self.solution.verdict
+
+    @property
+    def cause(self) -> str:
+        """Why, in one sentence."""
+        return self.verdict.text
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "number": self.number, "values": self.values, "word": self.word, "margin": self.margin, "cause": self.cause,
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        return wrapped(f"sample {self.number}, {self.word}: {self.cause}", "  ")
+
+
+@dataclass(frozen=True, eq=False)
+class Reliability(Data):
+    """The answer of `hl.reliability`.
+
+    chance_held : that the grasp holds. chance_within_limits : that it holds with every joint within its torque limit;
+    None where no joint has a known limit. counts : samples by word. samples, seed. influences : what matters, the most
+    first. codes (m,) : of each sample in `WORDS`. margin (m,) : of each, NaN where nothing holds it.
+    """
+
+    chance_held: Chance
+    chance_within_limits: Chance | None
+    counts: dict[str, int]
+    influences: tuple[Influence, ...]
+    codes: Ints = field(repr=False)
+    margin: Array = field(repr=False)
+    blocks: Blocks = field(repr=False)
+    placer: Placer = field(repr=False)
+    method: Method = field(repr=False)
+
+    @property
+    def samples(self) -> int:
+        """How many there are."""
+        return len(self.codes)
+
+    @property
+    def seed(self) -> int:
+        """Of the points."""
+        return self.blocks.seed
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the values that vary, in the order of `values`."""
+        return tuple([d.name for d in self.placer.dimensions])
+
+    @cached_property
+    def values(self) -> Array:
+        """(m, d) of every sample, SI units."""
+        return values_at(self.placer.dimensions, self.blocks.points(0, self.samples))
+
+    def sample(self, k: int) -> Sample:
+        """Sample k, 0 to `samples` - 1. Raises InputError."""
+        if not 0 <= k < self.samples:
+            raise InputError("k", f"a number from 0 to {self.samples - 1}", k)
+        row = values_at(self.placer.dimensions, self.blocks.points(k, k + 1))[0]
+        values = dict(zip(self.names, row.tolist(), strict=True))
+        word = WORDS[int(self.codes[k])]
+        return Sample(k, values, word, float(self.margin[k]), self.placer.grasps(row[None])[0], self.method)
+
+    @cached_property
+    def worst(self) -> Sample:
+        """Of the samples that come to the worst word, the one whose values are farthest to the bad side: by their ranks
+        in standard deviations, each times its rank correlation with the margin. Where all hold: the least margin.
+        """
+        failed = self._failed
+        if not len(failed):
+            return self.sample(int(np.nanargmin(self.margin)))
+        by_name = {f.name: np.nan_to_num(f.rank) for f in self.influences}
+        helps = np.array([by_name[name] for name in self.names])
+        return self.sample(int(failed[np.argmin(self._scores(failed) @ helps)]))
+
+    @cached_property
+    def nearest_failure(self) -> Sample | None:
+        """Of the samples that come to the worst word, the one whose values are nearest to their medians, all together;
+        None where all hold.
+        """
+        failed = self._failed
+        if not len(failed):
+            return None
+        return self.sample(int(failed[np.argmin((self._scores(failed) ** 2).sum(axis=1))]))
+
+    @property
+    def _failed(self) -> Ints:
+        """Samples with the worst word of all there are: not held, over a limit, undecided; () where all are held."""
+        for code in (2, 1, 3):
+            if (self.codes == code).any():
+                return np.flatnonzero(self.codes == code)
+        return np.zeros(0, np.int64)
+
+    def _scores(self, some: Ints) -> Array:
+        """(k, d) how many standard deviations of a normal distribution the values of some samples are off."""
+        from scipy.special import ndtri
+
+        u = self.blocks.points(0, self.samples)[some]
+        return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
+
+    # ---- shown
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: chances, counts, the worst sample and the nearest failure, and what matters; SI units."""
+        within, near = self.chance_within_limits, self.nearest_failure
+        return {
+            "samples": self.samples, "seed": self.seed, "judged_by": self.method.by, "counts": self.counts,
+            "chance_held": asdict(self.chance_held),
+            "chance_within_limits": None if within is None else asdict(within),
+            "worst": self.worst.to_dict(), "nearest_failure": None if near is None else near.to_dict(),
+            "influences": [asdict(f) for f in self.influences],
+        }  # fmt: skip
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each sample: its values, "word" and "margin". Raises Unsupported without
+        pandas.
+        """
+        columns = {name: self.values[:, k] for k, name in enumerate(self.names)}
+        said = np.array(WORDS)[self.codes]
+        return view("data_frame")({**columns, "word": said, "margin": self.margin})
+
+    def plot(self, path: Any = None, *, title: str = "") -> Path | Any:
+        """The margins of all samples, and what matters most: a matplotlib figure, or the file. Raises as
+        `GraspSolution.plot`.
+        """
+        return view("reliability_plot")(self, path, title)
+
+    @property
+    def table(self) -> TextTable:
+        """What matters most, from the samples and from the derivatives."""
+        heads = ("what varies", "by", "samples:\nshare", "rank\ncorr.", "derivative:\nshare", "margin\nper sd")
+        rows = [
+            (f.name, _sd(f), _share(f.share), _signed(f.rank, 2), _share(f.linear), _signed(f.slope, 3))
+            for f in self.influences[:_ROWS]
+        ]
+        return TextTable(heads, tuple(rows), "<>>>>>")
+
+    def __str__(self) -> str:
+        lines = [wrapped(f"holds: {self.chance_held}", "  ")]
+        if self.chance_within_limits is not None:
+            lines.append(wrapped(f"holds within torque limits: {self.chance_within_limits}", "  "))
+        counted = ", ".join([f"{k:,} {word}" for word, k in self.counts.items() if k])
+        lines.append(wrapped(f"{self.samples:,} samples: {counted}", "  "))
+        for what, sample in (("worst", self.worst), ("nearest failure", self.nearest_failure)):
+            if sample is not None:
+                lines.append(wrapped(f"{what}: {self._told(sample)}", "  "))
+        more = len(self.influences) - _ROWS
+        left = [f"and {more} that matter less"] if more > 0 else []
+        return "\n".join([*lines, "", str(self.table), *left])
+
+    def _told(self, sample: Sample) -> str:
+        """A sample with the values that matter most."""
+        units = {d.name: d.unit for d in self.placer.dimensions}
+        first = [f.name for f in self.influences[:4]]
+        values = ", ".join([f"{name} {_value(sample.values[name], units[name])}" for name in first])
+        return f"sample {sample.number} ({values}): {sample.word}: {sample.cause}"
+
+
+def _value(x: float, unit: str) -> str:
+    """A number with its unit; factors as such."""
+    if unit == "m":
+        return words.length(x)
+    return words.angle(x) if unit == "rad" else f"× {x:.3g}" if unit == "×" else f"{x:.3g} {unit}".rstrip()
+
+
+def _sd(f: Influence) -> str:
+    return f"± {_value(f.sd, f.unit if f.unit != '×' else '')}"
+
+
+def _share(x: float) -> str:
+    return words.percent(x)
+
+
+def _signed(x: float, digits: int) -> str:
+    return f"{x:+.{digits}f}" if np.isfinite(x) else "–"
