@@ -93,6 +93,10 @@ class TorqueSaturation(Effect):
         yielded[k] = np.where(moved | np.isnan(s), s, 0.0)
         return replace(joints, torque=total, yielded=yielded)
 
+    def limited_joints(self, scene: Scene) -> Ints:
+        """Numbers of the joints that have a limit to reach, in the order of the rows of `limits`."""
+        return self._limited(scene)[2]
+
     def _limited(self, scene: Scene) -> tuple[Mechanism, Array, Ints]:
         """The joints; the length of each one's lever on the unknown forces [m] (1 for a prismatic joint); and which of
         them have a limit and such a lever.
