@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         GraspSolution,
         KnownForce,
         Loading,
+        LoadLimit,
         PrescribedForce,
         Pyramid,
         Reason,
@@ -96,13 +97,13 @@ __all__ = [
     "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria",
     "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem",
     "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution",
-    "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "Loading", "Mesh",
-    "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason", "Reliability", "Required",
-    "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere",
-    "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
-    "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict", "accuracy_cost",
-    "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability", "solve_lcp", "solve_many", "to_mujoco",
-    "wrench_from_fingertip_forces",
+    "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "LoadLimit",
+    "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason",
+    "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist",
+    "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck",
+    "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict",
+    "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability", "solve_lcp",
+    "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp

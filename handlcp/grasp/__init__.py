@@ -34,6 +34,7 @@ from handlcp.grasp.friction import (
     SoftFinger,
 )
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.limits.result import Bind, LimitEvent, LimitPath, LoadLimit
 from handlcp.grasp.loading.events import Event
 from handlcp.grasp.loading.follow import Loading
 from handlcp.grasp.loading.stage import Stage
@@ -47,10 +48,10 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [
-    "Accuracy", "AnisotropicCoulomb", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
+    "Accuracy", "AnisotropicCoulomb", "Bind", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
     "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
-    "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "Loading",
-    "Placement", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist",
-    "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound", "Uniqueness", "Verdict",
-    "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
+    "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "LimitEvent",
+    "LimitPath", "LoadLimit", "Loading", "Placement", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals",
+    "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation",
+    "TotalForceBound", "Uniqueness", "Verdict", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip

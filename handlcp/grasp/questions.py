@@ -13,6 +13,8 @@ from handlcp.grasp.analysis.suggestions import Suggestions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.friction import Pyramid, Section, as_section
+from handlcp.grasp.limits.load_limit import load_limit
+from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -90,6 +92,21 @@ class Questions(ABC):
         if throw and not found.reached:
             raise NoSolutionFound(found.why, found, found.solution)
         return found
+
+    def load_limit(
+        self, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
+        motion: float | None = None, turn: float | None = None,
+    ) -> LoadLimit:  # fmt: skip
+        """The largest factor on a load that the grasp holds when it is squeezed, then carries its weight, and the load
+        grows slowly; and what gives out there: a finger slips, a contact opens, a joint is at its torque limit or at
+        the end of its range, balance is lost. With `TorqueSaturation` a joint at its limit yields, and the load grows
+        on until something else gives out.
+
+        wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference; None: the grasp's own.
+        geometry : as in `follow`. faces : as in `problem`. motion, turn : how far the object may move [m] and turn
+        [rad] from where the load finds it; None: any distance. Raises InputError, Unsupported (known forces).
+        """
+        return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn)
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.kind.planar)

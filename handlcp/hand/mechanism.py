@@ -93,6 +93,11 @@ class HandMechanism(Mechanism):
         return FollowedHand(spec)
 
     @property
+    def stands(self) -> Array:
+        """As the hand was placed."""
+        return self.posture.q
+
+    @property
     def ranges(self) -> tuple[Array, Array]:
         """Of the joints, as the URDF has them."""
         hand = self.posture.hand

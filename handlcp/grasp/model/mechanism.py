@@ -78,6 +78,11 @@ class Mechanism:
         return None
 
     @property
+    def stands(self) -> Array | None:
+        """(nv,) where the joints stand in the grasp's posture [rad, m]; None where that is not known."""
+        return None
+
+    @property
     def ranges(self) -> tuple[Array, Array] | None:
         """(nv,) lower and upper ends of the joints' ranges [rad, m]; None where they are not known."""
         return None

@@ -1,0 +1,40 @@
+"""What is asked of a load limit: which load, which geometry, how far the object may move."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, number, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["geometry_of", "load_of", "tolerance"]
+
+
+def geometry_of(spec: GraspSpec, geometry: Any) -> str:
+    """The geometry of the path. Raises InputError."""
+    if geometry not in (None, "followed", "fixed"):
+        raise InputError("geometry", '"followed", "fixed" or None', repr(geometry))
+    return "fixed"
+
+
+def load_of(spec: GraspSpec, wrench: Any) -> Array:
+    """(6,) the load beside the weight; None: the grasp's own. Raises InputError."""
+    if wrench is not None:
+        given = array("wrench", wrench, (6,))
+        if not given.any():
+            raise InputError("wrench", "a load that is not zero", given.tolist())
+        return given
+    own = spec.wrench.copy()
+    if spec.mechanism is not None:
+        own[:3] -= spec.mechanism.weight_of_object()
+    if not abs(own).max() > 1e-12 * abs(spec.wrench).max():
+        raise InputError("wrench", "a load: this grasp has none beside the object's weight", wrench)
+    return read_only(own)
+
+
+def tolerance(name: str, value: Any) -> float:
+    """How far the object may move, or turn. Raises InputError."""
+    return np.inf if value is None else number(name, value, above=0.0)

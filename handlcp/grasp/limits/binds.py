@@ -1,0 +1,76 @@
+"""What binds at the end of a path, by name, and the sentence that says so."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp.limits.happens import RAY, REACHED, WATCHED
+from handlcp.grasp.limits.parts import CLOSED, Place
+from handlcp.grasp.limits.parts import OPENS as TOUCHES_LAST
+from handlcp.grasp.limits.result import (
+    EQUILIBRIUM,
+    MOTION,
+    OBJECT,
+    OPENS,
+    RANGE,
+    SLIPS,
+    TORQUE,
+    Bind,
+    LimitEvent,
+)  # fmt: skip
+from handlcp.grasp.limits.system import System
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["binds_of", "events_of", "why_of"]
+
+_KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
+
+
+def binds_of(system: System, status: int, which: int, place: Place) -> tuple[Bind, ...]:
+    """status, which : as `trace` returns them; place : where it ended."""
+    if status in (RAY, REACHED):
+        return ()
+    if status == WATCHED:
+        if which >= len(system.watched):
+            return (Bind(MOTION, OBJECT),)
+        return (Bind(*system.watched[which]),)
+    names, p = system.spec.names, system.parts
+    opened = [i for i in range(len(p.mu)) if place.closed[i] == TOUCHES_LAST]
+    if opened:
+        return tuple([Bind(OPENS, names[i]) for i in opened])
+    loaded = [i for i in range(len(p.mu)) if place.closed[i] == CLOSED]
+    sliding = sorted({int(i) for i, on in zip(p.owner, place.active, strict=True) if on})
+    slippery = [i for i in loaded if i in sliding or not (p.contacts[i, 1:] >= 0).any()]
+    if sliding and slippery == loaded:
+        return tuple([Bind(SLIPS, names[i]) for i in sliding])
+    return (Bind(EQUILIBRIUM, OBJECT),)
+
+
+def events_of(system: System, log: Array) -> tuple[LimitEvent, ...]:
+    """From the rows that `trace` writes."""
+    names = system.spec.names
+    rows = [row for limit in system.limits for row in [limit.name] * len(limit.room)]
+    called = [(factor, int(kind), (names if kind < 4 else rows)[int(who)]) for factor, kind, who in log.tolist()]
+    return tuple([LimitEvent(_KINDS[kind], who, factor) for factor, kind, who in called])
+
+
+def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...], spec: GraspSpec) -> str:
+    """One sentence."""
+    if not binds:
+        return "nothing binds, however large the load"
+    load = factor * wrench
+    size = float(np.linalg.norm(load[:3]))
+    amount = words.force(size) if size > 0.0 else words.torque(float(np.linalg.norm(load[3:])))
+    who, kind = words.listed([b.who for b in binds]), binds[0].kind
+    many = len(binds) > 1
+    said = {
+        SLIPS: f"{who} {'slip' if many else 'slips'} through",
+        OPENS: f"{who} {'let' if many else 'lets'} go, and nothing balances the load",
+        TORQUE: f"{who} {'reach their torque limits' if many else 'reaches its torque limit'}",
+        RANGE: f"{who} {'reach the ends of their ranges' if many else 'reaches the end of its range'}",
+        EQUILIBRIUM: "the forces can no longer balance the load",
+        MOTION: "the object has moved as far as was allowed",
+    }[kind]
+    return f"at {factor:.4g} times the load, {amount}, {said}"

@@ -1,0 +1,70 @@
+"""Load limits in many directions at once: squeeze and weight are shared, and each direction is one path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Ints, array, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.asked import geometry_of, tolerance
+from handlcp.grasp.limits.binds import binds_of
+from handlcp.grasp.limits.fixed import watch_from
+from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
+from handlcp.grasp.limits.start import start_of
+from handlcp.grasp.limits.system import system_of
+from handlcp.grasp.limits.trace import EVENTS, trace
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["Limits", "limits_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Limits of one grasp in m directions. wrenches (m, 6) : the loads, beside the weight [N, N·m]. factors (m,) : of
+    each, inf where nothing binds. binds (m,) : what gives out, as in `LoadLimit`. events (m,) : how many there are on
+    the way. geometry : "fixed" or "followed".
+    """
+
+    wrenches: Array
+    factors: Array
+    binds: tuple[tuple[Bind, ...], ...]
+    events: Ints
+    geometry: str
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """(m,) the first thing that binds: a kind of `Bind`, "" where nothing does."""
+        return tuple([b[0].kind if b else "" for b in self.binds])
+
+    @property
+    def who(self) -> tuple[tuple[str, ...], ...]:
+        """(m,) names of what binds."""
+        return tuple([tuple([b.who for b in every]) for every in self.binds])
+
+
+def limits_of(
+    spec: GraspSpec, section: Section, wrenches: Any, geometry: Any = None, motion: Any = None, turn: Any = None
+) -> Limits:
+    """Of loads (m, 6), other arguments as in `Grasp.load_limit`. Raises InputError, Unsupported."""
+    geometry_of(spec, geometry)
+    loads = array("wrenches", wrenches, (-1, 6))
+    if not len(loads) or not loads.any(axis=1).all():
+        raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")
+    most = (tolerance("motion", motion), tolerance("turn", turn))
+    system = system_of(spec, section, loads[int(abs(loads).max(axis=1).argmax())])
+    begun, m = start_of(system), len(loads)
+    if begun.place is None:
+        never = ((Bind(EQUILIBRIUM, OBJECT),),) * m
+        return Limits(loads, read_only(np.zeros(m)), never, np.zeros(m, dtype=np.int64), "fixed")
+    p, watch = system.parts, watch_from(system, begun.place, most)
+    log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
+    factors, binds, events = np.empty(m), [], np.empty(m, dtype=np.int64)
+    for k, wrench in enumerate(loads):
+        place = begun.place.copy()
+        status, factors[k], which, events[k], _ = trace(p, place, system.load(wrench), np.inf, watch, log, points)
+        binds.append(binds_of(system, status, which, place))
+    return Limits(loads, read_only(factors), tuple(binds), events, "fixed")

@@ -1,0 +1,43 @@
+"""The load limit in one posture, with fixed contacts and normals: a path from event to event."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.binds import binds_of, events_of, why_of
+from handlcp.grasp.limits.happens import Watch
+from handlcp.grasp.limits.parts import Place
+from handlcp.grasp.limits.path import FollowedPath
+from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LoadLimit
+from handlcp.grasp.limits.start import start_of
+from handlcp.grasp.limits.system import System, system_of
+from handlcp.grasp.limits.trace import EVENTS, trace
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["fixed_limit", "watch_from"]
+
+
+def watch_from(system: System, place: Place, most: tuple[float, float]) -> Watch:
+    """What ends a path that begins at a place; most : as in `fixed_limit`."""
+    return system.watch._replace(start=system.watch.moves @ place.u, motion=most[0], turn=most[1])
+
+
+def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float]) -> LoadLimit:
+    """Most : motion [m] and turn [rad] of the object that are allowed."""
+    system = system_of(spec, section, wrench)
+    begun = start_of(system)
+    if begun.place is None:
+        none = FollowedPath(system, wrench, np.zeros((0, 0)), None)
+        later = Later(none.arrays, none.solution, lambda: 0.0, lambda: np.inf)
+        return LoadLimit(0.0, wrench, (Bind(EQUILIBRIUM, OBJECT),), begun.why, (), "fixed", later)
+    p, place = system.parts, begun.place
+    watch = watch_from(system, place, most)
+    log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
+    status, factor, which, events, count = trace(p, place, system.load(wrench), np.inf, watch, log, points)
+    path = FollowedPath(system, wrench, points[:count].copy(), place)
+    binds = binds_of(system, status, which, place)
+    later = Later(path.arrays, path.solution, lambda: factor, lambda: np.inf)
+    happened = events_of(system, log[:events])
+    return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds, spec), happened, "fixed", later)

@@ -1,0 +1,113 @@
+"""Small complementarity problems of rates: γ ≥ 0, y = M γ + q ≥ 0, γᵀ y = 0; matrices of any kind.
+
+First what continues the path, then pivots from there, then, where they are few, every choice of the pairs. So a "no"
+is one that holds as long as there are no more than `_ALL` pairs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["solve_pairs", "solved"]
+
+_TINY, _SINGULAR = 1e-9, 1e-11
+_ALL = 9
+
+
+@kernel
+def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> bool:
+    """Write γ (p,); whether there is one. basis (p,) : 1 where γ > 0 is expected; overwritten with what is."""
+    p = len(q)
+    if p == 0:
+        return True
+    size = np.max(np.abs(q))
+    if size == 0.0:
+        gamma[:] = 0.0
+        basis[:] = 0
+        return True
+    first = basis.copy()
+    for _ in range(3 * p):
+        worst = _miss(M, q, basis, gamma, size)
+        if worst == -1:
+            return True
+        if worst == -2:  # singular
+            break
+        basis[worst] = 1 - basis[worst]
+    if p <= _ALL:
+        for choice in range(2**p):
+            for i in range(p):
+                basis[i] = (choice >> i & 1) ^ first[i]
+            if _miss(M, q, basis, gamma, size) == -1:
+                return True
+    return False
+
+
+@kernel
+def _miss(M: Array, q: Array, basis: Ints, gamma: Array, size: float) -> int:
+    """Write γ of this basis; which pair is worst: -1: none, -2: no such γ."""
+    p, k = len(q), 0
+    at = np.empty(p, np.int64)
+    for i in range(p):
+        gamma[i] = 0.0
+        if basis[i] == 1:
+            at[k] = i
+            k += 1
+    A, x = np.empty((k, k)), np.empty(k)
+    largest = 0.0
+    for i in range(k):
+        x[i] = -q[at[i]]
+        for j in range(k):
+            A[i, j] = M[at[i], at[j]]
+            largest = max(largest, abs(A[i, j]))
+    if not solved(A, x, _SINGULAR * largest):
+        return -2
+    biggest = 0.0
+    for i in range(k):
+        gamma[at[i]] = x[i]
+        biggest = max(biggest, abs(x[i]))
+    worst, by = -1, 1.0
+    for i in range(p):
+        if basis[i] == 1:
+            over = -gamma[i] / (_TINY * biggest) if biggest > 0.0 else 0.0
+        else:
+            y = q[i]
+            for j in range(k):
+                y += M[i, at[j]] * x[j]
+            over = -y / (_TINY * size)
+        if over > by:
+            worst, by = i, over
+    if worst == -1:
+        for i in range(p):
+            gamma[i] = max(gamma[i], 0.0)
+    return worst
+
+
+@kernel
+def solved(A: Array, x: Array, tiny: float) -> bool:
+    """X ← A⁻¹ x with row pivoting; False where A is singular."""
+    k = len(x)
+    for s in range(k):
+        at, best = s, abs(A[s, s])
+        for i in range(s + 1, k):
+            if abs(A[i, s]) > best:
+                at, best = i, abs(A[i, s])
+        if best <= tiny:
+            return False
+        if at != s:
+            for j in range(s, k):
+                A[s, j], A[at, j] = A[at, j], A[s, j]
+            x[s], x[at] = x[at], x[s]
+        for i in range(s + 1, k):
+            f = A[i, s] / A[s, s]
+            if f != 0.0:
+                for j in range(s + 1, k):
+                    A[i, j] -= f * A[s, j]
+                x[i] -= f * x[s]
+    for s in range(k - 1, -1, -1):
+        for j in range(s + 1, k):
+            x[s] -= A[s, j] * x[j]
+        x[s] /= A[s, s]
+    return True

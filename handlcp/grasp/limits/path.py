@@ -1,0 +1,108 @@
+"""A path that was followed, as arrays in SI, and its end as a certified solution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.limits.parts import CLOSED, Place
+from handlcp.grasp.limits.result import LimitPath
+from handlcp.grasp.limits.system import System
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.vectors import shifted
+from handlcp.grasp.solve.solve_spec import solve_spec
+
+__all__ = ["FollowedPath"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Moved(Effect):
+    """How far slips and turns before the last step have moved the contacts. Without a title: in no list."""
+
+    shift: Array
+
+    by_name = False
+
+    def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
+        return self.shift
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedPath:
+    """A path of a system under a load: points (k, 1 + m + dof + limits) as `trace` writes them, place at its end;
+    None: squeeze or weight alone are not held, and there are no points.
+    """
+
+    system: System
+    wrench: Array
+    points: Array
+    place: Place | None
+
+    def arrays(self) -> LimitPath:
+        """In SI, for users."""
+        system, m, dof = self.system, len(self.system.parts.E), len(self.system.parts.G)
+        scene, count = system.scene, len(self.points)
+        forces, torques, moved = np.empty((count, scene.n, 3)), [], np.empty((count, 6))
+        for k, point in enumerate(self.points):
+            components = self._components(point[1 : 1 + m])
+            physical = scene.physical(components)
+            forces[k] = physical[: 3 * scene.n].reshape(-1, 3)
+            moved[k] = self._motion(point[1 + m : 1 + m + dof])
+            joints = system.spec.mechanism
+            torques.append(
+                np.zeros(0) if joints is None else physical @ joints.rows(scene.soft) + scene.held_torque
+            )  # fmt: skip
+        return LimitPath(*(read_only(a) for a in (self.points[:, 0].copy(), forces, np.array(torques), moved)))
+
+    def solution(self) -> GraspSolution:
+        """The end of the path, certified."""
+        system, place = self.system, self.place
+        if place is None:
+            held = system.spec.replace(wrench=read_only(system.weight))
+            return solve_spec(held, system.section, proof=False)
+        scene, p, factor = system.scene, system.parts, float(self.points[-1, 0])
+        m, dof = len(p.E), len(p.G)
+        v = self._motions(self.points[-1])
+        change = v - self._motions(self.points[-2]) if len(self.points) > 1 else np.zeros(m)
+        slip = np.zeros(m)
+        for i, row in enumerate(p.contacts):
+            own = row[1:][row[1:] >= 0]
+            slides = [f for f in range(len(p.owner)) if p.owner[f] == i and place.slides[f]]
+            if row[0] < 0:
+                continue
+            if place.closed[i] == CLOSED and slides:
+                size = float(np.linalg.norm(change[own]))
+                round_ = p.moving[slides[0]]
+                slip[own] = -size * place.r[own] / np.linalg.norm(place.r[own]) if round_ else change[own]
+            elif place.closed[i] != CLOSED:
+                slip[row[0]], slip[own] = place.gap[i], change[own]
+        d = np.zeros(scene.components)
+        d[scene.kind.index] = (slip - v - scene.natural.d) * scene.units.motion
+        spec = system.spec.replace(
+            wrench=read_only(system.weight + factor * self.wrench),
+            effects=(*system.spec.effects, _Moved(scene.lawful(d))),
+        )
+        components = self._components(self.points[-1, 1 : 1 + m])
+        twist = scene.twist(self.points[-1, 1 + m : 1 + m + dof])
+        start = read_only(np.concatenate([components, twist, scene.units.centre]))
+        return solve_spec(spec, system.section, start=start, proof=False)
+
+    def _motions(self, point: Array) -> Array:
+        """(m,) Gᵀu + E r + Aᵀ s."""
+        p = self.system.parts
+        m, dof = len(p.E), len(p.G)
+        moved = p.E @ point[1 : 1 + m] + point[1 + m : 1 + m + dof] @ p.G + point[1 + m + dof :] @ p.rows
+        return np.asarray(moved)
+
+    def _components(self, r: Array) -> Array:
+        out = np.zeros(self.system.scene.components)
+        out[self.system.scene.kind.index] = r * self.system.scene.units.force
+        return out
+
+    def _motion(self, u: Array) -> Array:
+        scene = self.system.scene
+        return shifted(scene.twist(u), self.system.spec.reference - scene.units.centre)

@@ -1,0 +1,267 @@
+"""How forces and motions change with the load at one place of a path: friction opposes the rate of slip.
+
+    0 ≤ γ ⟂ -a·ṙ ≥ 0,    b γ against the motion
+
+is the law of a face that the force lies on (a = n on the tangents and -μ on the normal, b = n on the tangents), of a
+contact that touches without a force (a = b = -1 on the normal), and of a limit that is just reached (a = b = its row).
+All of them at once are a small complementarity problem (`pairs`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.limits.pairs import solve_pairs
+from handlcp.grasp.limits.parts import CLOSED, OPEN, OPENS, Parts, Place, inverse
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["Rates", "Solved", "decide", "face_of_force", "respond"]
+
+_NORMAL, _LIMIT = -1, -2
+_MOST = 6  # contacts that touch without force at one place, of which all choices are tried
+_TURNS, _TURNED = 200, 1e-14
+_TINY = 1e-9
+_DRIVEN = 1e-9  # of the load: more of it along a motion that nothing resists is no balance
+
+
+class Rates(NamedTuple):
+    """By one unit of the load: r (m,), u (dof,), give (k,), gap (n,), slack (k,)."""
+
+    r: Array
+    u: Array
+    give: Array
+    gap: Array
+    slack: Array
+
+
+class Solved(NamedTuple):
+    """The inverse at a place, and the response x0 (m + dof + k) to the load where nothing slips."""
+
+    W: Array
+    Z: Array
+    x0: Array
+
+
+@kernel
+def face_of_force(p: Parts, f: int, r: Array) -> None:
+    """Turn a moving face to where the force lies."""
+    i, size = p.owner[f], 0.0
+    for a in range(3):
+        j = p.contacts[i, a + 1]
+        if j >= 0:
+            size += r[j] * r[j]
+    size = np.sqrt(size)
+    if size > 0.0:
+        for a in range(3):
+            j = p.contacts[i, a + 1]
+            p.normals[f, a] = r[j] / size if j >= 0 else 0.0
+
+
+@kernel
+def _pair(p: Parts, kind: int, index: int, a: Array, b: Array) -> None:
+    """Write the row a (m,) and the motion b (m,) of a face (kind ≥ 0: its contact), a normal or a limit."""
+    a[:] = 0.0
+    b[:] = 0.0
+    if kind == _NORMAL:
+        j = p.contacts[index, 0]
+        a[j] = b[j] = -1.0
+    elif kind == _LIMIT:
+        a[:] = p.rows[index]
+        b[:] = p.rows[index]
+    else:
+        a[p.contacts[kind, 0]] = -p.mu[kind]
+        for c in range(3):
+            j = p.contacts[kind, c + 1]
+            if j >= 0:
+                a[j] = b[j] = p.normals[index, c]
+
+
+@kernel
+def respond(p: Parts, at: Solved, kinds: Ints, index: Ints) -> tuple[Array, Array, Array]:
+    """(X, M, q): responses (m + dof + k, pairs) to each γ, and the complementarity problem of the pairs."""
+    m, count = len(p.E), len(kinds)
+    a, B = np.zeros((count, m)), np.zeros((count, m))
+    for c in range(count):
+        _pair(p, kinds[c], index[c], a[c], B[c])
+    X = -np.dot(np.ascontiguousarray(at.W[:, :m]), np.ascontiguousarray(B.T))
+    r = np.ascontiguousarray(X[:m])
+    return X, -np.dot(a, r), -np.dot(a, at.x0[:m])
+
+
+@kernel
+def _pairs_at(p: Parts, s: Place, closed: Ints) -> tuple[Ints, Ints, Ints]:
+    """(kinds, index, basis) of all pairs; `closed` with the contacts that touch decided."""
+    n, f, k = len(p.mu), len(p.owner), len(p.rows)
+    kinds, index = np.empty(f + n + k, np.int64), np.empty(f + n + k, np.int64)
+    basis, count = np.zeros(f + n + k, np.int64), 0
+    for j in range(f):
+        i = p.owner[j]
+        if closed[i] == CLOSED and (s.closed[i] != CLOSED or s.active[j] == 1):
+            kinds[count], index[count] = i, j
+            basis[count] = s.slides[j] if s.closed[i] == CLOSED else 0
+            count += 1
+    for i in range(n):
+        if closed[i] == CLOSED and s.closed[i] != CLOSED:
+            kinds[count], index[count] = _NORMAL, i
+            count += 1
+    for q in range(k):
+        if s.yields[q] == 2:
+            kinds[count], index[count], basis[count] = _LIMIT, q, 1
+            count += 1
+    return kinds[:count], index[:count], basis[:count]
+
+
+@kernel
+def _rates(p: Parts, x: Array, give: Array) -> Rates:
+    """From the response x, with the rates of limits that begin to give way in `give`."""
+    m, dof, k = len(p.E), len(p.G), len(p.rows)
+    r, u = x[:m].copy(), x[m : m + dof].copy()
+    s = x[m + dof :] + give
+    v = np.dot(p.E, r) + np.dot(u, p.G)
+    slack = np.zeros(k)
+    for q in range(k):
+        v += p.rows[q] * s[q]
+        for j in range(m):
+            slack[q] -= p.rows[q, j] * r[j]
+    gap = np.zeros(len(p.mu))
+    for i in range(len(gap)):
+        if p.contacts[i, 0] >= 0:
+            gap[i] = v[p.contacts[i, 0]]
+    return Rates(r, u, s, gap, slack)
+
+
+@kernel
+def decide(p: Parts, s: Place, w: Array) -> tuple[bool, Rates, Solved]:
+    """The rates under the load w (dof,), and what contacts and limits do: written into s. False: there are none."""
+    n, k, m = len(p.mu), len(p.rows), len(p.E)
+    touching, many = np.empty(n, np.int64), 0
+    for i in range(n):
+        if s.closed[i] > CLOSED:
+            touching[many] = i
+            many += 1
+    for j in range(len(p.owner)):
+        if p.moving[j] == 1 and s.active[j] == 1 and s.closed[p.owner[j]] == CLOSED:
+            face_of_force(p, j, s.r)
+    given = np.zeros(k, np.int64)
+    for q in range(k):
+        given[q] = 1 if s.yields[q] == 1 else 0
+    closed = s.closed.copy()
+    W, Z = np.empty((0, 0)), np.empty((0, 0))
+    x = np.zeros(m + len(w) + k)
+    for choice in range(2 ** min(many, _MOST)):
+        for t in range(many):
+            i = touching[t]
+            other = (choice >> min(t, _MOST - 1)) & 1
+            closed[i] = OPEN if (s.closed[i] == OPENS) == (other == 0) else CLOSED
+        W, Z = inverse(p, closed, given)
+        if _is_driven(Z, w, len(w)):
+            continue
+        x0 = -np.dot(np.ascontiguousarray(W[:, m : m + len(w)]), w)
+        at = Solved(W, Z, x0)
+        kinds, index, basis = _pairs_at(p, s, closed)
+        gamma = np.zeros(len(kinds))
+        if not _slips(p, s, at, kinds, index, basis, gamma, x):
+            continue
+        give = np.zeros(k)
+        for c in range(len(kinds)):
+            if kinds[c] == _LIMIT:
+                give[index[c]] = gamma[c]
+        found = _rates(p, x, give)
+        if _penetrates(s, closed, found.gap):
+            continue
+        _settle(p, s, closed, kinds, index, gamma, found)
+        return True, found, at
+    return False, _rates(p, x, np.zeros(k)), Solved(W, Z, x)
+
+
+@kernel
+def _is_driven(Z: Array, w: Array, dof: int) -> bool:
+    size = np.max(np.abs(w))
+    for c in range(Z.shape[1]):
+        total = 0.0
+        for i in range(dof):
+            total += Z[i, c] * w[i]
+        if abs(total) > _DRIVEN * size:
+            return True
+    return False
+
+
+@kernel
+def _penetrates(s: Place, closed: Ints, gap: Array) -> bool:
+    """Whether a contact that was to open moves inward."""
+    largest = 0.0
+    for g in gap:
+        largest = max(largest, abs(g))
+    inward = 0
+    for i in range(len(closed)):
+        if s.closed[i] > CLOSED and closed[i] == OPEN and gap[i] < -_TINY * largest:
+            inward += 1
+    return inward > 0
+
+
+@kernel
+def _slips(
+    p: Parts, s: Place, at: Solved, kinds: Ints, index: Ints, basis: Ints, gamma: Array, x: Array
+) -> bool:  # fmt: skip
+    """Write γ and the response x; moving faces of contacts that just touch are turned until they meet the force."""
+    turning = False
+    for c in range(len(kinds)):
+        if kinds[c] >= 0 and p.moving[index[c]] == 1 and s.closed[kinds[c]] != CLOSED:
+            turning = True
+    if turning:
+        for c in range(len(kinds)):
+            if kinds[c] >= 0 and p.moving[index[c]] == 1 and s.closed[kinds[c]] != CLOSED:
+                face_of_force(p, index[c], at.x0)
+    for _ in range(_TURNS):
+        X, M, q = respond(p, at, kinds, index)
+        if not solve_pairs(M, q, basis, gamma):
+            return False
+        x[:] = at.x0
+        for c in range(len(kinds)):
+            if gamma[c] != 0.0:
+                x += X[:, c] * gamma[c]
+        if not turning:
+            return True
+        change = 0.0
+        for c in range(len(kinds)):
+            if kinds[c] >= 0 and p.moving[index[c]] == 1 and s.closed[kinds[c]] != CLOSED and gamma[c] > 0.0:
+                before = p.normals[index[c]].copy()
+                face_of_force(p, index[c], x)
+                change = max(change, np.max(np.abs(before - p.normals[index[c]])))
+        if change <= _TURNED:
+            return True
+    return False
+
+
+@kernel
+def _settle(p: Parts, s: Place, closed: Ints, kinds: Ints, index: Ints, gamma: Array, found: Rates) -> None:
+    """Write what contacts and limits do from here on into s."""
+    begins = s.closed.copy()
+    opened = np.zeros(len(closed), np.int64)
+    for c in range(len(kinds)):
+        if kinds[c] == _NORMAL and gamma[c] > 0.0:
+            opened[index[c]] = 1
+        elif kinds[c] == _LIMIT:
+            s.yields[index[c]] = 1 if gamma[c] > 0.0 else 0
+    for i in range(len(closed)):
+        s.closed[i] = OPEN if opened[i] == 1 else closed[i]
+    largest = np.max(np.abs(found.r)) if len(found.r) else 0.0
+    for j in range(len(s.active)):
+        if s.closed[p.owner[j]] == OPEN:
+            s.active[j] = s.slides[j] = 0
+    for c in range(len(kinds)):
+        if kinds[c] < 0 or s.closed[kinds[c]] == OPEN:
+            continue
+        j, i = index[c], kinds[c]
+        s.slides[j] = 1 if gamma[c] > 0.0 else 0
+        room = p.mu[i] * found.r[p.contacts[i, 0]]
+        for a in range(3):
+            t = p.contacts[i, a + 1]
+            if t >= 0:
+                room -= p.normals[j, a] * found.r[t]
+        s.active[j] = 1 if s.slides[j] == 1 or room <= _TINY * largest else 0
+        if begins[i] != CLOSED and p.moving[j] == 1 and s.slides[j] == 0:
+            s.active[j] = 0

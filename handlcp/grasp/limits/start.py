@@ -1,0 +1,112 @@
+"""Where a path begins: the grasp squeezed, then its weight put on, before the load comes.
+
+With fingertips that just touch, a squeeze that grows makes forces and slips that grow with it. So one solve of the
+whole squeeze is the squeeze made slowly. Fingertips that are still apart, or sag, are followed in steps (`follow`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.limits.happens import REACHED, room_of
+from handlcp.grasp.limits.parts import CLOSED, CLOSES, OPEN, OPENS, Place
+from handlcp.grasp.limits.rates import face_of_force
+from handlcp.grasp.limits.system import System
+from handlcp.grasp.limits.trace import EVENTS, trace
+from handlcp.grasp.loading.follow import follow
+from handlcp.grasp.model.vectors import shifted
+from handlcp.grasp.solve.solve_spec import solve_spec
+
+__all__ = ["Start", "start_of"]
+
+_NONE = 1e-7  # of the contacts' distances: fingertips no farther apart touch
+_ON = 1e-9  # of the largest force or motion
+
+
+class Start(NamedTuple):
+    """place : with squeeze and weight; None where they are not held, and why."""
+
+    place: Place | None
+    why: str
+
+
+def start_of(system: System) -> Start:
+    """The state that the load finds."""
+    squeezed = _squeezed(system)
+    if squeezed.place is None or not system.weight.any():
+        return squeezed
+    p, w, watch = system.parts, system.load(system.weight), system.watch
+    width = 1 + len(p.E) + len(p.G) + len(p.rows)
+    free = watch._replace(rows=watch.rows[:0], level=watch.level[:0])
+    log, path = np.empty((EVENTS, 3)), np.empty((EVENTS, width))
+    status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, log, path)
+    if status != REACHED:
+        return Start(None, f"the grasp holds {factor:.0%} of the object's own weight")
+    return squeezed
+
+
+def _squeezed(system: System) -> Start:
+    """The place after the squeeze, with no load."""
+    spec, scene = system.spec, system.scene
+    size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
+    sags = any(isinstance(e, FingerWeight) and e.sags for e in spec.effects)
+    alone = spec.replace(wrench=read_only(np.zeros(6)))
+    if not sags and not (spec.offset[:, 2] > _NONE * size).any():
+        if not scene.offset.any():
+            return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
+        found = solve_spec(alone, system.section, proof=False)
+        if found.held and found.forces.any():
+            return Start(_from_solution(system, found), "")
+    loading = follow(spec, system.section, np.zeros(6), ("squeeze",), "fixed", 40, None)
+    if not loading.reached:
+        return Start(None, f"the squeeze alone is not held: {loading.why}")
+    last = loading.last
+    forces = np.concatenate([last.read.forces.reshape(-1), last.read.torsion[list(scene.soft)]])
+    return Start(_place(system, scene.lawful(forces), last.where.pose, {}), "")
+
+
+def _from_solution(system: System, found: GraspSolution) -> Place:
+    scene = system.scene
+    torsion = np.zeros(0) if found.torsion is None else found.torsion[list(scene.soft)]
+    forces = scene.lawful(np.concatenate([found.forces.reshape(-1), torsion]))
+    return _place(system, forces, found.object_displacement, found.extra)
+
+
+def _place(system: System, components: Array, displacement: Array, extra: dict[str, Array]) -> Place:
+    """From forces (c,) in the laws' coordinates and the object's motion about the reference, SI."""
+    scene, p = system.scene, system.parts
+    units = scene.units
+    r = components[scene.kind.index] / units.force
+    u = scene.natural_twist(shifted(displacement, units.centre - system.spec.reference))
+    give = np.zeros(len(p.rows))
+    if extra and system.limits:
+        give = np.concatenate([limit.natural_motion(scene, extra) for limit in system.limits])
+    room = np.zeros(0)
+    if system.limits:
+        room = np.concatenate([limit.natural_room(scene) for limit in system.limits])
+    v = p.E @ r + u @ p.G + give @ p.rows + scene.natural.d
+    n, force, motion = len(p.mu), float(abs(r).max(initial=0.0)), float(abs(v).max(initial=0.0))
+    gap, closed = np.zeros(n), np.full(n, OPEN, dtype=np.int64)
+    for i, j in enumerate(p.contacts[:, 0].tolist()):
+        if r[j] > _ON * force:
+            closed[i] = CLOSED
+        elif v[j] <= _ON * motion:
+            closed[i] = CLOSES if force == 0.0 else OPENS
+            r[p.contacts[i][p.contacts[i] >= 0]] = 0.0
+        else:
+            gap[i] = v[j]
+            r[p.contacts[i][p.contacts[i] >= 0]] = 0.0
+    slack = room - p.rows @ r
+    yields = np.where(give > _ON * motion, 1, np.where(slack <= _ON * force, 2, 0)) if len(give) else np.zeros(0)
+    active = np.zeros(len(p.owner), dtype=np.int64)
+    for f, i in enumerate(p.owner.tolist()):
+        if closed[i] == CLOSED:
+            if p.moving[f]:
+                face_of_force(p, f, r)
+            active[f] = int(room_of(p, r, f) <= _ON * force)
+    return Place(r, u, gap, give, slack, closed, yields.astype(np.int64), active, active.copy())

@@ -1,0 +1,147 @@
+"""A grasp in one posture as the arrays that its paths are followed with: what stays, and what is watched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.errors import Unsupported
+from handlcp.grasp.assembly.build import build
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.friction import Cone, Section, limit_set
+from handlcp.grasp.limits.happens import Watch
+from handlcp.grasp.limits.parts import Parts
+from handlcp.grasp.loading.geometry import supports
+from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
+
+__all__ = ["System", "system_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """spec : the grasp, with the flexibility and the effects that count in one posture. scene : of it. weight (6,) : of
+    the object, about the reference. limits : that give way, in the order of their unknowns. watched : (kind, name) of
+    each row of `watch`.
+    """
+
+    spec: GraspSpec
+    section: Section
+    scene: Scene
+    parts: Parts
+    weight: Array
+    limits: tuple[Limit, ...]
+    watched: tuple[tuple[str, str], ...]
+    watch: Watch
+
+    def load(self, wrench: Array) -> Array:
+        """(dof,) in natural units, from a wrench (6,) about the reference."""
+        scene, units = self.scene, self.scene.units
+        about = wrench.copy()
+        about[3:] += cross_rows(self.spec.reference - units.centre, wrench[:3])
+        about[:3] /= units.force
+        about[3:] /= units.force * units.length
+        return np.asarray(scene.freedom @ about)
+
+
+def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
+    """Of a grasp whose load beside the weight is about as large as `wrench` (6,). Raises Unsupported."""
+    if held := [e for e in spec.effects if e.prescribed()]:
+        names = ", ".join(type(e).__name__ for e in held)
+        raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
+    if foreign := [e for e in spec.effects if e.stamps and not e.only_limits]:
+        names = ", ".join(type(e).__name__ for e in foreign)
+        raise Unsupported(f"a load limit knows no unknowns but forces and limits that give way ({names})")
+    effects = tuple([e for e in spec.effects if not isinstance(e, GeometricStiffness)])
+    weight = np.zeros(6)
+    if spec.mechanism is not None:
+        weight[:3] = spec.mechanism.weight_of_object()
+    E = spec.flexibility.copy()
+    E[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
+    spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight + wrench))
+    scene = build(spec)
+    limits = tuple([limit for e in effects for limit in e.present(scene)])
+    watched, watch = _watch(spec, scene, effects, limits)
+    return System(spec, section, scene, _parts(scene, section, limits), weight, limits, watched, watch)
+
+
+def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
+    kind, blocks = scene.kind, scene.natural
+    place = np.full(kind.components + 1, -1)
+    place[kind.index] = np.arange(len(kind.index))
+    contacts = place[kind.contact_components]
+    owner, normals, moving = list[int](), list[Array](), list[int]()
+    for i, t in enumerate(kind.tangents):
+        if t == 0:
+            continue
+        round_ = isinstance(section, Cone) and t > 1
+        faces = np.zeros((1, 3)) if round_ else np.pad(limit_set(section, t).normals.T, ((0, 0), (0, 3 - t)))
+        owner += [i] * len(faces)
+        normals.append(faces)
+        moving += [int(round_)] * len(faces)
+    rows = np.concatenate([limit.natural_rows for limit in limits]) if limits else np.zeros((0, kind.components))
+    return Parts(
+        np.ascontiguousarray(blocks.E), np.ascontiguousarray(blocks.G), np.ascontiguousarray(rows[:, kind.index]),
+        contacts, scene.limits(section), np.array(owner, dtype=np.int64),
+        np.concatenate(normals) if normals else np.zeros((0, 3)), np.array(moving, dtype=np.int64),
+    )  # fmt: skip
+
+
+def _watch(
+    spec: GraspSpec, scene: Scene, effects: tuple[Effect, ...], limits: tuple[Limit, ...]
+) -> tuple[tuple[tuple[str, str], ...], Watch]:
+    """Torques, unless they saturate, and ends of joints' ranges."""
+    units, index, k = scene.units, scene.kind.index, sum([len(limit.room) for limit in limits])
+    moves = np.zeros((6, scene.dof))
+    arm = spec.reference - units.centre
+    for c in range(scene.dof):
+        twist = scene.twist(np.eye(scene.dof)[c])
+        moves[:3, c], moves[3:, c] = twist[:3] + cross_rows(twist[3:], arm), twist[3:]
+    rows, level, watched = np.zeros((0, len(index) + k)), np.zeros(0), tuple[tuple[str, str], ...]()
+    joints = spec.mechanism
+    if joints is not None and len(joints.names):
+        T = joints.rows(scene.soft)
+        T = (T if scene.scale is None else T * scene.scale[:, None])[index].T * units.force
+        if not any(isinstance(e, TorqueSaturation) for e in effects):
+            held, most = scene.held_torque, joints.limits
+            some = np.flatnonzero(np.isfinite(most) & (abs(T).max(axis=1, initial=0.0) > 0.0))
+            rows = np.concatenate([rows, *[np.pad(s * T[some], ((0, 0), (0, k))) for s in (1.0, -1.0)]])
+            level = np.concatenate([level, most[some] - held[some], most[some] + held[some]])
+            watched += tuple([("torque", joints.names[j]) for j in some]) * 2
+        stands = joints.stands
+        if stands is not None and joints.ranges is not None:
+            sag = sum([e.torque for e in effects if isinstance(e, FingerWeight) and e.sags], np.zeros(len(T)))
+            told = sum([e.command for e in effects if isinstance(e, JointOffset)], np.zeros(len(T)))
+            q = stands + told - joints.deflection(sag)
+            Q = joints.root @ (joints.root.T @ T)
+            give = _yield_rows(scene, effects, limits, len(T))
+            for end, sign in ((joints.ranges[0], 1.0), (joints.ranges[1], -1.0)):  # q = q0 - Q r - give
+                some = np.flatnonzero(np.isfinite(end) & (sign * (q - end) >= 0.0))
+                rows = np.concatenate([rows, sign * np.hstack([Q, give])[some]])
+                level = np.append(level, (sign * (q - end))[some])
+                watched += tuple([("range", joints.names[j]) for j in some])
+    return watched, Watch(
+        np.ascontiguousarray(rows), level, moves, np.zeros(6), np.inf, np.inf
+    )  # fmt: skip
+
+
+def _yield_rows(scene: Scene, effects: tuple[Effect, ...], limits: tuple[Limit, ...], nv: int) -> Array:
+    """(nv, k) how far one natural unit of each limit that gives way drives each joint back [rad, m]."""
+    out = np.zeros((nv, sum([len(limit.room) for limit in limits])))
+    at, joints = 0, scene.mechanism
+    for e in effects:
+        for limit in e.present(scene):
+            if isinstance(e, TorqueSaturation) and joints is not None and limit.levers is not None:
+                sign = 1.0 if limit.name == "s⁺" else -1.0
+                for c, j in enumerate(e.limited(scene)[2]):
+                    out[j, at + c] = sign * scene.units.motion / limit.levers[c]
+            at += len(limit.room)
+    return out
