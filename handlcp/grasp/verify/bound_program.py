@@ -15,7 +15,8 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.verify.capacity import Capacity
 from handlcp.grasp.verify.cones import Cones
-from handlcp.grasp.verify.conic import ENDED, NOTHING_FITS, UNBOUNDED, Conic, solve_conic
+from handlcp.grasp.verify.conic import ENDED, NOTHING_FITS, UNBOUNDED, solve_conic
+from handlcp.grasp.verify.newton import Conic
 from handlcp.tolerances import RANK
 
 __all__ = ["Factors", "depth", "largest"]
@@ -23,6 +24,7 @@ __all__ = ["Factors", "depth", "largest"]
 _TOGETHER = 500  # programs at once: their matrices stay within a few dozen megabytes
 _FROM, _TO = 1e-2, 1e3  # factors that are accurate as they are, in units of what the grasp bears
 _AGAIN = 3  # changes of units
+_DECIDED = 1e-3  # a gap that tells nothing from everything
 _LEAST = 1e-9  # of what the grasp bears: what it holds of less is nothing
 
 
@@ -82,8 +84,11 @@ def largest(capacity: Capacity, base: Array, wrenches: Array) -> Factors:
         far = np.isfinite(share) & ((share < _FROM) | (share > _TO)) & (share > _LEAST)
         units[todo] *= np.where(far, share, 1.0)
         todo = todo[far]
+    if not (base.any() or capacity.h.any() or capacity.values.any()):  # a cone bears all of a load, or nothing
+        decided = (out.gaps < _DECIDED) & ~np.isinf(out.factors)
+        out.factors[decided], out.gaps[decided] = 0.0, 0.0
     nothing = out.factors * length < _LEAST * _size(capacity, base)
-    out.factors[nothing] = 0.0
+    out.factors[nothing], out.gaps[nothing] = 0.0, 0.0
     return out
 
 
@@ -99,9 +104,12 @@ def _solved(capacity: Capacity, base: Array, wrenches: Array, units: Array, kept
     factors = np.where(found.status == ENDED, found.x[:, -1] * units / length, np.nan)
     factors[found.status == UNBOUNDED] = np.inf
     factors[found.status == NOTHING_FITS] = 0.0
+    with np.errstate(divide="ignore"):
+        gaps = found.gap * np.maximum(1.0, units / (factors * length))  # relative to the factor
+    gaps[~(factors > 0.0)] = found.gap[~(factors > 0.0)]
     ended = (found.status == ENDED)[:, None]
     forces, z = np.where(ended, found.x[:, :m] * units[:, None], np.nan), np.where(ended, found.z[:, 1:], 0.0)
-    return Factors(np.maximum(factors, 0.0), found.gap, forces, z)
+    return Factors(np.maximum(factors, 0.0), gaps, forces, z)
 
 
 def _equations(capacity: Capacity, base: Array) -> tuple[Array, Array]:

@@ -16,33 +16,19 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.verify.cones import Cones, Scaling
+from handlcp.grasp.verify.cones import Scaling
+from handlcp.grasp.verify.newton import Conic, Reduced, Whole
 
-__all__ = ["ENDED", "NOTHING_FITS", "STOPPED", "UNBOUNDED", "Conic", "Ends", "solve_conic"]
+__all__ = ["ENDED", "NOTHING_FITS", "STOPPED", "UNBOUNDED", "Ends", "solve_conic"]
 
 STOPPED, ENDED, UNBOUNDED, NOTHING_FITS = 0, 1, 2, 3
 _MOST = 80  # steps; few programs take 25
 _GAP = 1e-12  # relative: where a program is at its end
 _NEAR, _SLOWER = 1e-9, 0.3  # or below this, where a step no longer makes it so many times what it was: rounding is left
-_ENOUGH = 1e-7  # of a program whose steps have become too short: what still is an end
+_ENOUGH = 1e-5  # of a program whose steps have become too short: what still is an end
 _PROOF = 1e-9  # how far a ray or a proof may miss its equations
 _STALLED = 1e-9  # shorter steps than this lead nowhere
 _TO_WALL = 0.99  # of the way to the cones' boundary
-
-
-class Conic(NamedTuple):
-    """c (v,), A (p, e, v) of p programs, b (p, e), G (m, v), h (p, m), and the cones of the m rows."""
-
-    c: Array
-    A: Array
-    b: Array
-    G: Array
-    h: Array
-    cones: Cones
-
-    def at(self, rows: Ints) -> Conic:
-        """Some of the programs."""
-        return self._replace(A=self.A[rows], b=self.b[rows], h=self.h[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,27 +64,38 @@ class _Point(NamedTuple):
 
 
 def solve_conic(programs: Conic) -> Ends:
-    """All of them; where a program stops short of its end, the status says so and the gap how far."""
+    """All of them; where a program stops short of its end, the status says so and the gap how far.
+
+    Where the short equations of a step lose too many digits, as where several contacts share what one of them could
+    bear, a program starts again with the long ones.
+    """
     p, e, v = programs.A.shape
     m = len(programs.G)
     ends = Ends(
         np.zeros(p, dtype=np.int64), np.full((p, v), np.nan), np.full((p, e), np.nan), np.full((p, m), np.nan),
         np.full((p, m), np.nan), np.full(p, np.inf),
     )  # fmt: skip
-    unit = np.tile(programs.cones.unit, (p, 1))
-    point = _Point(np.zeros((p, v)), np.zeros((p, e)), unit.copy(), unit.copy(), np.ones(p), np.ones(p))
-    left = np.arange(p)
+    for equations, todo in ((Reduced, np.arange(p)), (Whole, None)):
+        left = np.flatnonzero(ends.gap > _NEAR) if todo is None else todo
+        _run(programs, left, ends, equations)
+    return ends
+
+
+def _run(programs: Conic, left: Ints, ends: Ends, equations: type[Reduced] | type[Whole]) -> None:
+    """Steps of the programs in `left` until all are at an end, or get no nearer to theirs."""
+    (_, e, v), unit = programs.A.shape, np.tile(programs.cones.unit, (len(left), 1))
+    one = np.ones(len(left))
+    point = _Point(np.zeros((len(left), v)), np.zeros((len(left), e)), unit.copy(), unit.copy(), one, one.copy())
     with np.errstate(all="ignore"):  # programs at the edge of rounding are told by what they miss
         for _ in range(_MOST):
             done = _record(programs, point, left, ends)
             left, point = left[~done], point.at(~done)
             if not len(left):
-                break
-            step, alpha = _step(programs.at(left), point)
+                return
+            step, alpha = _step(programs.at(left), point, equations)
             moved = point.plus(step, alpha)
             usable = np.isfinite(alpha) & (alpha > _STALLED) & np.isfinite(moved.x).all(axis=1)
             left, point = left[usable], moved.at(usable)
-    return ends
 
 
 def _record(programs: Conic, at: _Point, left: Ints, ends: Ends) -> Bools:
@@ -157,23 +154,50 @@ def _residuals(programs: Conic, at: _Point) -> tuple[Array, Array, Array, Array]
     return rx, ry, rz, at.kappa + at.x @ c + _dots(programs, at.y, at.z)
 
 
-def _step(programs: Conic, at: _Point) -> tuple[_Point, Array]:
+def _step(programs: Conic, at: _Point, equations: type[Reduced] | type[Whole]) -> tuple[_Point, Array]:
     """A predictor's and a corrector's step in one, and how far along it the cones allow (p,)."""
     cones = programs.cones
     scaling = cones.scaling(at.s, at.z)
-    system = _System(programs, scaling)
+    system = equations(programs, scaling)
+    border = system.solve(-programs.c * np.ones((len(at.x), 1)), programs.b, programs.h)
     residuals = _residuals(programs, at)
     count = cones.count + 1
     mu = ((at.s * at.z).sum(axis=1) + at.kappa * at.tau) / count
     square = cones.product(scaling.point, scaling.point)
-    predictor = system.direction(at, residuals, np.zeros(len(mu)), square, at.kappa * at.tau)
+    know = _Known(programs, scaling, system, border, residuals)
+    predictor = know.direction(at, np.zeros(len(mu)), square, at.kappa * at.tau)
     ahead = np.minimum(1.0, _reach(scaling, at, predictor))
     centring = (1.0 - ahead) ** 3
     ds, dz = scaling.inverse(predictor.s), scaling.times(predictor.z)
     target = square + cones.product(ds, dz) - (centring * mu)[:, None] * cones.unit
     last = at.kappa * at.tau + predictor.kappa * predictor.tau - centring * mu
-    step = system.direction(at, residuals, centring, target, last)
+    step = know.direction(at, centring, target, last)
     return step, np.minimum(1.0, _TO_WALL * _reach(scaling, at, step))
+
+
+class _Known(NamedTuple):
+    """What the predictor and the corrector of a step share; border : the equations' answer to (-c, b, h)."""
+
+    programs: Conic
+    scaling: Scaling
+    system: Reduced | Whole
+    border: tuple[Array, Array, Array]
+    residuals: tuple[Array, Array, Array, Array]
+
+    def direction(self, at: _Point, centring: Array, target: Array, last: Array) -> _Point:
+        """The step that leaves `centring` (p,) of the residuals, with these right-hand sides of complementarity."""
+        programs = self.programs
+        rx, ry, rz, rt = self.residuals
+        keep = (1.0 - centring)[:, None]
+        inner = self.scaling.times(programs.cones.divided(self.scaling.point, target))
+        x, y, z = self.system.solve(-keep * rx, -keep * ry, -keep * rz + inner)
+        bx, by, bz = self.border
+        slope = bx @ programs.c + _dots(programs, by, bz) - at.kappa / at.tau
+        tau = (-(1.0 - centring) * rt + last / at.tau - x @ programs.c - _dots(programs, y, z)) / slope
+        x, y, z = x + tau[:, None] * bx, y + tau[:, None] * by, z + tau[:, None] * bz
+        # By the rows, not by the scaling: rounding then stays in the complementarity, which further steps mend
+        s = tau[:, None] * programs.h - keep * rz - x @ programs.G.T
+        return _Point(x, y, z, s, tau, (-last - at.kappa * tau) / at.tau)
 
 
 def _reach(scaling: Scaling, at: _Point, step: _Point) -> Array:
@@ -181,66 +205,3 @@ def _reach(scaling: Scaling, at: _Point, step: _Point) -> Array:
     far = np.maximum(scaling.closing(scaling.inverse(step.s)), scaling.closing(scaling.times(step.z)))
     far = np.maximum(far, np.maximum(-step.tau / at.tau, -step.kappa / at.kappa))
     return np.asarray(1.0 / np.maximum(far, 1e-300))
-
-
-class _System:
-    """The Newton equations of one step, [0 Aᵀ Gᵀ; A 0 0; G 0 -W²] and the border of the embedding."""
-
-    def __init__(self, programs: Conic, scaling: Scaling) -> None:
-        self.programs, self.scaling = programs, scaling
-        p, e, v = programs.A.shape
-        across = scaling.rows(programs.G)
-        K = np.zeros((p, v + e, v + e))
-        K[:, :v, :v] = across.transpose(0, 2, 1) @ across
-        K[:, v:, :v], K[:, :v, v:] = programs.A, programs.A.transpose(0, 2, 1)
-        d = np.ones((p, v + e))
-        d[:, :v] = 1.0 / np.sqrt(np.maximum(np.einsum("pii->pi", K[:, :v, :v]), 1e-300))
-        d[:, v:] = 1.0 / np.sqrt(np.maximum((programs.A**2 * d[:, None, :v] ** 2).sum(axis=2), 1e-300))
-        self.size, self.K, self.inverse = d, K, _inverse(K * d[:, :, None] * d[:, None, :])
-        one = np.ones((p, 1))
-        self.border = self.solve(-programs.c * one, programs.b, programs.h)
-
-    def solve(self, px: Array, py: Array, pz: Array) -> tuple[Array, Array, Array]:
-        """(x, y, z) for these right-hand sides, refined once against what rounding left."""
-        G, A = self.programs.G, self.programs.A
-        x, y, z = self._once(px, py, pz)
-        for _ in range(2):
-            ex = px - np.einsum("pev,pe->pv", A, y) - z @ G
-            ey = py - np.einsum("pev,pv->pe", A, x)
-            ez = pz - x @ G.T + self.scaling.times(self.scaling.times(z))
-            dx, dy, dz = self._once(ex, ey, ez)
-            x, y, z = x + dx, y + dy, z + dz
-        return x, y, z
-
-    def _once(self, px: Array, py: Array, pz: Array) -> tuple[Array, Array, Array]:
-        G, v = self.programs.G, px.shape[1]
-        less = self.scaling.inverse(self.scaling.inverse(pz))
-        right = np.concatenate([px + less @ G, py], axis=1) * self.size
-        found = (self.inverse @ right[:, :, None])[:, :, 0] * self.size
-        x = found[:, :v]
-        return x, found[:, v:], self.scaling.inverse(self.scaling.inverse(x @ G.T - pz))
-
-    def direction(
-        self, at: _Point, residuals: tuple[Array, ...], centring: Array, target: Array, last: Array
-    ) -> _Point:
-        """The step that leaves `centring` of the residuals, with these right-hand sides of complementarity."""
-        c, cones = self.programs.c, self.programs.cones
-        rx, ry, rz, rt = residuals
-        keep = (1.0 - centring)[:, None]
-        inner = self.scaling.times(cones.divided(self.scaling.point, target))
-        x, y, z = self.solve(-keep * rx, -keep * ry, -keep * rz + inner)
-        bx, by, bz = self.border
-        slope = bx @ c + _dots(self.programs, by, bz) - at.kappa / at.tau
-        tau = (-(1.0 - centring) * rt + last / at.tau - x @ c - _dots(self.programs, y, z)) / slope
-        x, y, z = x + tau[:, None] * bx, y + tau[:, None] * by, z + tau[:, None] * bz
-        # By the rows, not by the scaling: rounding then stays in the complementarity, which further steps mend
-        s = tau[:, None] * self.programs.h - keep * rz - x @ self.programs.G.T
-        return _Point(x, y, z, s, tau, (-last - at.kappa * tau) / at.tau)
-
-
-def _inverse(K: Array) -> Array:
-    """Of each matrix; one that is singular to the last bit is moved by its rounding."""
-    try:
-        return np.asarray(np.linalg.inv(K))
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.inv(K + 1e-14 * np.eye(K.shape[1])))

@@ -1,0 +1,227 @@
+"""The bound without compliance: closed forms, linear programs written from the public names alone, and its proofs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import handlcp as hl
+import handlcp.scene
+from tests.support.margins import bounds
+
+MU, N = 0.5, 3.0
+BOUNDED = (hl.FingerForceBound(N),)
+
+
+def pinch(friction=None, effects=BOUNDED):
+    friction = hl.Coulomb(MU) if friction is None else friction
+    contacts = [hl.Contact((-0.02, 0, 0), (1, 0, 0), friction), hl.Contact((0.02, 0, 0), (-1, 0, 0), friction)]
+    return hl.Grasp(contacts, flexibility=1e-4, effects=effects)
+
+
+def ring(n, rng, friction=None):
+    """Contacts around a ball of 30 mm, pointing inwards but for some slant."""
+    contacts = []
+    for i in range(n):
+        out = rng.normal(size=3)
+        out /= np.linalg.norm(out)
+        normal = -out + 0.3 * rng.normal(size=3)
+        law = hl.Coulomb(rng.uniform(0.2, 1.0)) if friction is None else friction[i % len(friction)]
+        contacts.append(hl.Contact(0.03 * out, normal / np.linalg.norm(normal), law))
+    return contacts
+
+
+def limited(wrench, forces_of, room, wrenches, base):
+    """Max λ of A_f x = b, by HiGHS: columns `forces_of` (c, g) of edges, rows (k, c) and room (k,) on the forces."""
+    edges, rows = forces_of
+    columns = wrench @ edges
+    best = []
+    for w in wrenches:
+        lp = linprog(
+            np.append(np.zeros(edges.shape[1]), -1.0), A_ub=np.column_stack([rows @ edges, np.zeros(len(rows))]),
+            b_ub=room, A_eq=np.column_stack([columns, w]), b_eq=-np.asarray(base), method="highs",
+        )  # fmt: skip
+        best.append(np.inf if lp.status == 3 else lp.x[-1])
+    return np.array(best)
+
+
+def edges(grasp, faces, circumscribed=False):
+    """(3n, g) forces along the edges of friction pyramids with so many edges, each with a normal force of one."""
+    n, columns = len(grasp.contacts), []
+    angle = 2 * np.pi * (np.arange(faces) + 0.5) / faces
+    for i, c in enumerate(grasp.contacts):
+        mu = c.friction.mu / (np.cos(np.pi / faces) if circumscribed else 1.0)
+        for a in angle if mu > 0 else angle[:1]:
+            column = np.zeros(3 * n)
+            column[3 * i : 3 * i + 3] = mu * np.cos(a), mu * np.sin(a), 1.0
+            columns.append(column)
+    return np.array(columns).T
+
+
+def grasp_matrix(grasp):
+    """(6, 3n) wrench about the reference of the forces in contact axes."""
+    blocks = []
+    for p, R in zip([c.position for c in grasp.contacts], grasp.frames, strict=True):
+        blocks.append(np.vstack([R, np.cross(p - grasp.reference, R, axisb=0, axisc=0)]))
+    return np.hstack(blocks)
+
+
+# ---------------------------------------------------------------- closed forms
+def test_a_pinch_bears_2_mu_n_across_and_n_along():
+    found = bounds(pinch(), [(0, 0, -1, 0, 0, 0), (0, 0.6, 0.8, 0, 0, 0), (1, 0, 0, 0, 0, 0)])
+    assert found.factors == pytest.approx([2 * MU * N, 2 * MU * N, N], rel=1e-9)
+    assert found.gaps.max() < 1e-8
+
+
+def test_on_a_pyramid_a_pinch_bears_what_its_faces_do():
+    share = np.cos(np.pi / 8)  # along the normal of a face
+    assert bounds(pinch(), [(0, 0, 1, 0, 0, 0)], 8).factors == pytest.approx([2 * MU * N * share], rel=1e-9)
+
+
+def test_soft_fingers_bear_a_spin_and_points_none():
+    spin = [(0, 0, 0, 1, 0, 0)]
+    assert bounds(pinch(), spin).factors.tolist() == [0.0]
+    soft = bounds(pinch(hl.SoftFinger(MU, 0.004)), spin)
+    assert soft.factors == pytest.approx([2 * 0.004 * N], rel=1e-9)
+
+
+def test_a_soft_finger_shares_force_and_moment_on_its_ellipsoid():
+    """Fz and Mx together: (Fz / 2 μ N)² + (Mx / 2 μ_τ N)² = 1."""
+    torsion = 0.004
+    w = np.array([0, 0, 1.0, 0.003, 0, 0])
+    expected = 1.0 / np.hypot(w[2] / (2 * MU * N), w[3] / (2 * torsion * N))
+    assert bounds(pinch(hl.SoftFinger(MU, torsion)), [w]).factors == pytest.approx([expected], rel=1e-8)
+
+
+def test_anisotropic_friction_bears_as_much_as_its_ellipse_says():
+    law = hl.AnisotropicCoulomb(0.6, 0.2, (0, 1, 0))
+    found = bounds(pinch(law), [(0, 1, 0, 0, 0, 0), (0, 0, 1, 0, 0, 0), (0, 0.6, 0.8, 0, 0, 0)])
+    ellipse = 1.0 / np.hypot(0.6 / 0.6, 0.8 / 0.2)
+    assert found.factors == pytest.approx([2 * 0.6 * N, 2 * 0.2 * N, 2 * N * ellipse], rel=1e-8)
+
+
+def test_a_box_on_a_table_is_pressed_without_end_and_slides_at_mu_times_its_weight():
+    corners = [hl.Contact((x, y, 0), (0, 0, 1), hl.Coulomb(0.4)) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
+    grasp = hl.Grasp([hl.Contact((0, 0, 0.1), (0, 0, -1), hl.Frictionless())], flexibility=1e-4,
+                     environment=hl.Environment(corners), effects=[hl.FingerForceBound(2.0)])  # fmt: skip
+    found = bounds(grasp, [(0, 0, -1, 0, 0, 0), (1, 0, 0, 0, 0, 0), (0, 0, 1, 0, 0, 0)], base=(0, 0, -5.0, 0, 0, 0))
+    assert found.factors == pytest.approx([np.inf, 0.4 * 7.0, 7.0], rel=1e-9)
+
+
+def test_a_planar_wedge_bears_what_its_interval_does():
+    contacts = [hl.Contact((-0.02, 0), (1, 0), hl.Coulomb(MU)), hl.Contact((0.02, 0), (-1, 0), hl.Coulomb(MU))]
+    grasp = hl.Grasp(contacts, flexibility=1e-4, effects=[hl.FingerForceBound(N)])
+    found = bounds(grasp, [(0, 1, 0, 0, 0, 0), (1, 0, 0, 0, 0, 0), (0, 0, 0, 0, 0, 1)])
+    assert found.factors == pytest.approx([2 * MU * N, N, 2 * MU * N * 0.02], rel=1e-9)
+
+
+# ---------------------------------------------------------------- linear programs
+@pytest.mark.parametrize("seed", range(6))
+def test_on_pyramids_it_is_the_linear_program(seed):
+    rng = np.random.default_rng(seed)
+    n, base = int(rng.integers(2, 6)), np.append(rng.normal(size=3), np.zeros(3)) * (seed % 2)
+    bound = rng.uniform(1.0, 20.0, size=n)
+    grasp = hl.Grasp(ring(n, rng), flexibility=1e-4, effects=[hl.FingerForceBound(tuple(bound))])
+    wrenches = rng.normal(size=(20, 6)) * ([1.0] * 3 + [0.03] * 3)
+    found = bounds(grasp, wrenches, 8, base)
+    if not found.balanced:
+        assert (found.factors == 0.0).all()
+        return
+    normals = np.zeros((n, 3 * n))
+    normals[range(n), range(2, 3 * n, 3)] = 1.0
+    expected = limited(grasp_matrix(grasp), (edges(grasp, 8), normals), bound, wrenches, base)
+    assert found.factors == pytest.approx(expected, rel=1e-8, abs=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_cone_lies_between_the_fine_pyramids_in_it_and_around_it(seed):
+    rng = np.random.default_rng(seed)
+    n, fine = 4, 180
+    grasp = hl.Grasp(ring(n, rng, [hl.Coulomb(0.9)]), flexibility=1e-4, effects=[hl.FingerForceBound(5.0)])
+    wrenches = rng.normal(size=(10, 6)) * ([1.0] * 3 + [0.03] * 3)
+    normals = np.zeros((n, 3 * n))
+    normals[range(n), range(2, 3 * n, 3)] = 1.0
+    low, high = (
+        limited(grasp_matrix(grasp), (edges(grasp, fine, out), normals), np.full(n, 5.0), wrenches, np.zeros(6))
+        for out in (False, True)
+    )
+    found = bounds(grasp, wrenches)
+    assert (found.factors >= low * (1 - 1e-8) - 1e-7).all()
+    assert (found.factors <= high * (1 + 1e-8) + 1e-7).all()
+    assert (high - low <= 1e-2 * high + 1e-7).all()
+    assert found.gaps.max() < 1e-8
+
+
+@pytest.mark.parametrize("base", [None, (0.0,) * 6])
+def test_joints_with_torque_limits_are_the_same_linear_program(base):
+    grasp = handlcp.scene.load("examples/cube_three_fingers.toml").build()
+    n, J, limits = len(grasp.contacts), grasp.spec.mechanism.jacobian, grasp.spec.mechanism.limits
+    assert np.isfinite(limits).all()
+    rng = np.random.default_rng(0)
+    wrenches = rng.normal(size=(12, 6)) * ([1.0] * 3 + [0.03] * 3)
+    there = np.zeros(6) if base is not None else np.array([0, 0, -0.2 * 9.81, 0, 0, 0])
+    rows, room = np.vstack([J.T, -J.T]), np.append(limits, limits)
+    assert len(J) == 3 * n
+    expected = limited(grasp_matrix(grasp), (edges(grasp, 8), rows), room, wrenches, there)
+    found = bounds(grasp, wrenches, 8, base)
+    assert found.factors == pytest.approx(expected, rel=1e-8)
+    assert found.torque.any(axis=1).all()  # without motors at their limit a grasp that squeezes holds more
+    assert {kind for kind, _ in found.binds(0)} <= {"slips", "opens", "torque"}
+
+
+def test_friction_alone_holds_any_load_where_torques_do_not_count():
+    grasp = handlcp.scene.load("examples/cube_three_fingers.toml").build()
+    down = [(0, 0, -1.0, 0, 0, 0)]
+    assert bounds(grasp, down, base=None, torques=False).factors.tolist() == [np.inf]
+    assert np.isfinite(bounds(grasp, down, base=None).factors).all()
+
+
+# ---------------------------------------------------------------- its proofs
+@pytest.mark.parametrize("law", [hl.Coulomb(0.6), hl.SoftFinger(0.6, 0.004), hl.AnisotropicCoulomb(0.7, 0.3)])
+def test_the_forces_at_the_bound_balance_it_within_friction_and_bounds(law):
+    rng = np.random.default_rng(3)
+    grasp = hl.Grasp(ring(4, rng, [law]), flexibility=1e-4, effects=[hl.FingerForceBound(4.0)])
+    wrenches = rng.normal(size=(10, 6)) * ([1.0] * 3 + [0.03] * 3)
+    found = bounds(grasp, wrenches)
+    held = (found.factors > 0) & np.isfinite(found.factors)
+    assert held.any()
+    assert (found.forces[held][:, :, 2] <= 4.0 + 1e-7).all()
+    if isinstance(law, hl.SoftFinger):
+        return  # the moments of soft fingers balance the rest
+    out = found.forces[held].reshape(held.sum(), -1) @ grasp_matrix(grasp).T
+    assert out + found.factors[held, None] * wrenches[held] == pytest.approx(np.zeros((held.sum(), 6)), abs=1e-7)
+
+
+def test_what_binds_is_named():
+    found = bounds(pinch(), [(0, 0, -1, 0, 0, 0), (1, 0, 0, 0, 0, 0)])
+    across, along = found.binds(0), found.binds(1)
+    assert ("slips", "finger 1") in across
+    assert ("slips", "finger 2") in across
+    assert ("force", "per-finger force bound") in along
+    assert ("slips", "finger 2") not in along
+
+
+def test_where_the_weight_alone_is_not_balanced_the_bound_is_nothing_and_says_so():
+    found = bounds(pinch(), [(0, 1, 0, 0, 0, 0)], base=(0, 0, -10.0, 0, 0, 0))
+    assert not found.balanced
+    assert found.factors.tolist() == [0.0]
+
+
+def test_forces_that_are_known_or_prescribed_are_part_of_it():
+    """The second finger presses with 1 N, whatever the first does, so that along x only 1 N - λ is left."""
+    known = bounds(pinch(effects=[hl.KnownForce(1, (None, None, 1.0))]), [(1, 0, 0, 0, 0, 0), (0, 0, 1, 0, 0, 0)])
+    assert known.factors == pytest.approx([1.0, 2 * MU], rel=1e-8)
+    given = pinch(effects=[hl.PrescribedForce(1, (0, 0, 1.0)), hl.FingerForceBound((2.5, np.inf))])
+    assert bounds(given, [(1, 0, 0, 0, 0, 0), (-1, 0, 0, 0, 0, 0)]).factors == pytest.approx([1.0, 1.5], rel=1e-8)
+
+
+def test_units_change_no_bound():
+    rng = np.random.default_rng(5)
+    contacts = ring(4, rng)
+    wrenches = rng.normal(size=(6, 6)) * ([1.0] * 3 + [0.03] * 3)
+    one = bounds(hl.Grasp(contacts, flexibility=1e-4, effects=[hl.FingerForceBound(4.0)]), wrenches).factors
+    far = [hl.Contact(1e3 * c.position, c.normal, c.friction) for c in contacts]  # mm and mN
+    other = hl.Grasp(far, flexibility=1e-4, effects=[hl.FingerForceBound(4.0e3)])
+    scaled = wrenches * ([1e3] * 3 + [1e6] * 3)
+    assert bounds(other, scaled).factors == pytest.approx(one, rel=1e-8, abs=1e-9)
