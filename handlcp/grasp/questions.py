@@ -8,10 +8,12 @@ from typing import Any
 from handlcp.check import number
 from handlcp.errors import InputError, NoSolutionFound
 from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
-from handlcp.grasp.analysis.required import Required, required_friction, required_preload
+from handlcp.grasp.analysis.required import Required
 from handlcp.grasp.analysis.suggestions import Suggestions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
+from handlcp.grasp.design.confirmed import confirmed_friction, confirmed_preload
+from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
@@ -20,6 +22,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.check import check
 from handlcp.grasp.verdict.suggested import suggested
+from handlcp.grasp.verdict.trials import stiffened
 
 __all__ = ["Questions"]
 
@@ -50,12 +53,26 @@ class Questions(ABC):
         return suggested(self.spec, self._section(faces), solution, least, verdict)
 
     def required_preload(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
-        """The smallest squeeze [m], added to every finger, with which the grasp holds, to a relative tolerance."""
-        return required_preload(self.spec, self._section(faces), tolerance)
+        """The smallest squeeze [m], added to every finger as a preload, with which the grasp holds, to a relative
+        tolerance: as `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
+        """
+        return confirmed_preload(self.spec, self._section(faces), tolerance)
 
     def required_friction(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
-        """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds."""
-        return required_friction(self.spec, self._section(faces), tolerance)
+        """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds: as
+        `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
+        """
+        return confirmed_friction(self.spec, self._section(faces), tolerance)
+
+    def required_stiffness(
+        self, motion: float, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3
+    ) -> RequiredStiffness:
+        """The least factor on the stiffness of all joints (of the fingers, where no joints are known) with which the
+        object moves by no more than `motion` [m], its reference point from the end of the squeeze to the whole load.
+
+        Pads stay as they are. What the hand is commanded stays, too. tolerance : relative. Raises InputError.
+        """
+        return required_stiffness(self.spec, self._section(faces), motion, tolerance, stiffened)
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.

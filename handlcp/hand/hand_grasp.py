@@ -23,6 +23,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.force_iteration import force_dependent
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.asked.change import hand_remade
+from handlcp.hand.design.questions import HandQuestions
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
 from handlcp.hand.reach import out_of_reach
@@ -35,7 +36,7 @@ from handlcp.tolerances import SEMIDEFINITE
 __all__ = ["HandGrasp", "grasp_of"]
 
 
-class HandGrasp(Grasp):
+class HandGrasp(HandQuestions):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
 
     def __init__(self, spec: GraspSpec | None = None, *others: Any) -> None:

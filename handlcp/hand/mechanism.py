@@ -33,6 +33,7 @@ from handlcp.hand.objects.posture_reasons import posture_reasons
 from handlcp.hand.reach import eased, reach_reasons, squeezed_further
 from handlcp.hand.robot.audit.audit import doubt_reasons
 from handlcp.hand.robot.contact_hessian import contact_hessian
+from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.torques import TorqueCheck, torque_check, torque_reasons
@@ -176,6 +177,11 @@ class HandMechanism(Mechanism):
         """The same hand in the same posture, with springs that are so many times as stiff."""
         hand = self.posture.hand.stiffer(factor)
         return replace(self, root=hand.stiffness.root, posture=type(self.posture)(hand, self.posture.q))
+
+    def limited(self, torques: TorqueLimits) -> Self:
+        """The same hand in the same posture, with other torque limits."""
+        hand = self.posture.hand.limited(torques)
+        return replace(self, limits=torques.limits, posture=type(self.posture)(hand, self.posture.q))
 
     def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
         """Of a posture, with the object there; None: not known."""

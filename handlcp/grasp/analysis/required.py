@@ -16,6 +16,7 @@ from typing import Any
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
@@ -27,7 +28,16 @@ from handlcp.lcp import Auto
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = ["CHAIN", "Required", "holds", "required_friction", "required_preload", "smallest", "with_friction"]
+__all__ = [
+    "CHAIN",
+    "Required",
+    "holds",
+    "required_friction",
+    "required_preload",
+    "smallest",
+    "tolerance_of",
+    "with_friction",
+]
 
 Holds = Callable[[GraspSpec, Section], bool]
 Test = Callable[[float], bool]
@@ -46,9 +56,11 @@ class Required(Data):
         tolerance finer than that, one rounding step; None when value is 0.
     proven : whether below `value` nothing can hold, because no force in the friction cones balances the load there
         (or, where value is None, at any value). Otherwise `fails` only means that no equilibrium was found.
-    unit : "m" of squeeze or "" for a friction coefficient. limit : largest value tried. tolerance : relative.
+    unit : "m" of squeeze, "N" of grip or "" for a friction coefficient. limit : largest value that would be tried.
+    tolerance : relative.
     checked : ((value, whether it holds), …) in the order tried.
     hint : what to change instead where value is None, "" if nothing is known.
+    verdict : the word of `check()` at `value`, where the loading is followed; "" where it was not asked.
     """
 
     value: float | None
@@ -59,6 +71,7 @@ class Required(Data):
     tolerance: float
     checked: tuple[tuple[float, bool], ...] = field(repr=False)
     hint: str = ""
+    verdict: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units."""
@@ -76,14 +89,19 @@ class Required(Data):
             none = f"no value up to {self._said(self.limit)} found that holds"
             return wrapped(f"{none}: {self.hint}" if self.hint else none, "  ")
         if self.value == 0.0:
-            return "holds with nothing added" if self.unit else "holds without friction"
+            return ("holds with nothing added" if self.unit else "holds without friction") + self._called
         less = "" if self.fails is None else f", {self._said(self.fails)} does not"
-        return f"{self._said(self.value)} holds{less}"
+        return f"{self._said(self.value)} holds{less}{self._called}"
+
+    @property
+    def _called(self) -> str:
+        """What `check()` says, unless it says that it holds."""
+        return "" if self.verdict in ("", HELD) else f"; check() says {self.verdict}"
 
     def _said(self, value: float) -> str:
-        """A coefficient, or a squeeze in millimetres, with digits enough to tell what holds from what does not."""
-        if not self.unit:
-            return f"{value:.4g}"
+        """A coefficient, newtons, or a squeeze in millimetres, with digits enough to tell the two values apart."""
+        if self.unit != "m":
+            return f"{value:.4g} {self.unit}".rstrip()
         size, unit = (1e6, "µm") if 0.0 < value < 1e-4 else (1e3, "mm")
         return f"{size * value:.4g} {unit}"
 
@@ -109,7 +127,7 @@ def required_preload(
 
     Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
     """
-    tolerance, size = _tolerance(tolerance), build(spec).units.motion
+    tolerance, size = tolerance_of(tolerance), build(spec).units.motion
     most = 1e4 * size if limit is None else number("limit", limit, above=0.0)
     if _escapes(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
@@ -128,7 +146,7 @@ def required_friction(
     Friction cones grow with μ, so whether some force balances the load is monotone: bisection on that gives a lower
     bound that is proven, and the search for an equilibrium starts there.
     """
-    tolerance, most = _tolerance(tolerance), number("limit", _FRICTION if limit is None else limit, above=0.0)
+    tolerance, most = tolerance_of(tolerance), number("limit", _FRICTION if limit is None else limit, above=0.0)
     if _escapes(with_friction(spec, most), section):
         return Required(None, None, True, "", most, tolerance, ())
     low, high = 0.0, most if _escapes(with_friction(spec, 0.0), section) else 0.0
@@ -208,7 +226,8 @@ def _escapes(spec: GraspSpec, section: Section) -> bool:
     return escaping_twist(scene, section) is not None or overload(scene, section, spec.effects) is not None
 
 
-def _tolerance(value: float) -> float:
+def tolerance_of(value: Any) -> float:
+    """A relative tolerance, above 0 and below 1. Raises InputError."""
     tolerance = number("tolerance", value, above=0.0)
     if tolerance >= 1.0:
         raise InputError("tolerance", "a relative tolerance below 1", value)

@@ -26,7 +26,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["advice"]
+__all__ = ["advice", "stiffened"]
 
 _STEPS, _FINEST = 5, 0.25  # of a stage; of a step: a path that is lost is tried no further
 _FRICTION = (0.3, 0.5, 0.8, 1.0, 1.2)  # coefficients; hardly anything grips better
@@ -110,6 +110,22 @@ def _holds(spec: GraspSpec, section: Section, order: Any) -> bool:
     return bool((abs(path.steps.torques[-1]) <= spec.mechanism.limits * (1 + 1e-9)).all())
 
 
+def stiffened(spec: GraspSpec, factor: float) -> GraspSpec | None:
+    """The grasp with joints that are so many times as stiff, or with fingers where no joints are known; what commands
+    them stays. None: its flexibility is not that of the joints, or there is none.
+    """
+    mechanism, k = spec.mechanism, 3 * spec.of_fingers
+    less, E, made = 1.0 - 1.0 / factor, spec.flexibility.copy(), mechanism
+    if mechanism is None:
+        E[:k, :k] *= 1.0 / factor
+    else:
+        E -= less * mechanism.compliance(mechanism.jacobian)
+        made = mechanism.stiffer(factor)
+    if not E.any() or float(np.linalg.eigvalsh(E)[0]) < -SEMIDEFINITE * float(abs(E).max()):
+        return None
+    return spec.replace(mechanism=made, flexibility=read_only(E))
+
+
 # ---------------------------------------------------------------- the changes
 def _squeezed(spec: GraspSpec) -> Iterator[_Trial]:
     most = MOST * build(spec).units.length
@@ -135,19 +151,10 @@ def _rougher(spec: GraspSpec) -> Iterator[_Trial]:
 
 
 def _stiffer(spec: GraspSpec) -> Iterator[_Trial]:
-    mechanism, k = spec.mechanism, 3 * spec.of_fingers
+    who = "fingers" if spec.mechanism is None else "joints"
     for factor in _STIFFER:
-        less, E, made = 1.0 - 1.0 / factor, spec.flexibility.copy(), mechanism
-        if mechanism is None:
-            E[:k, :k] *= 1.0 / factor
-        else:
-            E -= less * mechanism.compliance(mechanism.jacobian)
-            made = mechanism.stiffer(factor)
-        if not E.any() or float(np.linalg.eigvalsh(E)[0]) < -SEMIDEFINITE * float(abs(E).max()):
-            continue  # a flexibility that is not the joints'
-        who = "fingers" if mechanism is None else "joints"
-        made_of = spec.replace(mechanism=made, flexibility=read_only(E))
-        yield _Trial(factor, f"{who} {factor:g} × as stiff", made_of)
+        if (made := stiffened(spec, factor)) is not None:
+            yield _Trial(factor, f"{who} {factor:g} × as stiff", made)
 
 
 def _moved(spec: GraspSpec) -> Iterator[_Trial]:

@@ -143,6 +143,13 @@ class HandModel:
         made.__dict__.update(self.__dict__, **parts)
         return made
 
+    def limited(self, torques: TorqueLimits) -> Self:
+        """The same hand with other torque limits."""
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__, torques=torques, torque_limits=torques.limits)
+        made.__dict__.pop("doubts", None)
+        return made
+
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set")
 

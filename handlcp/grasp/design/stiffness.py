@@ -1,0 +1,143 @@
+"""How stiff must the joints be, so that the object moves no further than allowed while weight and load come?
+
+One factor on the stiffness of all joints. Pads stay as they are, and no stiffness of the joints takes away what they
+alone let the object move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, number
+from handlcp.errors import InputError
+from handlcp.grasp.analysis.required import tolerance_of
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.assembly.build import build
+from handlcp.grasp.design.closing_in import closed_in
+from handlcp.grasp.design.followed import Changed, word
+from handlcp.grasp.design.no_slip import without_slip
+from handlcp.grasp.friction import Section
+from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.text_table import wrapped
+
+__all__ = ["RequiredStiffness", "required_stiffness"]
+
+Stiffened = Callable[[GraspSpec, float], GraspSpec | None]
+_MOST = 256.0
+
+
+@dataclass(frozen=True, slots=True)
+class RequiredStiffness(Data):
+    """The least stiffness of the joints with which the object moves no further than allowed.
+
+    factor : on the stiffness of every joint (of the fingers where no joints are known), with which the grasp holds
+        within its torque limits and the object moves no further; below 1 where softer joints will do. None: none found.
+    fails : the largest factor tried below it with which it does not, None where every smaller one holds.
+    motion : allowed [m]. moved : with this factor, from the end of the squeeze to the whole load [m]; where none was
+        found, with the stiffest joints that still hold the object, NaN: none do.
+    pads : what is left with rigid joints, where nothing slips [m].
+    verdict : what `check()` says of the grasp with this factor. why : where none was found.
+    """
+
+    factor: float | None
+    fails: float | None
+    motion: float
+    moved: float
+    pads: float
+    verdict: str
+    why: str
+
+    @property
+    def pads_share(self) -> float:
+        """What the pads alone let the object move, as a share of what is allowed; above 1 no joints are enough."""
+        return self.pads / self.motion
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: "factor", "fails", "motion_m", "moved_m", "pads_m", "verdict", "why"."""
+        return {f"{k}_m" if k in ("motion", "moved", "pads") else k: v for k, v in asdict(self).items()}
+
+    def __str__(self) -> str:
+        allowed, moved = words.lengths((self.motion, self.moved))
+        if self.factor is None:
+            return wrapped(f"no stiffness of the joints found that keeps the object within {allowed}: {self.why}", "  ")
+        less = "" if self.fails is None else f", × {self.fails:.4g} is not enough"
+        called = "" if self.verdict == HELD else f"; check() says {self.verdict}"
+        text = f"joints × {self.factor:.4g} as stiff let the object move {moved} of {allowed} allowed{less}"
+        return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it{called}", "  ")
+
+
+def required_stiffness(
+    spec: GraspSpec, section: Section, motion: Any, tolerance: Any, stiffened: Stiffened
+) -> RequiredStiffness:
+    """See `Grasp.required_stiffness`. stiffened : the grasp with joints so many times as stiff; None: it cannot be."""
+    allowed, near = number("motion", motion, above=0.0), tolerance_of(tolerance)
+
+    def made(factor: float) -> GraspSpec:
+        if (found := stiffened(spec, factor)) is None:
+            raise InputError("flexibility", "that of joints, whose stiffness can be changed", "one that is not theirs")
+        return found
+
+    changed, pads = Changed(made, section), _pads(spec)
+
+    def enough(factor: float) -> bool:
+        path = changed.path(factor)
+        return path.reached and not _over(path) and _moved(path) <= allowed
+
+    def too_much(factor: float) -> bool:
+        return changed.too_much(factor) or _over(changed.path(factor))
+
+    value, fails = closed_in(enough, 1.0, _MOST, near, too_much, 1.0 / _MOST)
+    if value is not None:
+        moved, below = _moved(changed.path(value)), fails if fails < value else None
+        return RequiredStiffness(value, below, allowed, moved, pads, word(made(value), section), "")
+    held = {x: path for x, path in changed.paths.items() if path.reached and not _over(path)}
+    moved = _moved(held[max(held)]) if held else np.nan
+    return RequiredStiffness(None, None, allowed, moved, pads, "", _why(changed, held, allowed, pads))
+
+
+def _why(changed: Changed, held: dict[float, Loading], allowed: float, pads: float) -> str:
+    if pads > allowed:
+        share = words.percent(pads / allowed)
+        return f"the pads alone let it move {words.length(pads)}, {share} of that; stiffer pads help, or more of them"
+    if held:
+        return f"with joints × {max(held):.4g} as stiff it still moves {words.length(_moved(held[max(held)]))}"
+    lost = [path for path in changed.paths.values() if not path.reached]
+    return lost[-1].why if lost else "the joints need more torque than they have, however stiff they are"
+
+
+def _over(path: Loading) -> bool:
+    """Whether a joint needs more than its limit at the end."""
+    mechanism = path.steps.grasp.spec.mechanism
+    return mechanism is not None and bool((abs(path.steps.torques[-1]) > mechanism.limits * (1.0 + 1e-9)).any())
+
+
+def _moved(path: Loading) -> float:
+    """How far the reference point is at the end from where it was when the load began [m]."""
+    steps = path.steps
+    begun = int((steps.stage < steps.stage[-1]).sum())
+    u = steps.displacement
+    return float(np.linalg.norm(u[-1, :3] - u[max(begun - 1, 0), :3]))
+
+
+def _pads(spec: GraspSpec) -> float:
+    """How far the load moves the reference point where only pads and the environment give way and nothing slips [m]."""
+    scene, mechanism = build(spec), spec.mechanism
+    E = scene.flexibility.copy()
+    if mechanism is None:
+        k = 3 * spec.of_fingers
+        E[:k] = E[:, :k] = 0.0
+    else:
+        joints = mechanism.compliance(mechanism.rows(scene.soft))
+        E -= joints if scene.scale is None else joints * np.outer(scene.scale, scene.scale)
+    still, load = np.zeros((scene.components, 1)), scene.geometry.wrench[:, None]
+    twist = without_slip(scene, E, still, load)[1][:, 0]
+    arm: Array = spec.reference - scene.geometry.centre
+    return float(np.linalg.norm(twist[:3] + cross_rows(twist[3:], arm)))

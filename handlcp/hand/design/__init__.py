@@ -1,0 +1,1 @@
+"""What must a hand be built with? Torques and grips for a brief of loads; least squeeze, stiffness; what helps most."""

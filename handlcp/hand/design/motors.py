@@ -1,0 +1,134 @@
+"""What motors a brief takes, as data and as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, Bools
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.verdict import HELD
+from handlcp.text_table import TextTable, wrapped
+
+__all__ = ["RequiredTorque"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RequiredTorque(Data):
+    """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
+
+    joints : nv names. torque : (nv,) [N·m] (N for a prismatic joint), the largest of each joint under any load, from
+        the first touch to the whole load; NaN where no grip was found that holds.
+    grip : normal force [N] to command at each fingertip, by name, `grip_force=` of `state.grasp`; where nothing holds,
+        the grip that got furthest.
+    sized_by : for each joint the load that needs most of it, or "squeeze": closing the hand does.
+    loads : m names. torques : (m, nv) [N·m] the same under each load. safety : factor on loads and weight.
+    limits : (nv,) of the hand as it is [N·m], inf where there is none or none is known. known : nv booleans.
+    verdicts : what `check()` says of each load, with `torque` as the limits.
+    fails : the largest share of the grip that was tried and does not hold; None: none was found, less grip needs as
+        much torque. lost : the load that this share loses, and why; where nothing holds, those of `grip`.
+    """
+
+    joints: tuple[str, ...]
+    torque: Array
+    grip: dict[str, float]
+    sized_by: tuple[str, ...]
+    loads: tuple[str, ...]
+    torques: Array = field(repr=False)
+    safety: float
+    limits: Array
+    known: tuple[bool, ...]
+    verdicts: dict[str, str]
+    fails: float | None
+    lost: tuple[str, str] | None
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is a grip with which every load holds."""
+        return not bool(np.isnan(self.torque).any())
+
+    @property
+    def enough(self) -> bool:
+        """Whether the hand's own limits are enough: all of them known, and none below the torque."""
+        return self.holds and all(self.known) and not self.weak
+
+    @property
+    def weak(self) -> tuple[str, ...]:
+        """The joints whose own limit is below the torque."""
+        return tuple([name for name, short in zip(self.joints, self._short, strict=True) if short])
+
+    @property
+    def _short(self) -> Bools:
+        return np.asarray(self.torque > self.limits)
+
+    @property
+    def table(self) -> TextTable:
+        """Joint by joint."""
+        finite = [x for x in (*self.torque.tolist(), *self.limits.tolist()) if np.isfinite(x)]
+        unit, size = words.prefixed("N·m", [10.0 * x for x in finite])
+        torque, limits = words.column(self.torque / size), words.column(self.limits / size)
+        rows = []
+        for k, (joint, load) in enumerate(zip(self.joints, self.sized_by, strict=True)):
+            limit = limits[k] if np.isfinite(self.limits[k]) else "none" if self.known[k] else "unknown"
+            remark = "too weak" if self._short[k] else ""
+            rows.append((joint, torque[k], load, limit, words.percent(float(self.torque[k] / self.limits[k])), remark))
+        heads = ("joint", f"torque\n{unit}", "sized by", f"limit\n{unit}", "of limit", "")
+        return TextTable(heads, tuple(rows), "<><>><")
+
+    def __str__(self) -> str:
+        return f"{self.table}\n{self.sentence}" if self.holds else self.sentence
+
+    @property
+    def sentence(self) -> str:
+        """The grip, what less of it does, and whether the hand's own limits are enough."""
+        many = f"{len(self.loads)} loads" if len(self.loads) > 1 else self.loads[0]
+        beside = f"{many} × {self.safety:g}, weight included," if self.safety != 1.0 else many
+        pressed = ", ".join([f"{words.force(f)} ({name})" for name, f in self.grip.items()])
+        if self._alike:
+            pressed = f"{words.force(next(iter(self.grip.values())))} at each fingertip"
+        if not self.holds:
+            assert self.lost is not None
+            return wrapped(f"No grip was found that holds {beside.rstrip(',')}. With {pressed}, {_of(self.lost)}.")
+        parts = [f"With a grip of {pressed}, {beside} {'are' if len(self.loads) > 1 else 'is'} held."]
+        if self.fails is not None and self.lost is not None:
+            parts.append(f"With {100 * self.fails:.4g} % of it, {self.lost[0]} is lost.")
+        if other := [f"{name} ({word})" for name, word in self.verdicts.items() if word != HELD]:
+            parts.append(f"check() does not say HELD of {words.listed(other)}.")
+        if self.weak:
+            parts.append(f"Too weak as it is: {words.listed(self.weak)}.")
+        elif self.enough:
+            parts.append("The hand's own torque limits are enough.")
+        return wrapped(" ".join(parts))
+
+    @property
+    def _alike(self) -> bool:
+        forces = list(self.grip.values())
+        return max(forces) - min(forces) <= 1e-3 * max(forces)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, SI units in the key names, None for what is not a finite number."""
+        return {
+            "holds": self.holds, "enough": self.enough, "safety": self.safety,
+            "grip_N": dict(self.grip), "verdicts": dict(self.verdicts),
+            "fails_at_share_of_grip": self.fails,
+            "lost": None if self.lost is None else {"load": self.lost[0], "why": self.lost[1]},
+            "joints": [
+                {
+                    "joint": joint, "torque_Nm": _finite(self.torque[k]), "sized_by": self.sized_by[k],
+                    "limit_Nm": _finite(self.limits[k]), "limit_known": self.known[k],
+                    "by_load_Nm": {name: _finite(self.torques[m, k]) for m, name in enumerate(self.loads)},
+                }
+                for k, joint in enumerate(self.joints)
+            ],
+        }  # fmt: skip
+
+
+def _of(lost: tuple[str, str]) -> str:
+    return f"{lost[0]} is {lost[1]}"
+
+
+def _finite(x: Any) -> float | None:
+    return float(x) if np.isfinite(x) else None

@@ -1,0 +1,62 @@
+"""What a designer asks of a hand's grasp: one method a question, each a call to the file that answers it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from handlcp.grasp.analysis.required import Required
+from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
+from handlcp.grasp.friction import Pyramid
+from handlcp.grasp.grasp import Grasp
+from handlcp.hand.design.commands import required_grip, required_squeeze
+from handlcp.hand.design.motors import RequiredTorque
+from handlcp.hand.design.required_torque import required_torque
+from handlcp.hand.design.stiffer import hand_stiffened
+
+__all__ = ["HandQuestions"]
+
+
+class HandQuestions(Grasp):
+    """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""
+
+    def required_torque(
+        self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01
+    ) -> RequiredTorque:
+        """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
+
+        loads : what the hand has to hold, one load at a time: (6,) force [N] and torque [N·m] beside the object's
+            weight, about the reference; (m, 6) several; or a mapping of names to loads, each a (6,) or a mapping of
+            "load" (6,), "mass" [kg] and "gravity" (3,) [m/s²], where what is left out is as the grasp has it. None: the
+            grasp's own load.
+        safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
+        tolerance : of the grip: to that share the least is found. faces : as in `solve`.
+
+        The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
+        in `check`. Of all grips with which every load holds, the one is looked for with which the largest torque is
+        least, from the first touch to the whole load: as a share of the joints' limits where all of them have one, in
+        N·m otherwise. It begins with the grip that is best where nothing slips (a linear program), then every grip is
+        followed. Before it is given, `check()` judges every load with the answer as torque limits (`verdicts`).
+        Raises InputError, UnknownName, Unsupported (known forces).
+        """
+        return required_torque(self.spec, self._section(faces), loads, safety, tolerance)
+
+    def required_grip(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
+        """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which
+        the grasp holds when it closes and is loaded then, to a relative tolerance. `required_torque` finds a grip for
+        each finger. Raises InputError, Unsupported.
+        """
+        return required_grip(self.spec, self._section(faces), tolerance)
+
+    def required_squeeze(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
+        """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
+        grasp holds, as `required_grip`. Raises InputError, Unsupported.
+        """
+        return required_squeeze(self.spec, self._section(faces), tolerance)
+
+    def required_stiffness(
+        self, motion: float, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3
+    ) -> RequiredStiffness:
+        """As `Grasp.required_stiffness`. A grip force stays the force that it is; a squeeze stays as deep, and a joint
+        offset as large, so that stiffer joints press harder.
+        """
+        return required_stiffness(self.spec, self._section(faces), motion, tolerance, hand_stiffened)

@@ -1,0 +1,62 @@
+"""The grip with which all loads hold and the motors need least, found by following every grip that is tried."""
+
+from __future__ import annotations
+
+from handlcp.check import Array
+from handlcp.grasp.design.closing_in import closed_in
+from handlcp.hand.design.trials import Trial, Trials
+
+__all__ = ["least"]
+
+_MOST = 2.0**8  # times the grip that the search starts from
+_CHANGES = (0.2, 0.08, 0.03)  # of one finger's grip
+_BETTER = 1e-3  # a change that gains less is none
+
+
+def least(trials: Trials, starts: list[Array], tolerance: float) -> tuple[Trial, Trial | None]:
+    """The best grip found, and the largest share of it that does not hold (None: less holds, too, and needs no less).
+    Where nothing holds, the first is the one that gets furthest.
+
+    starts : grips (k,) [N] to go on from, the most promising first.
+    """
+    found = [_scaled(trials, start, tolerance) for start in starts]
+    holding = [(best, fails) for best, fails in found if best.holds]
+    if not holding:
+        return max(trials.tried.values(), key=lambda one: one.reached), None
+    best, fails = min(holding, key=lambda one: one[0].need)
+    better = _varied(trials, best)
+    if better is best:
+        return best, fails
+    least_of_it = _scaled(trials, better.force, tolerance)
+    return least_of_it if least_of_it[0].need <= better.need else (better, least_of_it[1])
+
+
+def _scaled(trials: Trials, force: Array, tolerance: float) -> tuple[Trial, Trial | None]:
+    """The least multiple of a grip that holds, to a relative tolerance; and the one below it that does not. Where none
+    holds: the one that gets furthest.
+    """
+
+    def at(factor: float) -> Trial:
+        return trials(factor * force)
+
+    value, fails = closed_in(lambda x: at(x).holds, 1.0, _MOST, tolerance, lambda x: at(x).reached < 0.0)
+    if value is None:
+        return at(fails), None
+    return at(value), at(fails) if fails < value else None
+
+
+def _varied(trials: Trials, best: Trial) -> Trial:
+    """One finger after the other, as long as that helps: with its new grip, all others as they were."""
+    for change in _CHANGES:
+        moved = True
+        while moved:
+            moved = False
+            for finger in range(len(best.force)):
+                for factor in (1.0 - change, 1.0 + change):
+                    force = best.force.copy()
+                    force[finger] *= factor
+                    found = trials(force)
+                    if found.need < (1.0 - _BETTER) * best.need:
+                        best, moved = found, True
+                        break
+    return best

@@ -1,0 +1,87 @@
+"""Grips tried: does every load of a brief hold, followed from the first touch, and what do the motors need?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.design.followed import ORDER
+from handlcp.grasp.friction import Section
+from handlcp.grasp.loading.follow import Loading, follow
+from handlcp.grasp.verdict.check import STEPS
+from handlcp.hand.design.brief import Case
+from handlcp.hand.design.changed import gripped
+
+__all__ = ["Trial", "Trials"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """One grip. force (k,) : normal forces commanded at the fingertips [N]. torque (m, nv) : the largest of each joint
+    under each of m loads, from the first touch to the whole load [N·m]. squeeze (nv,) : the largest while the hand
+    closes. need : the largest torque as a share of what is compared; inf where a load is lost. lost : that load, and
+    why. reached : share of that load at which it is lost; below 0 where the object is lost as the hand closes.
+    """
+
+    force: Array
+    torque: Array
+    squeeze: Array
+    need: float
+    lost: tuple[str, str] | None = None
+    reached: float = 1.0
+
+    @property
+    def holds(self) -> bool:
+        """Whether every load holds."""
+        return self.lost is None
+
+    @property
+    def largest(self) -> Array:
+        """(nv,) [N·m] under any load."""
+        return np.asarray(self.torque.max(axis=0))
+
+    @property
+    def worst(self) -> Ints:
+        """(nv,) the load that needs most of each joint; -1: closing the hand does."""
+        while_closing = self.squeeze >= (1.0 - 1e-9) * self.largest
+        return np.where(while_closing, -1, self.torque.argmax(axis=0))
+
+
+@dataclass(eq=False)
+class Trials:
+    """All that were tried. share (nv,) : torques that count as much as each other [N·m]."""
+
+    cases: tuple[Case, ...]
+    section: Section
+    share: Array
+    tried: dict[bytes, Trial] = field(default_factory=dict)
+    first: int = 0  # the load that was lost last is the first to be tried
+
+    def __call__(self, force: Array) -> Trial:
+        """With these grip forces (k,) [N]."""
+        key = force.tobytes()
+        if key not in self.tried:
+            self.tried[key] = self._followed(force)
+        return self.tried[key]
+
+    def _followed(self, force: Array) -> Trial:
+        nv, m = len(self.share), len(self.cases)
+        torque, squeeze = np.zeros((m, nv)), np.zeros(nv)
+        for k in sorted(range(m), key=lambda k: k != self.first):
+            path = self.path(k, force)
+            if not path.reached:
+                self.first = k
+                share = (path.lost_at or 0.0) - (path.lost_stage == ORDER[0])
+                return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, path.why), share)
+            sizes = abs(path.steps.torques)
+            torque[k] = sizes.max(axis=0)
+            closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]
+            squeeze = np.maximum(squeeze, closing.max(axis=0))
+        return Trial(force, torque, squeeze, float((torque.max(axis=0) / self.share).max()))
+
+    def path(self, number: int, force: Array) -> Loading:
+        """The loading under one load, as `check` follows it."""
+        spec = gripped(self.cases[number].spec, force)
+        return follow(spec, self.section, None, ORDER, None, STEPS, None)
