@@ -17,7 +17,7 @@ from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.grasp import Grasp
 from handlcp.study.reliability.influence import Influence
 from handlcp.study.reliability.interval import Chance
-from handlcp.study.reliability.outcome import WORDS
+from handlcp.study.reliability.outcome import WORDS, Outcomes
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.points import Blocks
 from handlcp.study.reliability.run import Method, values_at
@@ -27,6 +27,7 @@ from handlcp.views import view
 __all__ = ["Reliability", "Sample"]
 
 _ROWS = 8  # of the printed table
+OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,15 +75,14 @@ class Reliability(Data):
 
     chance_held : that the grasp holds. chance_within_limits : that it holds with every joint within its torque limit;
     None where no joint has a known limit. counts : samples by word. samples, seed. influences : what matters, the most
-    first. codes (m,) : of each sample in `WORDS`. margin (m,) : of each, NaN where nothing holds it.
+    first. outcomes : of each sample.
     """
 
     chance_held: Chance
     chance_within_limits: Chance | None
     counts: dict[str, int]
     influences: tuple[Influence, ...]
-    codes: Ints = field(repr=False)
-    margin: Array = field(repr=False)
+    outcomes: Outcomes = field(repr=False)
     blocks: Blocks = field(repr=False)
     placer: Placer = field(repr=False)
     method: Method = field(repr=False)
@@ -91,6 +91,16 @@ class Reliability(Data):
     def samples(self) -> int:
         """How many there are."""
         return len(self.codes)
+
+    @property
+    def codes(self) -> Ints:
+        """(m,) the word of each sample, as a number: 0 HELD, 1 OVER LIMIT, 2 NOT HELD, 3 UNDECIDED."""
+        return self.outcomes.codes
+
+    @property
+    def margin(self) -> Array:
+        """(m,) 1 - the larger of all friction used and the largest torque over its limit; NaN where nothing holds."""
+        return self.outcomes.margin
 
     @property
     def seed(self) -> int:
@@ -141,7 +151,7 @@ class Reliability(Data):
     @property
     def _failed(self) -> Ints:
         """Samples with the worst word of all there are: not held, over a limit, undecided; () where all are held."""
-        for code in (2, 1, 3):
+        for code in (NOT_HELD, OVER_LIMIT, UNDECIDED):
             if (self.codes == code).any():
                 return np.flatnonzero(self.codes == code)
         return np.zeros(0, np.int64)
@@ -194,13 +204,22 @@ class Reliability(Data):
         if self.chance_within_limits is not None:
             lines.append(wrapped(f"holds within torque limits: {self.chance_within_limits}", "  "))
         counted = ", ".join([f"{k:,} {word}" for word, k in self.counts.items() if k])
-        lines.append(wrapped(f"{self.samples:,} samples: {counted}", "  "))
+        lines.append(wrapped(f"{self.samples:,} samples: {counted}{self._estimated}", "  "))
         for what, sample in (("worst", self.worst), ("nearest failure", self.nearest_failure)):
             if sample is not None:
                 lines.append(wrapped(f"{what}: {self._told(sample)}", "  "))
         more = len(self.influences) - _ROWS
         left = [f"and {more} that matter less"] if more > 0 else []
         return "\n".join([*lines, "", str(self.table), *left])
+
+    @property
+    def _estimated(self) -> str:
+        """What is known of samples that nobody looked at in full."""
+        looked = self.outcomes.again
+        if not looked.any() or not (~looked & (self.codes == UNDECIDED)).any():
+            return ""
+        held = int((looked & (self.codes < NOT_HELD)).sum())
+        return f"; {held} of {int(looked.sum())} such samples hold, solved in full, and so the rest is counted"
 
     def _told(self, sample: Sample) -> str:
         """A sample with the values that matter most."""
@@ -218,11 +237,11 @@ def _value(x: float, unit: str) -> str:
 
 
 def _sd(f: Influence) -> str:
-    return f"± {_value(f.sd, f.unit if f.unit != '×' else '')}"
+    return f"± {words.percent(f.sd) if f.unit == '×' else _value(f.sd, f.unit)}"
 
 
 def _share(x: float) -> str:
-    return words.percent(x)
+    return words.percent(x if not x < 5e-4 else 0.0)
 
 
 def _signed(x: float, digits: int) -> str:

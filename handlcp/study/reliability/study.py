@@ -86,8 +86,8 @@ def reliability(
     limited = grasp.spec.mechanism is not None and bool(np.isfinite(grasp.spec.mechanism.limits).any())
     return Reliability(
         _chance(found, 2, blocks.size, level), _chance(found, 1, blocks.size, level) if limited else None,
-        {word: int((found.codes == code).sum()) for code, word in enumerate(WORDS)}, tuple(matter), found.codes,
-        found.margin, blocks, placer, method,
+        {word: int((found.codes == code).sum()) for code, word in enumerate(WORDS)}, tuple(matter), found, blocks,
+        placer, method,
     )  # fmt: skip
 
 
