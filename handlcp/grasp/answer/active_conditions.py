@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.answer.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States, complement
 from handlcp.grasp.verify.limits_at_answer import limits_at_answer
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
@@ -181,7 +181,7 @@ def active_system(
             A[z] = V[z]
         count = states.against[i] if kind == SLIDING else 0
         if kind == SLIDING:
-            _complement(states.faces[i], count, d, across)
+            complement(states.faces[i], count, d, across)
         for a in range(d):
             j = contacts[i, a + 1]
             if held or kind == GLIDING:
@@ -206,27 +206,3 @@ def active_system(
             for j in range(k):
                 row[j] /= largest
     return A, solve_ranked(A.copy(), np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)
-
-
-@kernel
-def _complement(normals: Array, count: int, d: int, across: Array) -> None:
-    """Write an orthonormal basis of what is across the first `count` rows of normals (3, d) into the rows of across."""
-    basis = np.zeros((3, 3))
-    for q in range(d):
-        best, length = np.zeros(3), 0.0
-        for a in range(d if q >= count else 1):  # the unit vector that is farthest from the span, or the next normal
-            v = np.zeros(3)
-            if q < count:
-                v[:d] = normals[q, :d]
-            else:
-                v[a] = 1.0
-            for p in range(q):
-                v -= (basis[p] @ v) * basis[p]
-            size = float(np.sqrt(v @ v))
-            if size > length:
-                best, length = v, size
-        basis[q] = best
-        if length > 0.0:
-            basis[q] /= length
-        if q >= count:
-            across[q - count] = basis[q]

@@ -9,7 +9,6 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.active_conditions import free_branches
-from handlcp.grasp.answer.contact_states import classify, names_of
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import Uniqueness, describe, minimum_norm
 from handlcp.grasp.assembly.candidate import Candidate
@@ -19,6 +18,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.verify.contact_laws import in_world
+from handlcp.grasp.verify.contact_states import classify, names_of
 from handlcp.grasp.verify.judge import Residuals, Verdict, judge
 from handlcp.lcp import Status
 

@@ -23,6 +23,7 @@ from handlcp.grasp.answer.verdict import Verdict, verdict_of
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.sensitivity.sensitivity import Sensitivity, sensitivity_of
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY
@@ -164,6 +165,13 @@ class GraspSolution(Shown, Deferred):
             return read_only(np.full(len(self.names), np.nan))
         margin, noise = friction_margin(self.scene, self.forces, self.torsion), CERTIFY * self.residuals.force_scale
         return read_only(np.where(abs(margin) > noise, margin, 0.0 * margin))
+
+    def sensitivity(self) -> Sensitivity:
+        """Its derivatives by the load, squeeze, springs, pads, friction, places of contacts, posture and lengths of
+        links, from the contact states at the answer: `s.sensitivity().forces_by_wrench` (n, 3, 6), and so on. Raises
+        InputError for a solution that is not held.
+        """
+        return sensitivity_of(self)
 
     def __str__(self) -> str:
         return printed(self, ())

@@ -118,8 +118,13 @@ class SoftWrist(Effect):
 
     def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """Wᵀ C W, symmetric to the last bit; a moment about a soft finger's normal is felt as it is."""
-        W = wrench_map(at.positions, self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
-        W[:, 3 * at.of_fingers : 3 * at.n] = 0.0  # it does not carry the environment
-        W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_fingers] = 0.0
+        W = self.carried(at, soft)
         E = W.T @ self.flexibility @ W
         return np.asarray((E + E.T) / 2)
+
+    def carried(self, at: Placement, soft: tuple[int, ...]) -> Array:
+        """(6, c) W: the wrench of the forces about `at`; it does not carry the environment."""
+        W = wrench_map(at.positions, self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
+        W[:, 3 * at.of_fingers : 3 * at.n] = 0.0
+        W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_fingers] = 0.0
+        return np.asarray(W)

@@ -69,6 +69,31 @@ class Mechanism:
         """(3n, nv, nv) ∂J/∂q [m/rad²] of contact points that move with their fingers, in contact axes that don't."""
         raise NotImplementedError
 
+    def angular(self) -> Array:
+        """(n, 3, nv) how fast the joints turn the fingers of the contacts, world axes [rad/rad]."""
+        raise NotImplementedError
+
+    def gives(self, spec: Any) -> bool:
+        """Whether the flexibility of a grasp is that of these joints and the pads, and follows them."""
+        return False
+
+    def varied(self, spec: Any, what: str, k: int, step: float) -> Any:
+        """The grasp made again with its k-th "posture" [rad, m] or "lengths" [m] larger by a step, as it was asked for.
+        Contacts with an object are detected anew; those that were given stay.
+        """
+        raise NotImplementedError
+
+    @property
+    def lengths(self) -> tuple[str, ...]:
+        """Names of what `varied` counts as "lengths", three (x, y, z) each; () where none are known."""
+        return ()
+
+    def replaced(self, spec: Any, positions: Array, frames: Array) -> Any:
+        """The grasp with its contacts at positions (n, 3), with frames (n, 3, 3), and all that follows from where they
+        are.
+        """
+        raise NotImplementedError
+
     def weight(self) -> Array | None:
         """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
         return None

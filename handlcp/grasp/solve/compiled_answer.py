@@ -8,7 +8,6 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.answer.contact_states import names_of
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
@@ -16,6 +15,7 @@ from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
 from handlcp.grasp.verify.contact_laws import Misses
+from handlcp.grasp.verify.contact_states import names_of
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp import Proposal
 from handlcp.lcp.solvers.contact_run import outcome

@@ -13,11 +13,11 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.answer.active_conditions import active_system
-from handlcp.grasp.answer.contact_states import RESTING, States, find_states
 from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
 from handlcp.grasp.verify.contact_laws import Friction, examine
+from handlcp.grasp.verify.contact_states import RESTING, States, find_states
 from handlcp.grasp.verify.escape import ESCAPES, find_escape
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.contact_newton import hold

@@ -1,0 +1,169 @@
+"""One-sided derivatives where a contact's next state depends on the direction of the change.
+
+A contact that touches without force begins to push or opens; one that sticks at its limit begins to slide or goes on
+sticking; a limit that is just reached gives way or not. The rates obey the laws of the next state:
+
+    opens    Δr = 0, Δv_N ≥ 0                  sticks   Δv_T = 0, nᵀΔr_T ≤ Δ(μ r_N)
+    pushes   Δv_N = 0, Δr_N ≥ 0                slides   nᵀΔr_T = Δ(μ r_N), Δv_T = -λ n, λ ≥ 0
+    holds    A Δr ≤ Δb                         yields   A Δr = Δb, Δs ≥ 0
+
+Few contacts are at a kink at once, so that all choices are tried; the first that obeys every sign is the derivative.
+Source: Robinson, Mathematics of Operations Research 5 (1980): the directional derivative is such a problem in the
+rates.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.sensitivity.next_states import Next, next_states, normals_reached
+from handlcp.grasp.sensitivity.stand import Stand, solved
+from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
+from handlcp.tolerances import RANK
+
+__all__ = ["Kink", "kinks_at", "one_sided"]
+
+_MOST = 4096  # combinations that are tried
+_SMALL = 1e-9  # of the largest rate: a sign that is missed by less is kept
+_ROUNDS = 100  # in search of the direction of a slip that begins
+
+
+@dataclass(frozen=True, slots=True)
+class Kink:
+    """Why a derivative has two sides. who : a finger, or the name of a limit. what : "touches without force", "is at
+    the limit of its friction", or "is just reached". contact : its number; None for a limit.
+    """
+
+    who: str
+    what: str
+    contact: int | None
+
+    def __str__(self) -> str:
+        return f"{self.who} {self.what}"
+
+
+def kinks_at(at: Stand) -> tuple[Kink, ...]:
+    """Of contacts, then of limits in the order in which they are reached."""
+    names, found = at.answer.spec.names, []
+    for i in range(at.answer.scene.n):
+        if at.edge[i] or (at.states.kind[i] == SLIDING and _grazes(at, i)):
+            rests = at.states.kind[i] == RESTING
+            found.append(Kink(names[i], "touches without force" if rests else "is at the limit of its friction", i))
+    reached = at.answer.yielding
+    of_limits = [limit.name for limit in reached.every for _ in range(len(limit.room))]
+    return (*found, *(Kink(of_limits[k], "is just reached", None) for k in reached.at[reached.active :]))
+
+
+def _grazes(at: Stand, i: int) -> bool:
+    """Whether a contact's force is where several faces of its pyramid meet, but its slip against fewer of them."""
+    if at.states.against[i] < 2:
+        return False
+    slip, rank = at.v[_tangents(at, i)], int(at.states.against[i])
+    for some in itertools.combinations(normals_reached(at, i), rank - 1):
+        faces = np.array(some)
+        shares = np.linalg.lstsq(faces.T, -slip, rcond=None)[0]
+        if (shares >= -at.answer.slow).all() and float(abs(faces.T @ shares + slip).max()) <= at.answer.slow:
+            return True
+    return False
+
+
+def one_sided(at: Stand, kinks: tuple[Kink, ...], b: Array) -> Array:
+    """(c + dof + m,) the changes in natural units for right-hand sides b (c + dof + n + m,) as `Stand` has them, with
+    all m limits that are reached; NaN where no next state is consistent: nothing near is an answer on that side.
+    """
+    reached, contacts = at.answer.yielding, [k.contact for k in kinks if k.contact is not None]
+    every = [next_states(at, i) for i in contacts]
+    resting = len(reached.at) - reached.active
+    ways = itertools.product(*every, *([(False, True)] * resting))
+    for way in itertools.islice(ways, _MOST):
+        picked: list[Any] = list(way[: len(contacts)])
+        yields = np.array((True,) * reached.active + way[len(contacts) :], bool)
+        x = _rates(at, contacts, picked, yields, b)
+        if x is not None:
+            return x
+    return np.full(at.answer.scene.components + at.answer.scene.dof + len(reached.at), np.nan)
+
+
+def _rates(at: Stand, contacts: list[int], picked: list[Next], yields: Array, b: Array) -> Array | None:
+    """The changes with these next states where they keep every sign; None where they do not."""
+    s, rows = at.answer.scene, at.answer.yielding.rows
+    free = [k for k, p in enumerate(picked) if p.follows]
+    keep = np.concatenate([np.ones(len(b) - len(rows), bool), yields])
+    for _ in range(_ROUNDS if free else 1):
+        A, B = at.equations(_with(at.states, contacts, picked), rows[yields])
+        x, _ = solved(A, (B @ b[keep])[:, None], RANK)
+        if np.isnan(x).any():
+            return None
+        dv = at.moved(x, rows[yields])[:, 0] + b[: s.components] * at.answer.sizes[1]
+        change = 0.0
+        for k in free:
+            slip = dv[_tangents(at, contacts[k])]
+            if (speed := float(np.sqrt(slip @ slip))) > 0.0:
+                new = picked[k].turned(-slip / speed)
+                change = max(change, float(abs(new.faces - picked[k].faces).max()))
+                picked[k] = new
+        if change <= 1e-14:
+            break
+    whole = np.zeros(s.components + s.dof + len(rows))
+    whole[: s.components + s.dof] = x[: s.components + s.dof, 0]
+    whole[s.components + s.dof :][yields] = x[s.components + s.dof :, 0]
+    fits = all(_keeps(at, i, p, whole, dv, b) for i, p in zip(contacts, picked, strict=True))
+    return whole if fits and _limits_keep(at, whole, yields, b) else None
+
+
+def _keeps(at: Stand, i: int, state: Next, x: Array, dv: Array, b: Array) -> bool:
+    """Whether a contact's rates have the signs of its next state."""
+    answer = at.answer
+    t, force = _tangents(at, i), x[: answer.scene.components]
+    small, slow = _SMALL * float(abs(force).max()), _SMALL * float(max(abs(dv).max(), answer.sizes[1] * abs(x).max()))
+    if state.kind == SEPARATED:
+        return bool(dv[3 * i + 2] >= -slow)
+    if at.states.kind[i] == RESTING and force[3 * i + 2] < -small:
+        return False
+    if state.kind == GLIDING:
+        return True
+    room = answer.friction.limits[i] * force[3 * i + 2] + b[answer.scene.components + answer.scene.dof + i]
+    if state.kind == STICKING and not len(reached := normals_reached(at, i)):  # a cone at rest
+        return bool(np.sqrt(force[t] @ force[t]) <= room + small)
+    if state.kind == STICKING:
+        return all(float(m @ force[t]) <= room + small for m in reached)
+    if state.turn > 0.0 and state.slips:  # friction is against the slip by construction
+        return True
+    faces = state.faces[:, : len(t)]
+    now, more = (-np.linalg.lstsq(faces.T, v[t], rcond=None)[0] for v in (at.v, dv))
+    if float(abs(faces.T @ now + at.v[t]).max()) > answer.slow:  # it slips against another face, too
+        return False
+    others = [m for m in normals_reached(at, i) if float(abs(faces - m).max(axis=1).min()) > 1e-9]
+    inside = state.follows or all(float(m @ force[t]) <= room + small for m in others)
+    return inside and bool((more[now <= answer.slow] >= -slow).all())
+
+
+def _limits_keep(at: Stand, x: Array, yields: Array, b: Array) -> bool:
+    """Whether limits that are just reached hold, or yield outwards."""
+    reached, c = at.answer.yielding, at.answer.scene.components
+    new = np.arange(len(reached.at)) >= reached.active
+    room = b[len(b) - len(reached.at) :] - reached.rows @ x[:c]
+    ways = x[len(x) - len(reached.at) :]
+    small = _SMALL * float(abs(x).max(initial=0.0))
+    return bool((np.where(yields, ways, room)[new] >= -small).all())
+
+
+def _tangents(at: Stand, i: int) -> list[int]:
+    """The tangential components of a contact."""
+    own = at.answer.scene.kind.contact_components[i, 1:]
+    return [int(j) for j in own if j >= 0]
+
+
+def _with(states: States, contacts: list[int], picked: list[Next]) -> States:
+    """The states with these contacts' next ones."""
+    kind, against, faces, turn = states.kind.copy(), states.against.copy(), states.faces.copy(), states.turn.copy()
+    for i, p in zip(contacts, picked, strict=True):
+        kind[i], against[i], turn[i] = p.kind, len(p.faces), p.turn
+        faces[i] = 0.0
+        faces[i, : len(p.faces)] = p.faces
+    return States(kind, against, faces, turn)

@@ -1,0 +1,179 @@
+"""What moved and turned contacts change in the laws of a grasp, in closed form.
+
+A contact point moves by δp, its axes turn by δθ with it; the object stays, and so do the joints, their commands, and
+offsets and pads in the axes of fingertip and contact. With the twist (u, ω) of a body about a point a, the force f on
+it in world axes, and R the contact axes:
+
+    by δp    δ(Gᵀu) = Rᵀ (ω × δp)         δ(G r) = (0, δp × f)
+    by δθ    δ(Gᵀu) = -θ × Rᵀ(u + ω × (p - a))    δ(G r) = (R (θ × r), (p - a) × R (θ × r))
+
+The object is one body, and a soft wrist (`SoftWrist`) another that moves by C W r. The joints move the fingertips by
+J (δ - δq), which changes in the same way with their angular velocities Ω, and J changes what the joints feel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import Unsupported
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.effects.contact_compliance import ContactCompliance
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.soft_wrist import SoftWrist
+from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.change import Change, no_change
+
+__all__ = ["by_normals", "by_positions"]
+
+_KNOWN = (ContactCompliance, FingerWeight, GeometricStiffness, JointOffset, SoftWrist)
+
+
+def by_positions(answer: Answer) -> Change:
+    """Of the contact points (n, 3), world axes [1/m]; of a planar scene in its plane."""
+    return _by(answer, turns=False)
+
+
+def by_normals(answer: Answer) -> Change:
+    """Of turns (n, 3) of the contact axes about themselves [1/rad]: x and y tilt the normal, z turns the tangents."""
+    return _by(answer, turns=True)
+
+
+def _by(answer: Answer, turns: bool) -> Change:
+    spec = answer.spec
+    if strange := [type(e).__name__ for e in spec.effects if _follows_contacts(e)]:
+        raise Unsupported(f"how {', '.join(strange)} changes with the contacts is not known")
+    n, change = spec.n, no_change(answer, 3 * spec.n)
+    forces, moments = answer.components[: 3 * n].reshape(n, 3), _moments(answer)
+    everybody = np.ones(n)
+    own = _Body.moving(answer, answer.twist, spec.reference, everybody)
+    change.motion[:], change.balance[:] = own.seen(answer, turns), own.felt(forces, moments, turns)
+    for e in spec.effects:
+        if isinstance(e, SoftWrist):
+            _wrist(answer, e, forces, moments, turns, change)
+    if spec.mechanism is not None:
+        _joints(answer, forces, moments, turns, change)
+    if spec.planar:
+        change.motion[1 : 3 * n : 3] = 0.0
+    change.motion[:] *= answer.scale[:, None]
+    return change
+
+
+class _Body:
+    """What n contacts see of a body: its velocity (n, 3) and angular velocity (n, 3) at the points, world axes; and the
+    arms (n, 3) from the point that its wrench refers to. carried (n,) : 1 for the contacts on it, 0 for others.
+    """
+
+    def __init__(self, answer: Answer, velocity: Array, omega: Array, arms: Array, carried: Array) -> None:
+        self.R, self.soft = answer.spec.frames, list(answer.scene.soft)
+        self.velocity, self.omega, self.arms, self.carried = velocity, omega, arms, carried
+
+    @classmethod
+    def moving(cls, answer: Answer, twist: Array, about: Array, carried: Array) -> _Body:
+        """With a small motion (6,) about a point (3,)."""
+        arms = answer.spec.positions - about
+        omega = np.tile(twist[3:], (len(arms), 1))
+        return cls(answer, twist[:3] + np.cross(omega, arms), omega, arms, carried)
+
+    def seen(self, answer: Answer, turns: bool) -> Array:
+        """(c, 3n) δv of its motion in contact axes."""
+        n, c = len(self.R), answer.scene.components
+        out, axes = np.zeros((c, 3 * n)), self.R.transpose(0, 2, 1)
+        blocks = _skew((axes @ self.velocity[:, :, None])[:, :, 0]) if turns else axes @ _skew(self.omega)
+        _on_diagonal(out, blocks * self.carried[:, None, None])
+        if turns:
+            for at, i in enumerate(self.soft, 3 * n):
+                out[at, 3 * i : 3 * i + 3] = -self.carried[i] * (self.omega[i] @ self.R[i] @ _skew(_Z))
+        return out
+
+    def felt(self, forces: Array, moments: Array, turns: bool) -> Array:
+        """(6, 3n) δb of forces (n, 3) and moments (n,) in contact axes."""
+        n = len(self.R)
+        out = np.zeros((6, n, 3))
+        if turns:
+            pulled = -(self.R @ _skew(forces))
+            out[:3] = pulled.transpose(1, 0, 2)
+            turned = _skew(self.arms) @ pulled - moments[:, None, None] * (self.R @ _skew(_Z))
+            out[3:] = turned.transpose(1, 0, 2)
+        else:
+            out[3:] = -_skew((self.R @ forces[:, :, None])[:, :, 0]).transpose(1, 0, 2)
+        return np.asarray((out * self.carried[:, None]).reshape(6, 3 * n))
+
+
+def _wrist(answer: Answer, wrist: SoftWrist, forces: Array, moments: Array, turns: bool, change: Change) -> None:
+    """Add Wᵀ C W r."""
+    spec = answer.spec
+    fingers = (np.arange(spec.n) < spec.of_fingers).astype(float)
+    W = wrist.carried(spec, answer.scene.soft)
+    body = _Body.moving(answer, wrist.flexibility @ (W @ answer.components), wrist.at, fingers)
+    change.motion[:] += body.seen(answer, turns)
+    change.motion[:] += W.T @ (wrist.flexibility @ body.felt(forces, moments, turns))
+
+
+def _joints(answer: Answer, forces: Array, moments: Array, turns: bool, change: Change) -> None:
+    """Add J (δ - δq), and what the joints feel."""
+    spec, J = answer.spec, answer.rows
+    mechanism = spec.mechanism
+    assert mechanism is not None
+    n, nv, follows = spec.n, J.shape[1], answer.elastic_joints
+    moved = answer.joints.deflection + answer.joints.yielded - answer.command
+    if not follows:
+        moved = moved - mechanism.deflection(answer.components @ J)
+    turning, axes = mechanism.angular(), spec.frames
+    velocity = (axes @ (J[: 3 * n] @ moved).reshape(n, 3, 1))[:, :, 0]
+    body = _Body(answer, velocity, turning @ moved, np.zeros((n, 3)), np.ones(n))
+    change.motion[:] += body.seen(answer, turns)
+    felt = body.felt(forces, moments, turns).reshape(6, n, 3)  # one point after the other: each finger feels its own
+    torque = np.einsum("nkj,kna->jna", turning, felt[3:])
+    if turns:
+        torque += np.einsum("nkj,kna->jna", axes @ J[: 3 * n].reshape(n, 3, nv), felt[:3])
+    change.torque[:] += torque.reshape(nv, 3 * n)
+    if follows:
+        change.motion[:] += J @ (answer.compliance @ change.torque)
+        if turns:
+            _pads(answer, forces, change)
+
+
+def _pads(answer: Answer, forces: Array, change: Change) -> None:
+    """Add pads that stay with the fingertip while the contact axes turn: δ(P r) = P (θ × r) - θ × P r."""
+    spec, J = answer.spec, answer.rows
+    assert spec.mechanism is not None
+    root = spec.mechanism.root
+    for i in range(spec.of_fingers):
+        own = slice(3 * i, 3 * i + 3)
+        through = J[own] @ root
+        P = spec.flexibility[own, own] - through @ through.T
+        change.motion[own, own] += _skew(P @ forces[i]) - P @ _skew(forces[i])
+
+
+def _follows_contacts(effect: Effect) -> bool:
+    """Whether an effect may change with where the contacts are, in a way that is not known here."""
+    kind = type(effect)
+    own = kind.added_flexibility is not Effect.added_flexibility or kind.added_offset is not Effect.added_offset
+    return own and not isinstance(effect, _KNOWN) and bool(kind.title)
+
+
+def _moments(answer: Answer) -> Array:
+    """(n,) about the normals, 0 of contacts that bear none."""
+    out = np.zeros(answer.spec.n)
+    out[list(answer.scene.soft)] = answer.components[3 * answer.spec.n :]
+    return out
+
+
+def _on_diagonal(out: Array, blocks: Array) -> None:
+    """Write blocks (n, 3, 3) on the diagonal of the first 3n rows."""
+    for i, block in enumerate(blocks):
+        out[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
+
+
+def _skew(a: Array) -> Array:
+    """(…, 3, 3) with skew(a) b = a × b."""
+    out = np.zeros((*a.shape, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -a[..., 2], a[..., 1], -a[..., 0]
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = a[..., 2], -a[..., 1], a[..., 0]
+    return out
+
+
+_Z = np.array([0.0, 0.0, 1.0])

@@ -1,0 +1,88 @@
+"""How an answer responds to changes: one elimination for all of them, and one side after the other at a kink."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.change import Change, Rates
+from handlcp.grasp.sensitivity.kinks import Kink, kinks_at, one_sided
+from handlcp.grasp.sensitivity.rows import respond
+from handlcp.grasp.sensitivity.stand import Stand, solved
+from handlcp.grasp.verify.contact_states import States
+from handlcp.lazy import lazy
+from handlcp.tolerances import RANK
+
+__all__ = ["Response"]
+
+_FREE = 1e-7  # what the free directions of a singular system move by less is determined
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Of an answer. inverse : (c + dof + m, c + dof + n + m) changes in natural units by unit right-hand sides, in the
+    order of `rows.active_rows`; only where `regular`: nothing is left free.
+    """
+
+    at: Stand
+    inverse: Array
+    regular: bool
+
+    @classmethod
+    def of(cls, answer: Answer) -> Response:
+        """One call of compiled code."""
+        s, given, reached = answer.scene, answer.scene.given, answer.yielding
+        G, v, kind, against, faces, turn, edge, inverse, regular = respond(
+            given.positions, given.frames, given.spin, given.flexibility, answer.opening, answer.tangent,
+            given.freedom, answer.spec.reference, answer.lawful, answer.twist, s.kind.contact_components,
+            answer.friction, reached.rows[: reached.active], answer.sizes,
+        )  # fmt: skip
+        return cls(Stand(answer, G, v, States(kind, against, faces, turn), edge), inverse, regular)
+
+    @lazy
+    def kinks(self) -> tuple[Kink, ...]:
+        """Contacts and limits whose next state depends on the direction of the change."""
+        return kinks_at(self.at)
+
+    @lazy
+    def free(self) -> Array:
+        """(k, j) what spans the changes that no law resists, natural units; j = 0: there are none."""
+        if self.regular:
+            return np.zeros((len(self.inverse), 0))
+        reached = self.at.answer.yielding
+        A, _ = self.at.equations(self.at.states, reached.rows[: reached.active])
+        return solved(A, np.zeros((len(A), 0)), RANK)[1]
+
+    def to(self, change: Change) -> Rates:
+        """The rates; at a kink those of a growing parameter, column by column."""
+        at, reached = self.at, self.at.answer.yielding
+        b, rows = at.right_hand_sides(change), reached.rows[: reached.active]
+        if self.kinks:
+            columns = [one_sided(at, self.kinks, b[:, k]) for k in range(b.shape[1])]
+            x, rows = (
+                np.column_stack([np.zeros((len(self.inverse) + len(reached.at) - reached.active, 0)), *columns]),
+                reached.rows,
+            )
+        elif self.regular:
+            x = self.inverse @ b
+        else:
+            A, B = at.equations(at.states, rows)
+            x = solved(A, B @ b, RANK)[0]
+        return self._rates(x, rows, change)
+
+    def _rates(self, x: Array, limits: Array, change: Change) -> Rates:
+        """In SI and contact axes; NaN for what is left free."""
+        at, c = self.at, self.at.answer.scene.components
+        scale = at.answer.scale[:, None]
+        forces, motion = x[:c] * at.answer.sizes[0] * scale, at.motion(x)
+        slip = (at.moved(x, limits) + change.motion) / scale
+        if not self.kinks and self.free.shape[1]:
+            N, units = self.free, at.answer.sizes
+            forces[abs(N[:c]).max(axis=1) > _FREE] = np.nan
+            moved = at.motion(N) / (units[1] / np.array((1.0,) * 3 + (units[2],) * 3))[:, None]
+            motion[abs(moved).max(axis=1) > _FREE] = np.nan
+            slip[abs(at.moved(N, limits)).max(axis=1) > _FREE * units[1]] = np.nan
+        return Rates(forces, motion, slip)

@@ -1,0 +1,137 @@
+"""Derivatives of an answer, made when they are asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from handlcp.check import Array, array, read_only
+from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.change import Change, Rates
+from handlcp.grasp.sensitivity.kinks import Kink
+from handlcp.grasp.sensitivity.parameters import PARAMETERS
+from handlcp.grasp.sensitivity.quantities import QUANTITIES
+from handlcp.grasp.sensitivity.respond import Response
+from handlcp.tolerances import ACTIVE
+
+__all__ = ["Along", "Sensitivity", "sensitivity_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """What an answer does while a parameter moves along a direction: derivatives per unit of it, where it begins to
+    grow (`ahead`) and where it begins to shrink (`behind`). Both are the same away from kinks. Each maps a quantity to
+    its derivative, in the shape that the quantity has in the solution; NaN: there is no answer on that side.
+    """
+
+    ahead: dict[str, Array]
+    behind: dict[str, Array]
+
+
+class Sensitivity:
+    """Derivatives of a solution, `<quantity>_by_<parameter>`: read-only arrays in the shape of the quantity followed by
+    that of the parameter, SI. Made by `solution.sensitivity()`.
+
+    Quantities: forces (n, 3) contact axes, torsion (n,) of soft fingers, slip (n, 2), gap (n,), displacement (6,) about
+    the reference, friction_margin (n,); of a hand torques (nv,), torque_margin (nv,).
+    Parameters: wrench (6,) about the reference, squeeze (n,) [m], pads (n,) [m/N], friction (n,) the coefficient, with
+    which the law grows as a whole, positions (n, 3) [m] world axes, normals (n, 3) turns of the contact axes about
+    themselves [rad]; of a hand stiffness (nv,) [N·m/rad], joint_offset (nv,) [rad], torque_limits (nv,) [N·m], which
+    matter beside `TorqueSaturation`, posture (nv,) [rad], lengths (m, 3) [m] of `length_names`.
+
+    One parameter changes and all else stays: contacts, offsets and commands of the joints stay as they are while
+    contacts move or turn. By posture and lengths the grasp is made again as it was asked for: contacts on an object are
+    detected anew, those that were given stay, and so do the arguments squeeze, grip_force and joint_offset. (These two
+    are central differences of what is detected, not of answers.)
+
+    Contacts keep their states. Where a state depends on the direction of a change, `kinks` says which, and each entry
+    is the derivative for a parameter that grows; `along` has both sides. NaN: not determined, because the solution
+    leaves it free, or no answer lies in that direction.
+    """
+
+    def __init__(self, answer: Answer) -> None:
+        self._answer = answer
+        self._response = Response.of(answer)
+        self._rates: dict[str, tuple[Rates, Change]] = {}
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """What there are derivatives by."""
+        hand = self._answer.spec.mechanism is not None
+        return tuple([name for name, p in PARAMETERS.items() if hand or not p.joints])
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What there are derivatives of."""
+        hand = self._answer.spec.mechanism is not None
+        return tuple([name for name, q in QUANTITIES.items() if hand or not q.joints])
+
+    @property
+    def length_names(self) -> tuple[str, ...]:
+        """(m,) joints and fingertips whose places are `lengths`; () without a hand."""
+        mechanism = self._answer.spec.mechanism
+        return () if mechanism is None else mechanism.lengths
+
+    @property
+    def kinks(self) -> tuple[Kink, ...]:
+        """Where a derivative has two sides; () where nothing does."""
+        return self._response.kinks
+
+    @property
+    def free(self) -> int:
+        """In how many directions forces and motion are free, so that derivatives along them are NaN."""
+        return int(self._response.free.shape[1])
+
+    def of(self, quantity: str, parameter: str) -> Array:
+        """The derivative, as the attribute `<quantity>_by_<parameter>`. Raises UnknownName, and Unsupported where a
+        grasp has no such derivative.
+        """
+        if quantity not in self.quantities:
+            raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
+        rates, change = self._by(parameter)
+        found = QUANTITIES[quantity].rate(self._answer, rates, change)
+        return read_only(found.reshape(*found.shape[:-1], *PARAMETERS[parameter].shape(self._answer)))
+
+    def along(self, parameter: str, direction: Any) -> Along:
+        """The derivatives along a direction, an array in the parameter's shape, on both sides. Raises UnknownName,
+        InputError.
+        """
+        _, change = self._by(parameter)
+        way = array("direction", direction, PARAMETERS[parameter].shape(self._answer)).reshape(-1)
+        ahead, behind = self._one_side(change.toward(way)), self._one_side(change.toward(-way))
+        return Along(ahead, {name: read_only(-rate) for name, rate in behind.items()})
+
+    def _one_side(self, change: Change) -> dict[str, Array]:
+        rates = self._response.to(change)
+        return {name: read_only(QUANTITIES[name].rate(self._answer, rates, change)[..., 0]) for name in self.quantities}
+
+    def _by(self, parameter: str) -> tuple[Rates, Change]:
+        if (known := self._rates.get(parameter)) is None:
+            if parameter not in self.parameters:
+                raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
+            change = PARAMETERS[parameter].change(self._answer)
+            known = self._rates[parameter] = self._response.to(change), change
+        return known
+
+    def __getattr__(self, name: str) -> Array:
+        """`<quantity>_by_<parameter>`."""
+        quantity, by, parameter = name.partition("_by_")
+        if not by or quantity not in QUANTITIES or parameter not in PARAMETERS:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        value = self.of(quantity, parameter)
+        self.__dict__[name] = value
+        return value
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
+
+
+def sensitivity_of(solution: Any) -> Sensitivity:
+    """Of a `GraspSolution`. Raises InputError for one that is not held, and so has no forces."""
+    s = solution
+    if not s.held or s.spec is None or s.scene is None or s.section is None:
+        raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
+    weak, slow = ACTIVE * s.residuals.force_scale, ACTIVE * max(s.residuals.motion_scale, s.scene.units.motion)
+    twist = s.object_displacement
+    return Sensitivity(Answer(s.spec, s.scene, s.section, s.forces, s.torsion, twist, s.extra, weak, slow))
