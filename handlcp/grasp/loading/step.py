@@ -13,6 +13,7 @@ faster than the springs can follow drives it away.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from handlcp.grasp.loading.geometry import Geometry, Look, Where, between
 from handlcp.grasp.loading.numbers import Loads, Read, end_of_step
 from handlcp.grasp.loading.stage import Controls
 from handlcp.grasp.loading.state import Failure, Guess, State
-from handlcp.grasp.loading.step_answer import Answer, StepSolver
+from handlcp.grasp.loading.step_answer import Answer, Push, StepSolver
 from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.loading.watch import watch_of
 from handlcp.grasp.model.spec import GraspSpec
@@ -39,12 +40,13 @@ _CATCH, _CAUGHT = 30, 0.5  # looks and motion within which an object that snaps 
 
 
 class _Found(NamedTuple):
-    """end : where a look leads. answer, loads : of the solve. carry (n, 3) : slip between the look and the end.
+    """end : where a look leads. answer, controls, loads : of the solve. carry (n, 3) : slip from the look to the end.
     miss : how far the end is from the look; leap : from the step's beginning, both as shares of the contacts' radii.
     """
 
     end: Where
     answer: Answer
+    controls: Controls
     loads: Loads
     carry: Array
     miss: float
@@ -95,11 +97,34 @@ class Stepper:
         """The state under other controls. guess : what is expected of it. patient : whether to search for an answer
         where the first stage of the solver finds none, and to go along with an object that snaps to another place.
         """
+
+        def looked(look: Look) -> _Found | Failure:
+            return self._looked(state, controls, look, guess, patient)
+
+        return self._iterated(state, guess, looked, patient)
+
+    def pushed(self, state: State, push: Push, factor: float, guess: Guess) -> State | Failure:
+        """The state in which the object has moved on as a push says, under as much of its load as that takes; the
+        state's own load is a multiple of it. factor : about how much of it that will be.
+        """
+        there = self.geometry.displacement(state.where.pose)
+        expected = state.controls._replace(load=factor * push.load)
+
+        def looked(look: Look) -> _Found | Failure:
+            gone = float(push.along @ (self.geometry.displacement(look.at.pose) - there))
+            return self._pushed(state, expected, look, guess, push._replace(travel=push.travel - gone))
+
+        return self._iterated(state, guess, looked, False)
+
+    def _iterated(
+        self, state: State, guess: Guess, looked: Callable[[Look], _Found | Failure], patient: bool
+    ) -> State | Failure:
+        """Look again where the last look led, until the end is near enough to it."""
         geometry = self.geometry
         look, last, swing = geometry.look(guess.where, state.look), np.inf, _Swing()
         most, furthest = (_CATCH, _CAUGHT) if patient else (_MOST, _LARGEST)
         for count in range(1, most + 1):
-            found = self._looked(state, controls, look, guess, patient)
+            found = looked(look)
             if isinstance(found, Failure):
                 return found
             end = found.end
@@ -109,7 +134,7 @@ class Stepper:
                 answer = found.answer
                 marks = self.watch.marks(end.q, answer.read.torque, answer.yielded)
                 return State(
-                    end, look, found.loads, found.carry, answer.read, answer.kinds, answer.yielded, controls,
+                    end, look, found.loads, found.carry, answer.read, answer.kinds, answer.yielded, found.controls,
                     answer.start, count, marks,
                 )  # fmt: skip
             share = swing.share(geometry.displacement(end.pose) - geometry.displacement(look.at.pose))
@@ -134,6 +159,23 @@ class Stepper:
         answer = self.solver.continued(look, loads, guess.start, guess.motion, state.kinds, patient)
         if isinstance(answer, Failure):
             return answer
+        return self._led(state, controls, look, loads, slipped, answer)
+
+    def _pushed(self, state: State, expected: Controls, look: Look, guess: Guess, push: Push) -> _Found | Failure:
+        """The same, pushed on."""
+        slipped = self.geometry.slipped(state.look, look, state.carry)
+        loads = self.grasp.loads(look, slipped, expected, state.controls)
+        answer, more = self.solver.pushed(look, loads, push, guess.start, guess.motion, state.kinds)
+        if isinstance(answer, Failure):
+            return answer
+        controls = expected._replace(load=expected.load + more * push.load)
+        loads = self.grasp.loads(look, slipped, controls, state.controls)
+        return self._led(state, controls, look, loads, slipped, answer)
+
+    def _led(
+        self, state: State, controls: Controls, look: Look, loads: Loads, slipped: Array, answer: Answer
+    ) -> _Found:
+        """Where an answer leads."""
         read, here, el = answer.read, look.at, look.elastic
         q = self.grasp.posture + controls.command - read.deflection - answer.yielded
         give, turn, carry, miss = end_of_step(
@@ -141,4 +183,4 @@ class Stepper:
             el.turning, loads.base, here.give, here.turn, slipped, self.grasp.soft, look.radius,
         )  # fmt: skip
         pose, leap = self.geometry.moved(here.pose, answer.twist, answer.centre, state.where.pose)
-        return _Found(Where(q, give, turn, pose), answer, loads, carry, miss, leap)
+        return _Found(Where(q, give, turn, pose), answer, controls, loads, carry, miss, leap)

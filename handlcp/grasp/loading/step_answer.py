@@ -16,14 +16,15 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.geometry import Look
 from handlcp.grasp.loading.numbers import Laws, Loads, Read, read_answer, write_row
 from handlcp.grasp.loading.state import OPEN, Failure
-from handlcp.grasp.loading.step_grasp import StepGrasp
+from handlcp.grasp.loading.step_grasp import StepGrasp, about_origin
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, compiled_kind, start_from
 from handlcp.grasp.solve.compiled_solve import solve_scenes
+from handlcp.grasp.solve.pushed_solve import push_scene
 from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp import Auto
 
-__all__ = ["Answer", "StepSolver"]
+__all__ = ["Answer", "Push", "StepSolver"]
 
 _CHAIN = Auto(search_seconds=0.0)  # a "no" is not worth a proof
 _FRICTION = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times what it is
@@ -40,6 +41,16 @@ class Answer(NamedTuple):
     kinds: tuple[str, ...]
     yielded: Array
     start: Array
+
+
+class Push(NamedTuple):
+    """How a step is led by the object's motion. load (6,) : the load that a factor of 1 stands for, about the look's
+    reference. along (6,), travel : along · (the object's motion from the look, of its reference) = travel.
+    """
+
+    load: Array
+    along: Array
+    travel: float
 
 
 class StepSolver:
@@ -85,11 +96,28 @@ class StepSolver:
             return found
         if isinstance(found, Failure) or found.kinds == kinds:  # where it fails, contacts that stick were tried, too
             return found
-        again = self._solved(look, loads, NOWHERE, patient)
-        if isinstance(again, Failure) or again.kinds == kinds:
-            return found if isinstance(again, Failure) else again
-        off = [float(abs(a.start[:-9] - start[:-9]).max()) for a in (found, again)]
-        return found if off[0] <= off[1] else again
+        return _nearer(found, self._solved(look, loads, NOWHERE, patient), start, kinds)
+
+    def pushed(
+        self, look: Look, loads: Loads, push: Push, start: Array, motion: Array, kinds: tuple[str, ...]
+    ) -> tuple[Answer | Failure, float]:
+        """The answer under these loads and a factor times the load of a push, that continues what is expected; and the
+        factor. start, motion, kinds : as in `continued`.
+        """
+        start = self._restarted(start, look, motion)
+        found, factor = self._pushed(look, loads, push, start)
+        if isinstance(found, Answer) and found.kinds != kinds and len(start):
+            again, other = self._pushed(look, loads, push, NOWHERE)
+            if _nearer(found, again, start, kinds) is again:
+                return again, other
+        return found, factor
+
+    def _pushed(self, look: Look, loads: Loads, push: Push, start: Array) -> tuple[Answer | Failure, float]:
+        write_row(self._scene[0], look.positions, look.frames, look.elastic, loads, self.laws)
+        row, reference = np.empty(self._kind.answer_width), look.reference
+        load, along = about_origin(push.load, reference), about_origin(push.along, reference)
+        factor = push_scene(self._scene[0], self._kind.pattern, load, along, push.travel, start, _CHAIN.seed, row)
+        return self._read(row, look), factor
 
     def _restarted(self, start: Array, look: Look, motion: Array) -> Array:
         """Where a solve begins: the last forces, and the motion."""
@@ -132,7 +160,11 @@ class StepSolver:
         write_row(self._scene[0], look.positions, look.frames, look.elastic, loads, laws)
         rows = np.empty((1, self._kind.answer_width))
         solve_scenes(read_only(self._scene.view()), self._kind.pattern, start, _CHAIN.seed, rows)
-        found = CompiledAnswer(self._kind, rows[0])
+        return self._read(rows[0], look)
+
+    def _read(self, row: Array, look: Look) -> Answer | Failure:
+        """What a row says, if it is an answer."""
+        found = CompiledAnswer(self._kind, row)
         if not found.passes:
             return Failure("no answer" if found.escape is None else "no balance")
         read = Read(*read_answer(found.components, found.motion, look.elastic, self.laws))
@@ -156,3 +188,11 @@ class StepSolver:
         read = Read(s.forces, motion, torsion, spin, joints.torque, joints.deflection)
         twist, centre = s.object_displacement, spec.reference
         return Answer(read, twist, centre, s.contact_state, joints.yielded, start_from(s, scene))
+
+
+def _nearer(found: Answer, again: Answer | Failure, start: Array, kinds: tuple[str, ...]) -> Answer:
+    """The one that changes no contact's state, else the one whose forces are nearer to those expected."""
+    if isinstance(again, Failure) or again.kinds == kinds:
+        return found if isinstance(again, Failure) else again
+    off = [float(abs(a.start[:-9] - start[:-9]).max()) for a in (found, again)]
+    return found if off[0] <= off[1] else again

@@ -29,7 +29,7 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.spec import GraspSpec, wrench_about
 from handlcp.grasp.model.vectors import cross_rows
 
-__all__ = ["StepGrasp"]
+__all__ = ["StepGrasp", "about_origin"]
 
 # Of the contacts' distances from their centre: less is no preload; and fingertips no farther from the object than this,
 # or no deeper in it, just touch
@@ -116,3 +116,8 @@ class StepGrasp:
         given = controls.wedge * self._given
         given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * (self._overlap - self._touching)
         return np.asarray(given)
+
+
+def about_origin(load: Array, reference: Array) -> Array:
+    """(6,) about the world's origin, of a load (6,) about a reference (3,)."""
+    return np.concatenate([load[:3], load[3:] + cross_rows(reference, load[:3])])

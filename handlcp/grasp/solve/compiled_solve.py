@@ -25,7 +25,10 @@ from handlcp.lcp.kernels.contact_rows import in_order
 from handlcp.lcp.kernels.contact_run import closed, contact_run, in_turns, newton_first
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
-__all__ = ["HEAD", "NONE_HOLDS", "UNIQUE", "ScenePattern", "solve_scenes"]
+__all__ = [
+    "HEAD", "NONE_HOLDS", "UNIQUE", "ScenePattern", "begin", "read_scene", "solve_scenes", "solved", "stamped_rows",
+    "write_answer",
+]  # fmt: skip
 
 
 class ScenePattern(NamedTuple):
@@ -50,11 +53,11 @@ class ScenePattern(NamedTuple):
 
 
 # An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `Misses`; and what
-# else is known: UNIQUE, locally; NONE_HOLDS, where it is no answer, and in place of its twist there is the proof in
-# natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact states
-# (n), unknowns (N).
+# else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is the
+# proof in natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact
+# states (n), unknowns (N).
 HEAD = 12
-UNIQUE, UNKNOWN, NONE_HOLDS = 1.0, 0.0, -1.0
+UNIQUE, UNKNOWN, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
 
 
 @kernel
@@ -67,39 +70,47 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
     n = len(p.contacts)
     for k in range(len(scenes)):
         row = rows[k]
-        g, limits = _read(scenes[k], n, p.torsional, p.dof)
+        g, limits = read_scene(scenes[k], n, p.torsional, p.dof)
         posed, blocks = pose(g, p.unknown)
-        x = np.zeros(p.at[4])
-        t = np.zeros(p.dof)
-        row[0], row[1], row[2], escapes = _solved(p, blocks, limits, start, posed, g.freedom, seed, x, t)
-        at = p.at[0], p.at[2], p.at[3]
-        forces, free = in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
-        twist = np.dot(free, g.freedom)
-        friction = Friction(limits, p.faces, p.normals)
-        v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
-        row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
-        row[11] = UNKNOWN
-        end = _put(row, HEAD, forces)
-        end = _put(row, end, twist)
-        end = _put(row, end, posed.centre)
-        end = _put(row, end, v)
-        for i in range(n):
-            row[end + i] = 0.0  # states of what is no answer
-        _put(row, end + n, x)
-        if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
-            slow = ACTIVE * max(m.motion_size, posed.motion)
-            states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
-            if _unique(blocks.every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits):
-                row[11] = UNIQUE
-            for i in range(n):
-                row[end + i] = states.kind[i]
-        elif escapes:
+        x, t = np.zeros(p.at[4]), np.zeros(p.dof)
+        if len(start) > 0:
+            begin(x, start, p, g.freedom, posed)
+        M, q = stamped_rows(p, blocks)
+        row[0], row[1], row[2], escapes = solved(p, M, q, blocks, limits, len(start) > 0, seed, x, t)
+        write_answer(row, p, g, limits, posed, blocks.every, x)
+        if escapes and row[11] == NO_ANSWER:
             row[11] = NONE_HOLDS
-            _put(row, HEAD + len(forces), t)
+            _put(row, HEAD + len(g.offset), t)
 
 
 @kernel
-def _read(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
+def write_answer(row: Array, p: ScenePattern, g: Given, limits: Array, posed: Posed, every: Array, x: Array) -> None:
+    """Certify the unknowns x (N,), and write what they say into the row, from its fourth number on."""
+    at, n = (p.at[0], p.at[2], p.at[3]), len(p.contacts)
+    forces, free = in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
+    twist = np.dot(free, g.freedom)
+    friction = Friction(limits, p.faces, p.normals)
+    v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+    row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
+    row[11] = NO_ANSWER
+    end = _put(row, HEAD, forces)
+    end = _put(row, end, twist)
+    end = _put(row, end, posed.centre)
+    end = _put(row, end, v)
+    for i in range(n):
+        row[end + i] = 0.0  # states of what is no answer
+    _put(row, end + n, x)
+    if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
+        slow = ACTIVE * max(m.motion_size, posed.motion)
+        states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
+        one = _unique(every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
+        row[11] = UNIQUE if one else UNKNOWN
+        for i in range(n):
+            row[end + i] = states.kind[i]
+
+
+@kernel
+def read_scene(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
     """The arrays of a scene, and its limits (n,), as views of its row."""
     c = 3 * n + soft
     a = 12 * n
@@ -115,21 +126,18 @@ def _read(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
 
 
 @kernel
-def _solved(
-    p: ScenePattern, blocks: Blocks, limits: Array, start: Array, posed: Posed, freedom: Array, seed: int, x: Array,
-    t: Array,
-) -> tuple[int, int, float, bool]:  # fmt: skip
+def solved(
+    p: ScenePattern, M: Array, q: Array, blocks: Blocks, limits: Array, begun: bool, seed: int, x: Array, t: Array
+) -> tuple[int, int, float, bool]:
     """Write the answer's unknowns into x (N,), or the motion in which the object escapes into t (dof,); returns
-    (Kaczmarz steps, Newton steps, residual, whether it escapes).
+    (Kaczmarz steps, Newton steps, residual, whether it escapes). begun : whether x is where to start.
     """
-    M, q = _stamped(p, blocks)
     own = np.empty(len(p.blocks))
     for k in range(len(own)):
         own[k] = limits[p.unknown[p.blocks[k, 0] - p.at[0]] // 3]
     problem = in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     y, newton, r = np.zeros(len(x)), 0, np.inf
-    if len(start) > 0:
-        _begin(x, start, p, freedom, posed)
+    if begun:
         y[:] = x[p.order]
         _, newton, r = contact_run(problem, y, False, seed, 0, True, SOLVE * 1e-2)
     steps, escapes = 0, False
@@ -151,7 +159,7 @@ def _solved(
 
 
 @kernel
-def _stamped(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
+def stamped_rows(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
     """M and q: balance, gaps, tangential offsets and flexibility, as the effects stamp them."""
     normal, count, tangent, u, size = p.at
     M, q = np.zeros((size, size)), np.zeros(size)
@@ -165,7 +173,7 @@ def _stamped(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
 
 
 @kernel
-def _begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed) -> None:
+def begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed) -> None:
     """Write the start into x, in natural units: its forces, and its twist seen at this scene's centre."""
     normal, count, tangent, u, _ = p.at
     c = len(start) - 9
