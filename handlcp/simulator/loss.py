@@ -26,15 +26,18 @@ _LEAST = 0.05  # of the contact forces: the load counts as at least this much
 class Record:
     """m moments of a simulation, one every `period` [s]; world axes.
 
-    stages (m,) names, and shares (m,) of the stage. forces (m, n, 3) [N] of the contacts on the object. motion (m, 6)
-    [m, rad] of the object since the start. speed (m, 6).
+    stages (m,) names, and shares (m,) of the stage. forces (m, n, 3) [N] of the contacts on the object. friction (m, n)
+    share of its limit that each contact uses, 0 without force. motion (m, 6) [m, rad] of the object since the start.
+    speed (m, 6). torques (m, nv) [N·m].
     """
 
     stages: tuple[str, ...]
     shares: Array
     forces: Array
+    friction: Array
     motion: Array
     speed: Array
+    torques: Array
     period: float
 
 
@@ -59,11 +62,9 @@ class Track:
 
     def record(self) -> Record:
         """All of them, as arrays."""
-        every = self.readings
-        forces = np.array([r.forces for r in every])
-        motion, speed = np.array([r.motion for r in every]), np.array([r.speed for r in every])
-        shares, forces, motion, speed = map(read_only, (np.array(self.shares), forces, motion, speed))
-        return Record(tuple(self.stages), shares, forces, motion, speed, self.period)
+        names = ("forces", "friction", "motion", "speed", "torques")
+        parts = {name: read_only(np.array([getattr(r, name) for r in self.readings])) for name in names}
+        return Record(stages=tuple(self.stages), shares=read_only(np.array(self.shares)), period=self.period, **parts)
 
 
 def escaped(reading: Reading, reach: float) -> bool:

@@ -16,18 +16,23 @@ from handlcp.simulator.need import need_mujoco
 
 __all__ = ["Probe", "Reading"]
 
+_POINT = 3  # rows of a contact without a moment about its normal
+
 
 @dataclass(frozen=True, eq=False)
 class Reading:
     """One moment of a simulation. forces (n, 3) on the object, and slip speed (n, 3) of the object along each contact,
-    world axes. motion (6,) of the object since the start: translation of the reference, rotation vector.
-    speed (6,) of the object.
+    world axes. friction (n,) share of its limit that each contact uses, 0 without force. motion (6,) of the object
+    since the start: translation of the reference, rotation vector. speed (6,) of the object. torques (nv,) that the
+    actuators hold.
     """
 
     forces: Array
     slipping: Array
+    friction: Array
     motion: Array
     speed: Array
+    torques: Array
 
 
 class Probe:
@@ -51,9 +56,10 @@ class Probe:
         self._dofs = [int(model.jnt_dofadr[model.joint(j).id]) for j in self._joints]
 
     def read(self) -> Reading:
-        """Forces, and how the object moves."""
+        """Forces, torques, and how the object moves."""
         mujoco, model, data = self._mujoco, self.model, self.data
         forces, slipping = np.zeros((len(self.names), 3)), np.zeros((len(self.names), 3))
+        friction = np.zeros(len(self.names))
         wrench, speed = np.zeros(6), self._speed(self._loaded)
         at = data.xpos[self._loaded]
         for k in range(data.ncon):
@@ -64,10 +70,12 @@ class Probe:
             sign = 1.0 if int(contact.geom2) in self._objects else -1.0  # the force acts on the second of the two
             force, normal = sign * (axes.T @ wrench[:3]), axes[0]
             forces[i] += force
+            friction[i] = max(friction[i], _used(contact, wrench))
             v = speed[:3] + cross_rows(speed[3:], contact.pos - at) - self._point_speed(self._ours[i], contact.pos)
             slipping[i] = v - normal * (normal @ v)
         R = data.xmat[self._loaded].reshape(3, 3) @ self.axes.T
-        return Reading(forces, slipping, np.append(at - self.start, pin.log3(R)), speed)
+        motion = np.append(at - self.start, pin.log3(R))
+        return Reading(forces, slipping, friction, motion, speed, self.joints()[1])
 
     def joints(self) -> tuple[Array, Array]:
         """(nv,) positions [rad, m] and torques that the actuators hold [N·m, N]."""
@@ -96,3 +104,12 @@ class Probe:
     def _point_speed(self, body: int, point: Array) -> Array:
         speed = self._speed(body)
         return np.asarray(speed[:3] + cross_rows(speed[3:], point - self.data.xpos[body]))
+
+
+def _used(contact: Any, wrench: Array) -> float:
+    """Share of the friction limit that a contact uses. wrench (6,) : normal, tangents; moment about the normal, … ."""
+    if not wrench[0] > 0.0:
+        return 0.0
+    across = wrench[1:3] / contact.friction[:2]
+    turning = wrench[3] / contact.friction[2] if contact.dim > _POINT else 0.0
+    return float(np.sqrt(across @ across + turning * turning) / wrench[0])
