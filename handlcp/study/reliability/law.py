@@ -51,13 +51,11 @@ def law_of(argument: str, value: Any, mean: float | None, least: float) -> Law:
     least : the least possible value. Raises InputError.
     """
     found = getattr(value, "ppf", None) or getattr(value, "icdf", None)
-    if found is not None and hasattr(value, "cdf"):
-        return _given(argument, value, found, least)
-    if isinstance(value, (type(stats.norm), type(stats.binom))):
-        raise InputError(argument, "a frozen distribution, such as scipy.stats.norm(0.5, 0.05)", repr(value)[:80])
-    if callable(value) or isinstance(value, str):
+    if callable(value) or isinstance(value, str):  # scipy.stats.norm itself, not yet with its numbers
         expected = "a standard deviation, or a frozen distribution such as scipy.stats.norm(0.5, 0.05)"
         raise InputError(argument, expected, repr(value)[:80])
+    if found is not None and hasattr(value, "cdf"):
+        return _given(argument, value, found, least)
     spread = number(argument, value, above=0.0)
     if mean is None:
         frozen = stats.norm(0.0, spread)

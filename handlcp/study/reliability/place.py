@@ -177,7 +177,7 @@ class Placer:
 
 def _stiffer(springs: Elasticity, factors: Array) -> Elasticity:
     """By factors (nv,), which are all alike for tendons and synergies."""
-    return springs.by_joint(factors) if isinstance(springs, JointStiffness) else springs.stiffer(float(factors[0]))
+    return springs.by_joint(factors) if type(springs) is JointStiffness else springs.stiffer(float(factors[0]))
 
 
 def _standing(old: Posture, hand: Any, delta: Array | None) -> Posture:

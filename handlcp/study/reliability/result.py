@@ -15,6 +15,7 @@ from handlcp.errors import InputError
 from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.grasp import Grasp
+from handlcp.study.plain import plain
 from handlcp.study.reliability.influence import Influence
 from handlcp.study.reliability.interval import Chance
 from handlcp.study.reliability.outcome import WORDS, Outcomes
@@ -61,9 +62,9 @@ class Sample(Data):
         return self.verdict.text
 
     def to_dict(self) -> dict[str, Any]:
-        return {
-            "number": self.number, "values": self.values, "word": self.word, "margin": self.margin, "cause": self.cause,
-        }  # fmt: skip
+        """Plain data, SI units; None for no margin."""
+        found = {"number": self.number, "values": self.values, "word": self.word, "margin": self.margin}
+        return dict(plain({**found, "cause": self.cause}))
 
     def __str__(self) -> str:
         return wrapped(f"sample {self.number}, {self.word}: {self.cause}", "  ")
@@ -167,13 +168,14 @@ class Reliability(Data):
     def to_dict(self) -> dict[str, Any]:
         """Plain data: chances, counts, the worst sample and the nearest failure, and what matters; SI units."""
         within, near = self.chance_within_limits, self.nearest_failure
-        return {
+        found = {
             "samples": self.samples, "seed": self.seed, "judged_by": self.method.by, "counts": self.counts,
             "chance_held": asdict(self.chance_held),
             "chance_within_limits": None if within is None else asdict(within),
             "worst": self.worst.to_dict(), "nearest_failure": None if near is None else near.to_dict(),
             "influences": [asdict(f) for f in self.influences],
         }  # fmt: skip
+        return dict(plain(found))
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each sample: its values, "word" and "margin". Raises Unsupported without

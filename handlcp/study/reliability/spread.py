@@ -85,7 +85,7 @@ def _stiffness(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
     if not isinstance(value, Mapping):
         return [Dimension("stiffness", "stiffness", (), _positive(argument, value), "×")]
     hand = _hand(spec, argument, value).posture.hand
-    if not isinstance(hand.stiffness, JointStiffness):
+    if type(hand.stiffness) is not JointStiffness:  # a subclass is a transmission
         raise InputError(argument, "one number or distribution for a hand with tendons or synergies", "a mapping")
     return _by_name("stiffness", argument, value, hand.joint_names, "a joint")
 

@@ -1,0 +1,51 @@
+"""Doors into the study of reliability: its points, its interval, the grasps of its samples."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp.study.reliability.interval import Chance, chance_of, percent
+from handlcp.study.reliability.place import Placer
+from handlcp.study.reliability.points import Blocks, blocks_of
+from handlcp.study.reliability.spread import read_spread
+
+__all__ = ["Blocks", "blocks_of", "chance", "chance_in_two_looks", "grasp_with", "percent", "steps_of"]
+
+
+def chance(good: Any, blocks: Blocks, level: float = 0.95) -> Chance:
+    """From samples (N,) of which each is known to be good or not."""
+    none = np.zeros(len(good), bool)
+    return chance_of(good, none, none, (none, none), blocks.size, level)
+
+
+def chance_in_two_looks(good: Any, open_: Any, every: int, blocks: Blocks, level: float = 0.95) -> Chance:
+    """The same where a first look leaves some open (N,), and every so many of them are looked at again."""
+    looked = np.zeros(len(good), bool)
+    looked[np.flatnonzero(open_)[::every]] = True
+    seen = good & (~open_ | looked)
+    return chance_of(seen, open_ & ~looked, np.zeros(len(good), bool), (looked, looked & good), blocks.size, level)
+
+
+def grasp_with(grasp: Any, **values: Any) -> Any:
+    """The grasp of a sample: each parameter at a value, or a mapping of values by name (positions: (x, y))."""
+    spread = {p: dict.fromkeys(v, 0.1) if isinstance(v, dict) else 0.1 for p, v in values.items()}
+    dimensions = read_spread(grasp, spread)
+
+    def value(d: Any) -> float:
+        own = values[d.parameter]
+        if not isinstance(own, dict):
+            return float(own)
+        name = next(n for n in own if f" {n}" in d.name)
+        return float(own[name][d.at[1]] if d.parameter == "positions" else own[name])
+
+    return Placer(grasp, dimensions).grasps(np.array([[value(d) for d in dimensions]]))[0]
+
+
+def steps_of(monkeypatch: Any, size: int, seconds: float) -> None:
+    """Samples between two looks at the clock, and seconds between two writings of what is done."""
+    import handlcp.study.reliability.run as run
+
+    monkeypatch.setattr(run, "_SLICE", {"solve": size, "check": size})
+    monkeypatch.setattr(run, "_OFTEN", seconds)
