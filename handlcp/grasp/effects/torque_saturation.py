@@ -81,10 +81,6 @@ class TorqueSaturation(Effect):
             Limit("s⁻", -rows, joints.limits[k] + given, levers[k]),
         )
 
-    def limited(self, scene: Scene) -> Ints:
-        """(k,) numbers of the joints of each group of limits, in order."""
-        return self._limited(scene)[2]
-
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
         """How far joints yield, and torques that are the very limit where they do: none beyond it by rounding."""
         hand, levers, k = self.limited(scene)

@@ -212,6 +212,6 @@ def _of_joints(effects: tuple[Effect, ...], scene: Scene, m: int, nv: int) -> Ar
         for limit in e.present(scene):
             if isinstance(e, TorqueSaturation):
                 rows = at + np.arange(len(limit.room))
-                out[rows, e.limited(scene)] = 1.0 if limit.name == "s⁺" else -1.0
+                out[rows, e.limited(scene)[2]] = 1.0 if limit.name == "s⁺" else -1.0
             at += len(limit.room)
     return out

@@ -92,19 +92,18 @@ def _reach(own: Ints, friction: Friction, forces: Array) -> float:
         r[d] = forces[own[d + 1]]
         d += 1
     if d == 1:
-        return abs(r[0])
+        return float(abs(r[0]))
     if friction.faces == 0:
-        reach = np.sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
-        return reach
+        return float(np.sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]))
     reach = 0.0
     if d == 2:
         for j in range(friction.faces):
             a = 2.0 * np.pi * j / friction.faces
             reach = max(reach, np.cos(a) * r[0] + np.sin(a) * r[1])
-        return reach
+        return float(reach)
     for normal in friction.normals:
         reach = max(reach, normal[0] * r[0] + normal[1] * r[1] + normal[2] * r[2])
-    return reach
+    return float(reach)
 
 
 @kernel

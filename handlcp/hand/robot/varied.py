@@ -1,7 +1,8 @@
 """The grasp of a hand made again with another posture, or with links of other lengths.
 
 A link's length is where its end is: the placement of the next joint in the frame of the one before, or of a fingertip
-in the frame of the last joint. Its three coordinates are varied in Pinocchio's model; what the link carries moves along.
+in the frame of the last joint. Its three coordinates are varied in Pinocchio's model; what the link carries moves
+along.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def varied(mechanism: Any, spec: GraspSpec, what: str, k: int, step: float) -> G
 
 
 def in_posture(mechanism: Any, spec: GraspSpec, posture: Posture) -> GraspSpec:
-    """The grasp asked for again in another posture; where it is not known what was asked, contacts and commands stay."""
+    """The grasp asked for in another posture; where it is not known what was asked, contacts and commands stay."""
     if hasattr(spec.asked, "state"):
         made: GraspSpec = replace(spec.asked, state=posture).spec()
         return made
