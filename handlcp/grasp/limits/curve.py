@@ -23,6 +23,7 @@ _ERROR = 1e-11  # of a step, relative to forces and motions
 _MOST = 3000  # steps
 _TIE = 1e-12
 _ROOTS = 60
+_NO_MORE = 1e-10  # load by length of the path: less is none, and what comes until it ends is less than that
 _SHRINK, _GROW, _SAFE = 0.2, 6.0, 0.9
 _FAR = 1e9  # times the forces it began with: a path without an end
 _C = np.array([
@@ -59,7 +60,7 @@ def follow_curve(
         if error > 1.0:
             h *= max(_SHRINK, _SAFE * error**-0.2)
             continue
-        which = _violated(p, s, watch, gap, slack, begun, ahead, turned, left)
+        which = _violated(p, s, watch, gap, slack, begun, ahead, turned, left, w)
         if which >= 0:
             return _arrive(p, s, watch, at, w, kinds, index, (gap, slack, begun), y, h, tangent, slopes, which, left)
         y[:], tangent[:], slopes[0] = ahead, turned, slopes[6]
@@ -151,10 +152,11 @@ def _write(p: Parts, s: Place, gap: Array, slack: Array, begun: Array, y: Array)
 
 @kernel
 def _violated(
-    p: Parts, s: Place, watch: Watch, gap: Array, slack: Array, begun: Array, y: Array, turned: Array, left: float
+    p: Parts, s: Place, watch: Watch, gap: Array, slack: Array, begun: Array, y: Array, turned: Array,
+    left: float, w: Array,
 ) -> int:  # fmt: skip
     """Which condition fails by most; -1: none. After those of `happens`: γ of each pair, the load's end, its rate."""
-    values, sizes = _values(p, s, watch, gap, slack, begun, y, turned, left)
+    values, sizes = _values(p, s, watch, gap, slack, begun, y, turned, left, w)
     worst, by = -1, -_TIE
     for c in range(len(values)):
         if values[c] < by * sizes[c]:
@@ -164,7 +166,8 @@ def _violated(
 
 @kernel
 def _values(
-    p: Parts, s: Place, watch: Watch, gap: Array, slack: Array, begun: Array, y: Array, turned: Array, left: float
+    p: Parts, s: Place, watch: Watch, gap: Array, slack: Array, begun: Array, y: Array, turned: Array,
+    left: float, w: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
     """(values, sizes) of all conditions; s is written."""
     _write(p, s, gap, slack, begun, y)
@@ -186,11 +189,11 @@ def _values(
         sizes[count - 2 + part] = most * most
     out[count : count + more - 1] = turned[: more - 1]
     out[count + more - 1] = left - y[-1]
-    out[count + more] = turned[more - 1]
+    out[count + more] = turned[more - 1] * np.max(np.abs(w)) - _NO_MORE
     largest = np.max(np.abs(turned))
     sizes[count : count + more - 1] = largest
     sizes[count + more - 1] = left if left < np.inf else 1.0
-    sizes[count + more] = largest
+    sizes[count + more] = 1.0
     return out, sizes
 
 
@@ -202,14 +205,14 @@ def _arrive(
     """Where in the step that begins at y condition `which`, or one that comes before it, fails."""
     gap, slack, begun = origin
     ahead, turned = y.copy(), tangent.copy()
-    values, sizes = _values(p, s, watch, gap, slack, begun, y, tangent, left)
+    values, sizes = _values(p, s, watch, gap, slack, begun, y, tangent, left, w)
     first = values / sizes
     high = 1.0
     for _ in range(8):
         low, f_low, f_high, share = 0.0, max(first[which], 0.0), -1.0, high
         for turn in range(_ROOTS):
             _step(p, at, w, kinds, index, y, share * h, tangent, slopes, ahead, turned)
-            values, sizes = _values(p, s, watch, gap, slack, begun, ahead, turned, left)
+            values, sizes = _values(p, s, watch, gap, slack, begun, ahead, turned, left, w)
             f = values[which] / sizes[which]
             if abs(f) <= 1e-14 or high - low <= 1e-15:
                 break

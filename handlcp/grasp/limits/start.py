@@ -60,7 +60,7 @@ def _squeezed(system: System) -> Start:
         if not scene.offset.any():
             return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
         found = solve_spec(alone, system.section, proof=False)
-        if found.held and found.forces.any():
+        if found.held and abs(found.forces).max() > _ON * scene.units.force:
             return Start(_from_solution(system, found), "")
     loading = follow(spec, system.section, np.zeros(6), ("squeeze",), "fixed", 40, None)
     if not loading.reached:
@@ -90,7 +90,7 @@ def _place(system: System, components: Array, displacement: Array, extra: dict[s
     if system.limits:
         room = np.concatenate([limit.natural_room(scene) for limit in system.limits])
     v = p.E @ r + u @ p.G + give @ p.rows + scene.natural.d
-    n, force, motion = len(p.mu), float(abs(r).max(initial=0.0)), float(abs(v).max(initial=0.0))
+    n, force, motion = len(p.mu), float(abs(r).max(initial=0.0)), max(1.0, float(abs(v).max(initial=0.0)))
     gap, closed = np.zeros(n), np.full(n, OPEN, dtype=np.int64)
     for i, j in enumerate(p.contacts[:, 0].tolist()):
         if r[j] > _ON * force:

@@ -53,7 +53,7 @@ class System:
 
 
 def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
-    """Of a grasp whose load beside the weight is about as large as `wrench` (6,). Raises Unsupported."""
+    """wrench (6,) : its load beside the weight, which sets the natural units where there is neither squeeze nor weight. Raises Unsupported."""
     if held := [e for e in spec.effects if e.prescribed()]:
         names = ", ".join(type(e).__name__ for e in held)
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
@@ -66,8 +66,11 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
         weight[:3] = spec.mechanism.weight_of_object()
     E = spec.flexibility.copy()
     E[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
-    spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight + wrench))
+    spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight))
     scene = build(spec)
+    if not weight.any() and not scene.offset.any():  # nothing else has a size
+        spec = spec.replace(wrench=wrench)
+        scene = build(spec)
     limits = tuple([limit for e in effects for limit in e.present(scene)])
     watched, watch = _watch(spec, scene, effects, limits)
     return System(spec, section, scene, _parts(scene, section, limits), weight, limits, watched, watch)
