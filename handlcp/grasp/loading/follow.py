@@ -18,7 +18,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.drive import FINEST, Run, drive
 from handlcp.grasp.loading.events import Event, summary
 from handlcp.grasp.loading.geometry import FixedGeometry, Geometry
-from handlcp.grasp.loading.stage import Goal, read_stages
+from handlcp.grasp.loading.stage import Controls, Goal, read_stages
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
 from handlcp.grasp.loading.steps import Steps
@@ -30,7 +30,7 @@ from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = ["Loading", "follow"]
+__all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of"]
 
 TOLERANCE = 3e-4  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 
@@ -135,14 +135,23 @@ def follow(
     finest: float = FINEST,
 ) -> Loading:  # fmt: skip
     """See `Grasp.follow`; finest : as in `drive`, larger where a rough answer will do."""
-    body = _geometry(spec, geometry)
+    body = geometry_of(spec, geometry)
     count = integer("steps", steps, 1)
     limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
+    first, goals, stepper = begun(spec, section, body, limit, order, load)
+    run = drive(stepper, first, goals, count, finest)
+    return _loading(run, goals, stepper, section)
+
+
+def begun(
+    spec: GraspSpec, section: Section, body: Geometry, tolerance: float, order: Any, load: Any
+) -> tuple[Controls, list[Goal], Stepper]:
+    """The controls before anything is done, the stages, and what makes steps. Arguments as in `follow`."""
     if held := [e for e in spec.effects if e.prescribed()]:
         names = ", ".join(type(e).__name__ for e in held)
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
     weight = np.zeros(3) if spec.mechanism is None else spec.mechanism.weight_of_object()
-    stepper = Stepper(spec, body, section, weight, limit)
+    stepper = Stepper(spec, body, section, weight, tolerance)
     command = np.zeros(len(body.posture))
     for e in spec.effects:
         if isinstance(e, JointOffset):
@@ -153,11 +162,10 @@ def follow(
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     first, goals = read_stages(order, load, read_only(beside), before, command, squeezes)
-    run = drive(stepper, first, goals, count, finest)
-    return _loading(run, goals, stepper, section)
+    return first, goals, stepper
 
 
-def _geometry(spec: GraspSpec, asked: Any) -> Geometry:
+def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
     """Followed where a hand and its contacts' shapes are known, fixed otherwise. Raises InputError."""
     if asked not in (None, "followed", "fixed"):
         raise InputError("geometry", '"followed", "fixed" or None', repr(asked))

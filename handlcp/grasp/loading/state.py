@@ -11,15 +11,16 @@ from handlcp.grasp.loading.geometry import Look, Where
 from handlcp.grasp.loading.numbers import Loads, Read
 from handlcp.grasp.loading.stage import Controls
 
-__all__ = ["OPEN", "STILL", "Failure", "Guess", "State"]
+__all__ = ["OPEN", "SLIDES", "STICKS", "STILL", "Failure", "Guess", "State"]
 
-OPEN = "separated"
+OPEN, STICKS, SLIDES = "separated", "sticking", "sliding"
 STILL = read_only(np.zeros(6))
 
 
 class State(NamedTuple):
     """where : the configuration at the end of the step. look : the contacts as the step was solved with them.
     loads : of the step. carry (n, 3) : slip between that look and the end, as `Geometry.slipped` has it.
+    slid (n, 3) : slip of the step, of the object past the fingertip along x and y [m], and about z [rad].
     read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far
     joints at their limit are driven back [rad]. controls : what was asked for. start : where the next solve begins.
     looks : how many the step took. marks : of the joints, as `Watch.marks` has them.
@@ -29,6 +30,7 @@ class State(NamedTuple):
     look: Look
     loads: Loads
     carry: Array
+    slid: Array
     read: Read
     kinds: tuple[str, ...]
     yielded: Array

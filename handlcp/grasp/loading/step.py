@@ -23,7 +23,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.loading.geometry import Geometry, Look, Where, between
 from handlcp.grasp.loading.numbers import Loads, Read, end_of_step
 from handlcp.grasp.loading.stage import Controls
-from handlcp.grasp.loading.state import Failure, Guess, State
+from handlcp.grasp.loading.state import SLIDES, Failure, Guess, State
 from handlcp.grasp.loading.step_answer import Answer, Push, StepSolver
 from handlcp.grasp.loading.step_grasp import StepGrasp
 from handlcp.grasp.loading.watch import watch_of
@@ -40,8 +40,9 @@ _CATCH, _CAUGHT = 30, 0.5  # looks and motion within which an object that snaps 
 
 
 class _Found(NamedTuple):
-    """end : where a look leads. answer, controls, loads : of the solve. carry (n, 3) : slip from the look to the end.
-    miss : how far the end is from the look; leap : from the step's beginning, both as shares of the contacts' radii.
+    """end : where a look leads. answer, controls, loads : of the solve. carry (n, 3) : slip from the look to the end;
+    slid : of the step, as in `State`. miss : how far the end is from the look; leap : from the step's beginning, both
+    as shares of the contacts' radii.
     """
 
     end: Where
@@ -49,6 +50,7 @@ class _Found(NamedTuple):
     controls: Controls
     loads: Loads
     carry: Array
+    slid: Array
     miss: float
     leap: float
 
@@ -82,7 +84,7 @@ class Stepper:
         self.first = geometry.look(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
         self.solver = StepSolver(self.grasp, self.first, section)
-        self.watch = watch_of(spec, geometry)
+        self.watch, self._none = watch_of(spec, geometry), read_only(np.zeros((spec.n, 3)))
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
@@ -91,7 +93,7 @@ class Stepper:
         read = Read(none, none, none[:, 0], none[:, 0], still, still)
         loads = self.grasp.loads(first, none, controls, controls)
         marks = self.watch.marks(first.at.q, still, still)
-        return State(first.at, first, loads, none, read, ("separated",) * n, still, controls, NOWHERE, 0, marks)
+        return State(first.at, first, loads, none, none, read, ("separated",) * n, still, controls, NOWHERE, 0, marks)
 
     def step(self, state: State, controls: Controls, guess: Guess, patient: bool = False) -> State | Failure:
         """The state under other controls. guess : what is expected of it. patient : whether to search for an answer
@@ -134,8 +136,8 @@ class Stepper:
                 answer = found.answer
                 marks = self.watch.marks(end.q, answer.read.torque, answer.yielded)
                 return State(
-                    end, look, found.loads, found.carry, answer.read, answer.kinds, answer.yielded, found.controls,
-                    answer.start, count, marks,
+                    end, look, found.loads, found.carry, found.slid, answer.read, answer.kinds, answer.yielded,
+                    found.controls, answer.start, count, marks,
                 )  # fmt: skip
             share = swing.share(geometry.displacement(end.pose) - geometry.displacement(look.at.pose))
             if found.leap > furthest or (count > 2 and found.miss > _CONTRACTS * last and not patient):
@@ -159,21 +161,28 @@ class Stepper:
         answer = self.solver.continued(look, loads, guess.start, guess.motion, state.kinds, patient)
         if isinstance(answer, Failure):
             return answer
-        return self._led(state, controls, look, loads, slipped, answer)
+        return self._led(state, controls, look, loads, slipped, answer, self._none)
 
     def _pushed(self, state: State, expected: Controls, look: Look, guess: Guess, push: Push) -> _Found | Failure:
         """The same, pushed on."""
-        slipped = self.geometry.slipped(state.look, look, state.carry)
-        loads = self.grasp.loads(look, slipped, expected, state.controls)
-        answer, more = self.solver.pushed(look, loads, push, guess.start, guess.motion, state.kinds)
-        if isinstance(answer, Failure):
-            return answer
+        slipped, lead = self.geometry.slipped(state.look, look, state.carry), push.lead
+        plain = self.grasp.loads(look, slipped, expected, state.controls)
+        while True:
+            loads = _led_by(plain, lead)
+            answer, more = self.solver.pushed(look, loads, push, guess.start, guess.motion, state.kinds)
+            if isinstance(answer, Failure):
+                return answer
+            stuck = [i for i, kind in enumerate(answer.kinds) if kind != SLIDES and lead[i].any()]
+            if not stuck:
+                break
+            lead = lead.copy()
+            lead[stuck] = 0.0
+        loads = self.grasp.more(loads, look, more * push.load)
         controls = expected._replace(load=expected.load + more * push.load)
-        loads = self.grasp.loads(look, slipped, controls, state.controls)
-        return self._led(state, controls, look, loads, slipped, answer)
+        return self._led(state, controls, look, loads, slipped, answer, lead)
 
     def _led(
-        self, state: State, controls: Controls, look: Look, loads: Loads, slipped: Array, answer: Answer
+        self, state: State, controls: Controls, look: Look, loads: Loads, slipped: Array, answer: Answer, lead: Array
     ) -> _Found:
         """Where an answer leads."""
         read, here, el = answer.read, look.at, look.elastic
@@ -183,4 +192,14 @@ class Stepper:
             el.turning, loads.base, here.give, here.turn, slipped, self.grasp.soft, look.radius,
         )  # fmt: skip
         pose, leap = self.geometry.moved(here.pose, answer.twist, answer.centre, state.where.pose)
-        return _Found(Where(q, give, turn, pose), answer, controls, loads, carry, miss, leap)
+        slid = np.column_stack([read.motion[:, :2], read.spin]) - lead
+        return _Found(Where(q, give, turn, pose), answer, controls, loads, carry, slid, miss, leap)
+
+
+def _led_by(loads: Loads, lead: Array) -> Loads:
+    """With the lead of contacts that go on sliding, as in `Push`."""
+    if not lead.any():
+        return loads
+    base = loads.base.copy()
+    base[:, :2] += lead[:, :2]
+    return loads._replace(base=base, spin=loads.spin + lead[:, 2])

@@ -46,11 +46,13 @@ class Answer(NamedTuple):
 class Push(NamedTuple):
     """How a step is led by the object's motion. load (6,) : the load that a factor of 1 stands for, about the look's
     reference. along (6,), travel : along · (the object's motion from the look, of its reference) = travel.
+    lead (n, 3) : slip of contacts that go on sliding, as in `State.slid`, that is left out of what friction opposes.
     """
 
     load: Array
     along: Array
     travel: float
+    lead: Array
 
 
 class StepSolver:
@@ -97,6 +99,13 @@ class StepSolver:
         if isinstance(found, Failure) or found.kinds == kinds:  # where it fails, contacts that stick were tried, too
             return found
         return _nearer(found, self._solved(look, loads, NOWHERE, patient), start, kinds)
+
+    def margins(self, start: Array) -> tuple[Array, Array]:
+        """(n,) normal force of each contact, and how far its friction is from its limit [N]; start : of an answer."""
+        contacts, limits = self._kind.pattern.contacts, self.laws.limits
+        forces = np.append(start[:-9], 0.0)
+        normal = forces[contacts[:, 0]]
+        return normal, limits * normal - np.sqrt((forces[contacts[:, 1:]] ** 2).sum(axis=1))
 
     def pushed(
         self, look: Look, loads: Loads, push: Push, start: Array, motion: Array, kinds: tuple[str, ...]

@@ -90,6 +90,11 @@ class StepGrasp:
         told = self.posture + controls.command - look.at.q
         return Loads(base, slipped[:, 2] + look.at.turn, look.at.give, told, force, moment)
 
+    def more(self, loads: Loads, look: Look, load: Array) -> Loads:
+        """The same with another load (6,) besides, about the look's reference."""
+        about = about_origin(load, look.reference)
+        return loads._replace(force=loads.force + about[:3], moment=loads.moment + about[3:])
+
     def made(self, look: Look, loads: Loads) -> GraspSpec:
         """The grasp with the contacts of a look, under these loads."""
         spec, effects = self.spec, self._effects

@@ -1,0 +1,52 @@
+"""What binds at the end of a path with the geometry followed, and what happened on the way, by name."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from handlcp.grasp.limits.followed.path import Point, PushedPath
+from handlcp.grasp.limits.followed.walk import WATCHED
+from handlcp.grasp.limits.followed.watched import Watched
+from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, OPENS, SLIPS, Bind, LimitEvent
+from handlcp.grasp.loading.state import OPEN, SLIDES
+
+__all__ = ["binds_of", "events_of", "way_to"]
+
+
+def binds_of(how: str, at: Point, after: Point | None, watched: Watched, names: tuple[str, ...]) -> tuple[Bind, ...]:
+    """What is at its level; or contacts that open there; or all that slide; or balance itself."""
+    if how == WATCHED:
+        return watched.binds(at.state)
+    kinds = at.kinds if after is None else after.kinds
+    opened = [n for n, a, b in zip(names, at.kinds, kinds, strict=True) if b == OPEN != a]
+    if opened:
+        return tuple([Bind(OPENS, name) for name in opened])
+    sliding = [n for n, a, b in zip(names, at.kinds, kinds, strict=True) if SLIDES in (a, b)]
+    return tuple([Bind(SLIPS, name) for name in sliding]) or (Bind(EQUILIBRIUM, OBJECT),)
+
+
+def way_to(at: Point) -> list[Point]:
+    """All points of the path, in order."""
+    found: list[Point] = [at]
+    while (before := found[-1].before) is not None:
+        found.append(before)
+    return found[::-1]
+
+
+def events_of(path: PushedPath, at: Point, snaps: tuple[Point, ...]) -> tuple[LimitEvent, ...]:
+    """What happens up to a point. Where margins foresee when a contact slips or opens, that is the factor; else that
+    of the step's end.
+    """
+    found, watch = list[LimitEvent](), path.stepper.watch
+    names = {name: i for i, name in enumerate(path.stepper.grasp.spec.names)}
+    snapped = {id(p) for p in snaps}
+    way = way_to(at)
+    for a, b in pairwise(way):
+        sizes = path.foreseen(a, a, 0.0, b)
+        for event in watch.events(a.state, b.state, "", 0, 0.0):
+            size = sizes[names[event.who]] if event.who in names else b.size
+            share = min(max(float(size) / b.size, 0.0), 1.0) if event.kind in (SLIPS, OPENS) else 1.0
+            found.append(LimitEvent(event.kind, event.who, a.factor + share * (b.factor - a.factor)))
+        if id(b) in snapped:
+            found.append(LimitEvent("snaps", OBJECT, b.factor))
+    return tuple(sorted(found, key=lambda e: e.factor))

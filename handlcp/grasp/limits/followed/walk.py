@@ -1,0 +1,113 @@
+"""Along a path until its load has had its largest value, or something that is watched is beyond its level.
+
+A step grows where the path is smooth and shrinks where it bends. Where a contact changes what it does while the load
+grows, the new state is asked whether it is also found when the load is given: what only an object that is led can do
+is no equilibrium that a load reaches. A load that falls, and soon grows past its last largest value, has made the
+object snap to another place; otherwise that value is the limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from handlcp.grasp.limits.followed.path import Point, PushedPath
+from handlcp.grasp.loading.state import Failure, State
+
+__all__ = ["GIVES_UP", "LOST", "PEAK", "RAY", "WATCHED", "Size", "Walk", "walk"]
+
+# How a walk ends: the load has had its largest value; no state follows; what is watched is beyond its level; the load
+# is beyond any that matters; too many steps
+PEAK, LOST, WATCHED, RAY, GIVES_UP = "peak", "lost", "watched", "ray", "gives up"
+
+RAY_AT = 1e4  # times the forces before there is any load: nothing binds that has not bound by then
+_FIRST, _MOST, _LEAST = 0.03, 0.5, 1e-5  # of the motion that the forces before make: steps
+_MORE = (1e-4, 1e-3)  # of the load: where the path turns, states are searched under so much more of it
+_STEPS = 300
+_JUMP = 0.25  # of the forces there are: the load of a step, in the mean
+_SMOOTH, _BENDS = 1, 4  # looks that a step takes where the path is smooth, and where it bends
+_FALLS, _AFTER = 0.98, 6  # of the largest load, and steps: within these, an object that snaps comes to rest again
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """What is large on a path: motion [m] of the object under the forces [N] that there are before the load."""
+
+    motion: float
+    force: float
+
+
+@dataclass(slots=True)
+class Walk:
+    """how : it ends. at : the last point at which the load is held, as far as the walk knows; after : the point after
+    it, which is beyond the limit; None: there is none. snaps : points to which the object has snapped.
+    """
+
+    how: str
+    at: Point
+    after: Point | None
+    snaps: list[Point]
+
+
+def walk(path: PushedPath, size: Size, beyond: Callable[[State], float]) -> Walk:
+    """Until the walk ends. beyond : of a state, above 0 where something watched is beyond its level."""
+    last, top, after = path.start, path.start, None  # top : the last point that is held; after : the first after it
+    step, snaps, since = _FIRST * size.motion, list[Point](), 0
+    for _ in range(_STEPS):
+        new = _next(path, last, step, size)
+        if isinstance(new, Failure):
+            step /= 4
+            if step >= _LEAST * size.motion:
+                continue
+            if after is not None:
+                return Walk(PEAK, top, after, snaps)
+            if (other := _another(path, last)) is None:
+                return Walk(LOST, top, None, snaps)
+            new = other
+        elif new.factor > top.factor and (after is not None or new.kinds != last.kinds) and not path.stays(new):
+            after = after or new
+        if new.factor > top.factor and (after is None or path.stays(new)):
+            if after is not None:
+                snaps.append(new)
+            if beyond(new.state) > 0.0:
+                return Walk(WATCHED, top, new, snaps)
+            if new.factor * path.strength > RAY_AT * size.force:
+                return Walk(RAY, new, None, snaps)
+            top, after, since = new, None, 0
+        else:
+            after = after or new
+            since += 1
+            if since > _AFTER or new.factor < _FALLS * top.factor or not new.state.loaded:
+                return Walk(PEAK, top, after, snaps)
+        jump = abs(new.factor - last.factor) * path.strength
+        step = _sized(new, jump, _JUMP * max(size.force, new.factor * path.strength))
+        step, last = min(step, _MOST * size.motion), new
+    return Walk(GIVES_UP, top, None, snaps)
+
+
+def _next(path: PushedPath, last: Point, step: float, size: Size) -> Point | Failure:
+    """The point after a step that is as long as asked for, or so short that the load does not jump."""
+    while True:
+        new = path.beyond(last, step)
+        if isinstance(new, Failure):
+            return new
+        jump = abs(new.factor - last.factor) * path.strength
+        most = 2.0 * _JUMP * max(size.force, last.factor * path.strength)
+        if jump <= 2.0 * most:
+            return new
+        step *= max(most / jump, 1e-3)
+
+
+def _another(path: PushedPath, last: Point) -> Point | None:
+    """Where the path does not go on as it went: under a little more load."""
+    for more in _MORE:
+        if (found := path.under(last, last.factor * (1.0 + more))) is not None:
+            return found
+    return None
+
+
+def _sized(new: Point, jump: float, most: float) -> float:
+    """The next step [m], after one whose load has changed by `jump` [N], where `most` is enough."""
+    looks = new.state.looks
+    step = new.size * (2.0 if looks <= _SMOOTH else 1.4 if looks < _BENDS else 0.5)
+    return min(step, new.size * max(most / jump, 0.25)) if jump > 0.0 else step
