@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         KnownForce,
         Loading,
         LoadLimit,
+        Margins,
         PrescribedForce,
         Pyramid,
         Reason,
@@ -98,12 +99,12 @@ __all__ = [
     "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem",
     "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution",
     "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "LoadLimit",
-    "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason",
-    "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist",
-    "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck",
-    "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict",
-    "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability", "solve_lcp",
-    "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "Loading", "Margins", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid",
+    "Reason", "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "SoftFinger",
+    "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons",
+    "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported",
+    "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability",
+    "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp

@@ -38,6 +38,9 @@ from handlcp.grasp.limits.result import Bind, LimitEvent, LimitPath, LoadLimit
 from handlcp.grasp.loading.events import Event
 from handlcp.grasp.loading.follow import Loading
 from handlcp.grasp.loading.stage import Stage
+from handlcp.grasp.margins.closure import Closure
+from handlcp.grasp.margins.margins import Least, Margins
+from handlcp.grasp.margins.wrench_space import WrenchSpace
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import Environment
 from handlcp.grasp.model.file_key import FileKey
@@ -48,10 +51,11 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [
-    "Accuracy", "AnisotropicCoulomb", "Bind", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
-    "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
-    "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "LimitEvent",
-    "LimitPath", "LoadLimit", "Loading", "Placement", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals",
-    "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation",
-    "TotalForceBound", "Uniqueness", "Verdict", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
+    "Accuracy", "AnisotropicCoulomb", "Bind", "Closure", "Contact", "ContactCompliance", "Coulomb", "Effect",
+    "Environment", "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
+    "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Least", "Limit",
+    "LimitEvent", "LimitPath", "LoadLimit", "Loading", "Margins", "Placement", "PrescribedForce", "Pyramid", "Reason",
+    "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions",
+    "TorqueSaturation", "TotalForceBound", "Uniqueness", "Verdict", "WrenchSpace", "effect_kinds", "solve_many",
+    "wrench_from_fingertip_forces",
 ]  # fmt: skip

@@ -18,6 +18,7 @@ from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.loading.follow import Loading, follow
+from handlcp.grasp.margins.margins import Margins, margins_of
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.check import check
@@ -124,6 +125,18 @@ class Questions(ABC):
         [rad] from where the load finds it; None: any distance. Raises InputError, Unsupported (known forces).
         """
         return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn)
+
+    def margins(
+        self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None
+    ) -> Margins:
+        """How far from failing: what is left of friction, torque and load, and the classic measures of contacts alone:
+        force closure, form closure, ε and volume of the wrench space.
+
+        solution : of this grasp with these faces; None: solved now. length : that moments are divided by in the wrench
+        space [m]; None: the root mean square of the contacts' distances from their centre. Raises InputError.
+        """
+        one = self.solve(faces, throw=False) if solution is None else solution
+        return margins_of(self.spec, self.scene, self._section(faces), one, length)
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.kind.planar)

@@ -1,0 +1,201 @@
+"""How far a grasp is from failing: what is left of friction, of torque and of the load, and the classic measures.
+
+The first three are about one answer, with its springs and its squeeze, the others about contacts and friction alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import number
+from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.load_limit import load_limit
+from handlcp.grasp.margins.closure import Closure, force_closure, form_closure
+from handlcp.grasp.margins.wrench_space import WrenchSpace, wrench_space
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.lazy import lazy
+from handlcp.text_table import TextTable, wrapped
+from handlcp.views import view
+
+__all__ = ["Least", "Margins", "margins_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Least:
+    """The least of several margins. who : the finger or joint. amount : what is left, N or N·m; < 0 where it needs more
+    than it has. share : of its limit.
+    """
+
+    who: str
+    amount: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Margins(Data):
+    """Made by `Grasp.margins`; each number is worked out when it is first asked for.
+
+    spec, section : of what, with which friction cones. solution : the answer that the first margins are about; held or
+    not. length : that moments are divided by [m]; None: that of the grasp.
+    """
+
+    spec: GraspSpec
+    section: Section
+    solution: GraspSolution
+    length: float | None
+    scene: Scene = field(repr=False)
+
+    @lazy
+    def friction(self) -> Least | None:
+        """The contact that uses most of its friction: how much more it would bear [N], and as a share; None where no
+        contact with friction presses, and without an answer.
+        """
+        used = self.solution.friction_used
+        if not np.isfinite(used).any():
+            return None
+        k = int(np.nanargmax(used >= np.nanmax(used) * (1.0 - 1e-9)))  # the first of equals
+        return Least(self.spec.names[k], float(self.solution.friction_margin[k]), 1.0 - float(used[k]))
+
+    @lazy
+    def torque(self) -> Least | None:
+        """The joint that is nearest to its torque limit: how much more it has [N·m], and as a share; None where no
+        limit is known, and without an answer.
+        """
+        check = getattr(self.solution, "torque_check", None)
+        if check is None or not self.solution.held or check.binding is None:
+            return None
+        row = check[check.binding]
+        if not np.isfinite(row.limit):
+            return None
+        return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation)
+
+    @lazy
+    def safety(self) -> float | None:
+        """How many times the load beside the weight may come before something gives out, as `Grasp.load_limit` says;
+        None where there is no such load, or no path to it is known.
+        """
+        try:
+            return load_limit(self.spec, self.section, None, None, None, None).factor
+        except (InputError, Unsupported):
+            return None
+
+    @lazy
+    def force_closure(self) -> Closure:
+        """Whether friction could balance any load."""
+        return force_closure(self.spec, self.scene, self.section)
+
+    @lazy
+    def form_closure(self) -> Closure:
+        """Whether the contacts would leave no motion, even without friction (first order)."""
+        return form_closure(self.spec, self.scene)
+
+    @lazy
+    def wrench_space(self) -> WrenchSpace:
+        """Of contacts whose normal forces add up to 1 N."""
+        return wrench_space(self.scene, self.section, self.spec.reference, self.length)
+
+    @property
+    def epsilon(self) -> float:
+        """Radius of the largest ball in the wrench space: see `WrenchSpace`."""
+        return self.wrench_space.epsilon
+
+    @property
+    def volume(self) -> float:
+        """Of the wrench space: see `WrenchSpace`."""
+        return self.wrench_space.volume
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: SI units in the key names, None for what is not known or not finite."""
+        space = self.wrench_space
+        found: dict[str, Any] = {"held": self.solution.held, "safety": _plain(self.safety)}
+        for name, unit in (("friction", "N"), ("torque", "Nm")):
+            least = getattr(self, name)
+            told = None if least is None else {"who": least.who, f"amount_{unit}": least.amount, "share": least.share}
+            found[name] = told
+        for closure in (self.force_closure, self.form_closure):
+            found[f"{closure.kind}_closure"] = {
+                "closed": closure.closed, "sentence": closure.sentence,
+                "forces_N": None if closure.forces is None else closure.forces.tolist(),
+                "motion": None if closure.motion is None else closure.motion.tolist(),
+            }  # fmt: skip
+        found["wrench_space"] = {
+            "epsilon": _plain(space.epsilon), "epsilon_most": _plain(space.epsilon_most),
+            "volume": _plain(space.volume), "volume_most": _plain(space.volume_most), "dimension": space.dimension,
+            "of": space.of, "length_m": space.length, "weakest": [_plain(x) for x in space.weakest.tolist()],
+            "faces": space.faces, "why": space.why,
+        }  # fmt: skip
+        return found
+
+    def to_frame(self) -> Any:
+        """A pandas table, a row for each measure: value, unit, share, who. Raises Unsupported without pandas."""
+        rows = [row for row in self._rows() if row[1] is not None]
+        names, values, units, shares, who = zip(*rows, strict=True)
+        return view("data_frame")({"value": values, "unit": units, "share": shares, "who": who}, list(names))
+
+    def _rows(self) -> list[tuple[str, float | None, str, float, str]]:
+        """(measure, value, unit, share of the limit, who)."""
+        space, rows = self.wrench_space, list[tuple[str, float | None, str, float, str]]()
+        for name, unit in (("friction", "N"), ("torque", "N·m")):
+            least = getattr(self, name)
+            if least is not None:
+                rows.append((name, least.amount, unit, least.share, least.who))
+        rows.append(("safety", self.safety, "", np.nan, ""))
+        for c in (self.force_closure, self.form_closure):
+            rows.append((f"{c.kind}_closure", np.nan if c.closed is None else float(c.closed), "", np.nan, ""))
+        rows += [("epsilon", space.epsilon, "N/N", np.nan, ""), ("volume", space.volume, "", np.nan, "")]
+        return rows
+
+    def __str__(self) -> str:
+        space, rows = self.wrench_space, list[tuple[str, ...]]()
+        if self.friction is not None:
+            rows.append(("friction", words.force(self.friction.amount), words.percent(self.friction.share),
+                         self.friction.who))  # fmt: skip
+        if self.torque is not None:
+            rows.append(("torque", words.torque(self.torque.amount), words.percent(self.torque.share),
+                         self.torque.who))  # fmt: skip
+        if self.safety is not None:
+            rows.append(("load", _times(self.safety), "", "until something gives out"))
+        lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))] if rows else []
+        if not self.solution.held:
+            lines.append("no margins of friction and torque: no equilibrium was found")
+        for c in (self.force_closure, self.form_closure):
+            word = {True: "yes", False: "no", None: "not told"}[c.closed]
+            lines.append(wrapped(f"{c.kind} closure: {word}, {c.sentence}", "  "))
+        lines.append(wrapped(_space(space), "  "))
+        return "\n".join(lines)
+
+
+def margins_of(spec: GraspSpec, scene: Scene, section: Section, solution: Any, length: Any) -> Margins:
+    """See `Grasp.margins`."""
+    if not isinstance(solution, GraspSolution) or len(solution.forces) != scene.n:
+        raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
+    L = None if length is None else number("length", length, above=0.0)
+    return Margins(spec, section, solution, L, scene)
+
+
+def _space(space: WrenchSpace) -> str:
+    """One sentence."""
+    if space.why:
+        return f"wrench space: none, {space.why}"
+    few = "" if space.dimension == space.of else f" in {space.dimension} of {space.of} dimensions"
+    within = "" if not space.faces else f" (volume within {space.faces}-face pyramids)"
+    return (
+        f"wrench space{few}: ε {space.epsilon:.3g}, volume {space.volume:.3g}, per newton of all normal forces, "
+        f"moments over {words.length(space.length)}{within}"
+    )
+
+
+def _times(factor: float) -> str:
+    return "∞" if np.isinf(factor) else f"× {factor:.3g}"
+
+
+def _plain(x: float | None) -> float | None:
+    return None if x is None or not np.isfinite(x) else float(x)

@@ -1,0 +1,183 @@
+"""Force closure and form closure: textbook cases, Nguyen's rule, and the proofs of either answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+A = 0.02  # half a side [m]
+
+
+def grasp(points, normals, friction=None, **more):
+    friction = hl.Frictionless() if friction is None else friction
+    contacts = [hl.Contact(p, n, friction) for p, n in zip(points, normals, strict=True)]
+    return hl.Grasp(contacts, flexibility=1e-4, preload=1e-4, **more)
+
+
+def square(shift):
+    """A planar square touched on its four sides, each contact `shift` beyond the middle, always the same way round but
+    for the flanks, where it is the other way round.
+    """
+    points = [(shift, -A), (-shift, A), (-A, shift), (A, -shift)]
+    return points, [(0, 1), (0, -1), (1, 0), (-1, 0)]
+
+
+def located():
+    """Seven contacts of a unit cube: three below, two behind, one beside it, and a clamp on its cut corner through the
+    middle of all. (The 3-2-1 rule of fixtures.)
+    """
+    below = [(0.5 + 0.3 * np.cos(a), 0.5 + 0.3 * np.sin(a), 0.0) for a in 2 * np.pi * np.arange(3) / 3]
+    points = [*below, (0.2, 0, 0.5), (0.8, 0, 0.5), (0, 0.5, 0.5), (0.9, 0.9, 0.9)]
+    clamp = -np.ones(3) / np.sqrt(3)
+    return points, [*[(0, 0, 1)] * 3, *[(0, 1, 0)] * 2, (1, 0, 0), clamp]
+
+
+def triangle(friction):
+    angles = 2 * np.pi * np.arange(3) / 3
+    points = [(A * np.cos(a), A * np.sin(a), 0.0) for a in angles]
+    return grasp(points, [tuple(-np.array(p) / A) for p in points], friction)
+
+
+def tilted(angle, friction, planar):
+    """Two fingers opposite each other, the first one's normal turned by an angle [rad] off the line between them."""
+    if planar:
+        return grasp([(-A, 0), (A, 0)], [(np.cos(angle), np.sin(angle)), (-1, 0)], friction)
+    return grasp([(-A, 0, 0), (A, 0, 0)], [(np.cos(angle), 0, np.sin(angle)), (-1, 0, 0)], friction)
+
+
+def wrenches_of(g, closure):
+    """(6,) sum of the witness's forces about the reference."""
+    total = np.zeros(6)
+    for c, R, f in zip(g.contacts, g.frames, closure.forces, strict=True):
+        total += np.append(R @ f, np.cross(c.position - g.reference, R @ f))
+    return total
+
+
+def rates(g, closure):
+    """(n, 3) how fast the object's contact points move in the witness's motion, contact axes."""
+    u, omega = closure.motion[:3], closure.motion[3:]
+    return np.array([R.T @ (u + np.cross(omega, c.position - g.reference))
+                     for c, R in zip(g.contacts, g.frames, strict=True)])  # fmt: skip
+
+
+# ---------------------------------------------------------------- form closure
+def test_four_contacts_that_turn_a_square_both_ways_leave_it_no_motion():
+    g = grasp(*square(0.005))
+    found = g.margins().form_closure
+    assert found.closed
+    assert found.motion is None
+    assert (found.forces[:, 2] > 0).all()
+    assert found.forces[:, 2].sum() == pytest.approx(1.0)
+    assert wrenches_of(g, found) == pytest.approx(np.zeros(6), abs=1e-12)
+
+
+def test_four_contacts_through_one_point_leave_it_a_turn():
+    g = grasp(*square(0.0))
+    found = g.margins().form_closure
+    assert found.closed is False
+    assert found.motion[:2] == pytest.approx([0, 0], abs=1e-9)
+    assert abs(found.motion[5]) > 0.0
+    assert "turns about" in found.sentence
+
+
+@pytest.mark.parametrize("left_out", range(4))
+def test_three_contacts_of_a_plane_are_too_few(left_out):
+    points, normals = square(0.005)
+    keep = [k for k in range(4) if k != left_out]
+    g = grasp([points[k] for k in keep], [normals[k] for k in keep])
+    found = g.margins().form_closure
+    assert found.closed is False
+    assert (rates(g, found)[:, 2] >= -1e-9).all()  # nothing is pushed into
+
+
+def test_a_cube_on_three_two_one_locators_and_a_clamp_has_form_closure():
+    g = grasp(*located())
+    found = g.margins().form_closure
+    assert found.closed
+    assert wrenches_of(g, found) == pytest.approx(np.zeros(6), abs=1e-12)
+
+
+@pytest.mark.parametrize("left_out", range(7))
+def test_six_contacts_of_a_body_are_too_few(left_out):
+    points, normals = located()
+    keep = [k for k in range(7) if k != left_out]
+    g = grasp([points[k] for k in keep], [normals[k] for k in keep])
+    found = g.margins().form_closure
+    assert found.closed is False
+    assert (rates(g, found)[:, 2] >= -1e-9).all()
+
+
+def test_form_closure_asks_for_no_friction():
+    with_friction, without = (grasp(*square(0.005), friction) for friction in (hl.Coulomb(0.5), None))
+    assert with_friction.margins().form_closure.closed is without.margins().form_closure.closed is True
+    assert triangle(hl.Coulomb(0.5)).margins().form_closure.closed is False
+
+
+def test_without_friction_force_closure_is_form_closure():
+    for g in (grasp(*square(0.005)), grasp(*square(0.0)), grasp(*located())):
+        m = g.margins()
+        assert m.force_closure.closed is m.form_closure.closed
+
+
+# ---------------------------------------------------------------- force closure
+@pytest.mark.parametrize("angle", [-0.45, -0.2, 0.0, 0.3, 0.46, 0.47, 0.8])
+def test_two_fingers_of_a_plane_have_it_where_their_line_lies_in_both_cones(angle):
+    """Nguyen's rule; atan 0.5 = 0.4636."""
+    found = tilted(angle, hl.Coulomb(0.5), planar=True).margins().force_closure
+    assert found.closed is bool(abs(np.tan(angle)) < 0.5)
+
+
+@pytest.mark.parametrize("angle", [-0.46, 0.0, 0.455, 0.475, 0.8])
+def test_two_soft_fingers_have_it_where_their_line_lies_in_both_cones(angle):
+    """Murray, Li & Sastry, theorem 5.7."""
+    found = tilted(angle, hl.SoftFinger(0.5, 0.002), planar=False).margins().force_closure
+    assert found.closed is bool(abs(np.tan(angle)) < 0.5)
+
+
+def test_two_point_fingers_in_space_leave_the_turn_about_their_line():
+    g = tilted(0.0, hl.Coulomb(0.5), planar=False)
+    found = g.margins().force_closure
+    assert found.closed is False
+    assert rates(g, found) == pytest.approx(np.zeros((2, 3)), abs=1e-9)
+    assert found.sentence == "no contact resists when the object turns about the line through fingers 1 and 2"
+
+
+@pytest.mark.parametrize("faces", ["cone", 4, 16])
+def test_three_fingers_around_a_ball_have_it_with_forces_within_friction(faces):
+    g = triangle(hl.Coulomb(0.3))
+    found = g.margins(faces=faces).force_closure
+    assert found.closed
+    assert wrenches_of(g, found) == pytest.approx(np.zeros(6), abs=1e-12)
+    assert (np.hypot(*found.forces[:, :2].T) < 0.3 * found.forces[:, 2]).all()
+
+
+@pytest.mark.parametrize("mu", [0.57, 0.58])
+def test_on_the_cone_it_is_told_to_a_percent_of_the_friction(mu):
+    """Three fingers around a ring, one pushing across: with normals 60° off the bisector, atan μ ≥ 30° is needed."""
+    points = [(A * np.cos(a), A * np.sin(a), 0.0) for a in np.radians([0, 60])]
+    g = grasp(points, [(-1, 0, 0), tuple(-np.array(points[1]) / A)], hl.SoftFinger(mu, 0.01))
+    assert g.margins().force_closure.closed is False  # two fingers on one side of the ball push it out
+    chord = [(-A, 0, 0), (A * np.cos(np.pi / 3), A * np.sin(np.pi / 3), 0.0)]
+    g = grasp(chord, [(1, 0, 0), tuple(-np.array(chord[1]) / A)], hl.SoftFinger(mu, 0.01))
+    line = np.array(chord[1]) - np.array(chord[0])
+    needs = np.tan(np.arccos(line[0] / np.linalg.norm(line)))  # 1/√3 = 0.5774, at both fingers
+    assert g.margins().force_closure.closed is bool(mu > needs)
+
+
+def test_a_box_that_lies_on_a_table_has_none_as_nothing_holds_it_down():
+    corners = [hl.Contact((x, y, 0), (0, 0, 1), hl.Coulomb(0.4)) for x in (-A, A) for y in (-A, A)]
+    finger = hl.Contact((-A, 0, A), (1, 0, 0), hl.Coulomb(0.4))
+    g = hl.Grasp([finger], flexibility=1e-4, environment=hl.Environment(corners))
+    found = g.margins().force_closure
+    assert found.closed is False
+    v = rates(g, found)
+    assert (v[:, 2] >= 0.4 * np.hypot(v[:, 0], v[:, 1]) - 1e-7).all()  # no force within the cones resists it
+
+
+def test_a_contact_whose_force_is_prescribed_takes_no_part():
+    g = tilted(0.0, hl.Coulomb(0.5), planar=True)
+    assert g.margins().force_closure.closed
+    fixed = g.replace(effects=[hl.PrescribedForce(1, (0, 0, 1.0))])
+    assert fixed.margins().force_closure.closed is False
