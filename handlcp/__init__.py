@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         Pyramid,
         Reason,
         Required,
+        RequiredStiffness,
         Residuals,
         SoftFinger,
         SoftWrist,
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
         HandGraspSolution,
         HandState,
         Mesh,
+        RequiredTorque,
         Sphere,
         Synergies,
         Table,
@@ -99,11 +101,11 @@ __all__ = [
     "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution",
     "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "LoadLimit",
     "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason",
-    "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist",
-    "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck",
-    "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict",
-    "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability", "solve_lcp",
-    "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "Reliability", "Required", "RequiredStiffness", "RequiredTorque", "Residuals", "Sample", "SceneFileError",
+    "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies",
+    "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName",
+    "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
+    "reliability", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -115,8 +117,8 @@ _ROOMS = {
     "lcp": {"LCP", "LCPSolution", "Lemke", "NSNGRK", "Auto", "SemismoothNewton", "Status", "solve_lcp"},
     "hand": {
         "Audit", "Box", "Candidate", "Cylinder", "Doubt", "Ellipsoid", "Found", "GraspStream", "GraspUpdate", "Hand",
-        "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table",
-        "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
+        "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "RequiredTorque", "Sphere",
+        "Synergies", "Table", "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
     },
     "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},

@@ -16,6 +16,7 @@ from handlcp.grasp.answer.verdict import Reason, Verdict
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.grasp.design.stiffness import RequiredStiffness
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.effects.contact_compliance import ContactCompliance
 from handlcp.grasp.effects.finger_force_bound import FingerForceBound
@@ -51,7 +52,8 @@ __all__ = [
     "Accuracy", "AnisotropicCoulomb", "Bind", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
     "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
     "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "LimitEvent",
-    "LimitPath", "LoadLimit", "Loading", "Placement", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals",
-    "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation",
-    "TotalForceBound", "Uniqueness", "Verdict", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
+    "LimitPath", "LoadLimit", "Loading", "Placement", "PrescribedForce", "Pyramid", "Reason", "Required",
+    "RequiredStiffness", "Residuals", "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion",
+    "Suggestions", "TorqueSaturation", "TotalForceBound", "Uniqueness", "Verdict", "effect_kinds", "solve_many",
+    "wrench_from_fingertip_forces",
 ]  # fmt: skip
