@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from handlcp.grasp import (
         Accuracy,
         AnisotropicCoulomb,
+        BestChange,
         Contact,
         ContactCompliance,
         Coulomb,
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
         Suggestions,
         TorqueSaturation,
         TotalForceBound,
+        TriedChange,
         Uniqueness,
         Verdict,
         solve_many,
@@ -95,17 +97,17 @@ if TYPE_CHECKING:
 __version__ = VERSION
 
 __all__ = [
-    "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "Box", "Candidate", "Chance",
-    "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria",
-    "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem",
-    "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution",
-    "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "LoadLimit",
-    "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid", "Reason",
-    "Reliability", "Required", "RequiredStiffness", "RequiredTorque", "Residuals", "Sample", "SceneFileError",
+    "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "BestChange", "Box",
+    "Candidate", "Chance", "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment",
+    "Equilibria", "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp",
+    "GraspProblem", "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp",
+    "HandGraspSolution", "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke",
+    "LoadLimit", "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid",
+    "Reason", "Reliability", "Required", "RequiredStiffness", "RequiredTorque", "Residuals", "Sample", "SceneFileError",
     "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies",
-    "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName",
-    "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
-    "reliability", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "TriedChange", "URDFError", "Uniqueness",
+    "UnknownName", "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand",
+    "find_grasp", "reliability", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
