@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from handlcp.grasp import (
         Accuracy,
         AnisotropicCoulomb,
+        BestChange,
         Contact,
         ContactCompliance,
         Coulomb,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
         Pyramid,
         Reason,
         Required,
+        RequiredStiffness,
         Residuals,
         SoftFinger,
         SoftWrist,
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
         Suggestions,
         TorqueSaturation,
         TotalForceBound,
+        TriedChange,
         Uniqueness,
         Verdict,
         solve_many,
@@ -76,6 +79,7 @@ if TYPE_CHECKING:
         HandGraspSolution,
         HandState,
         Mesh,
+        RequiredTorque,
         Sphere,
         Synergies,
         Table,
@@ -94,17 +98,17 @@ if TYPE_CHECKING:
 __version__ = VERSION
 
 __all__ = [
-    "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "Box", "Candidate", "Chance",
-    "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment", "Equilibria",
-    "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem",
-    "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution",
-    "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "LoadLimit",
-    "Loading", "Margins", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce", "Pyramid",
-    "Reason", "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "SoftFinger",
-    "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons",
-    "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported",
-    "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability",
-    "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "BestChange", "Box",
+    "Candidate", "Chance", "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment",
+    "Equilibria", "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp",
+    "GraspProblem", "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp",
+    "HandGraspSolution", "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke",
+    "LoadLimit", "Loading", "Margins", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce",
+    "Pyramid", "Reason", "Reliability", "Required", "RequiredStiffness", "RequiredTorque", "Residuals", "Sample",
+    "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status",
+    "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "TriedChange",
+    "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf",
+    "example_hand", "find_grasp", "reliability", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -116,8 +120,8 @@ _ROOMS = {
     "lcp": {"LCP", "LCPSolution", "Lemke", "NSNGRK", "Auto", "SemismoothNewton", "Status", "solve_lcp"},
     "hand": {
         "Audit", "Box", "Candidate", "Cylinder", "Doubt", "Ellipsoid", "Found", "GraspStream", "GraspUpdate", "Hand",
-        "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Sphere", "Synergies", "Table",
-        "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
+        "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "RequiredTorque", "Sphere",
+        "Synergies", "Table", "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
     },
     "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},

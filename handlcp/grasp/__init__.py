@@ -16,6 +16,8 @@ from handlcp.grasp.answer.verdict import Reason, Verdict
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.grasp.design.best_change import BestChange, TriedChange
+from handlcp.grasp.design.stiffness import RequiredStiffness
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.effects.contact_compliance import ContactCompliance
 from handlcp.grasp.effects.finger_force_bound import FingerForceBound
@@ -51,11 +53,11 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [
-    "Accuracy", "AnisotropicCoulomb", "Bind", "Closure", "Contact", "ContactCompliance", "Coulomb", "Effect",
-    "Environment", "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
-    "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Least", "Limit",
-    "LimitEvent", "LimitPath", "LoadLimit", "Loading", "Margins", "Placement", "PrescribedForce", "Pyramid", "Reason",
-    "Required", "Residuals", "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions",
-    "TorqueSaturation", "TotalForceBound", "Uniqueness", "Verdict", "WrenchSpace", "effect_kinds", "solve_many",
-    "wrench_from_fingertip_forces",
+    "Accuracy", "AnisotropicCoulomb", "BestChange", "Bind", "Closure", "Contact", "ContactCompliance", "Coulomb",
+    "Effect", "Environment", "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw",
+    "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Least",
+    "Limit", "LimitEvent", "LimitPath", "LoadLimit", "Loading", "Margins", "Placement", "PrescribedForce", "Pyramid",
+    "Reason", "Required", "RequiredStiffness", "Residuals", "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage",
+    "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound", "TriedChange", "Uniqueness", "Verdict",
+    "WrenchSpace", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip

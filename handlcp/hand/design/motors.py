@@ -65,18 +65,21 @@ class RequiredTorque(Data):
         return np.asarray(self.torque > self.limits)
 
     @property
+    def rows(self) -> tuple[tuple[str, str, str, str, str, str], ...]:
+        """Of each joint, to print: name, torque and limit [N·m], share of the limit, what sizes it, remark."""
+        torque, rows = words.column(self.torque), []
+        for k, (joint, load, limit) in enumerate(zip(self.joints, self.sized_by, self.limits.tolist(), strict=True)):
+            finite = np.isfinite(limit)
+            most = f"{limit:.4g}" if finite else "none" if self.known[k] else "unknown"
+            share = words.percent(float(self.torque[k] / limit)) if finite else "–"
+            rows.append((joint, torque[k], most, share, load, "too weak" if self._short[k] else ""))
+        return tuple(rows)
+
+    @property
     def table(self) -> TextTable:
         """Joint by joint."""
-        finite = [x for x in (*self.torque.tolist(), *self.limits.tolist()) if np.isfinite(x)]
-        unit, size = words.prefixed("N·m", [10.0 * x for x in finite])
-        torque, limits = words.column(self.torque / size), words.column(self.limits / size)
-        rows = []
-        for k, (joint, load) in enumerate(zip(self.joints, self.sized_by, strict=True)):
-            limit = limits[k] if np.isfinite(self.limits[k]) else "none" if self.known[k] else "unknown"
-            remark = "too weak" if self._short[k] else ""
-            rows.append((joint, torque[k], load, limit, words.percent(float(self.torque[k] / self.limits[k])), remark))
-        heads = ("joint", f"torque\n{unit}", "sized by", f"limit\n{unit}", "of limit", "")
-        return TextTable(heads, tuple(rows), "<><>><")
+        heads = ("joint", "torque\nN·m", "limit\nN·m", "of limit", "sized by", "")
+        return TextTable(heads, self.rows, "<>>><<")
 
     def __str__(self) -> str:
         return f"{self.table}\n{self.sentence}" if self.holds else self.sentence

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from handlcp.grasp.analysis.required import Required
+from handlcp.grasp.design.best_change import BestChange, best_change
 from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
 from handlcp.hand.design.commands import required_grip, required_squeeze
+from handlcp.hand.design.means import means_of_hand
 from handlcp.hand.design.motors import RequiredTorque
 from handlcp.hand.design.required_torque import required_torque
 from handlcp.hand.design.stiffer import hand_stiffened
@@ -60,3 +62,12 @@ class HandQuestions(Grasp):
         offset as large, so that stiffer joints press harder.
         """
         return required_stiffness(self.spec, self._section(faces), motion, tolerance, hand_stiffened)
+
+    def best_change(
+        self, wrench: Any = None, share: float = 0.1, *, geometry: str | None = None,
+        faces: int | str | Pyramid = "cone",
+    ) -> BestChange:  # fmt: skip
+        """As `Grasp.best_change`: of grip, friction, stiffness of the joints and torque limits. A grip force stays the
+        force that it is where joints are made stiffer or softer.
+        """
+        return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_hand)

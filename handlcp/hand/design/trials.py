@@ -16,6 +16,8 @@ from handlcp.hand.design.changed import gripped
 
 __all__ = ["Trial", "Trials"]
 
+_ALIKE = 1e-6  # torques that differ by less are the same
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
@@ -45,7 +47,7 @@ class Trial:
     @property
     def worst(self) -> Ints:
         """(nv,) the load that needs most of each joint; -1: closing the hand does."""
-        while_closing = self.squeeze >= (1.0 - 1e-9) * self.largest
+        while_closing = self.squeeze >= (1.0 - _ALIKE) * self.largest
         return np.where(while_closing, -1, self.torque.argmax(axis=0))
 
 

@@ -1,0 +1,115 @@
+"""`handlcp motors`: the torque of each joint and the grip with which every load of a brief holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.table import Table
+from rich.text import Text
+
+from handlcp import words
+from handlcp.check import array
+from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
+from handlcp.errors import InputError, brief
+from handlcp.hand import HandGrasp
+from handlcp.hand.design.motors import RequiredTorque
+from handlcp.show import tables
+
+__all__ = ["motors"]
+
+_WAYS = {
+    "x up": (-1.0, 0.0, 0.0), "x down": (1.0, 0.0, 0.0), "y up": (0.0, -1.0, 0.0), "y down": (0.0, 1.0, 0.0),
+    "z up": (0.0, 0.0, -1.0), "z down": (0.0, 0.0, 1.0),
+}  # fmt: skip
+
+
+@app.command()
+def motors(
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML) with a hand.")],
+    json: Json = False,
+    safety: Annotated[float, typer.Option(help="Factor on every load and on the object's weight.")] = 1.5,
+    load: Annotated[
+        list[str] | None,
+        typer.Option(help="A load beside the weight, as name=Fx,Fy,Fz or name=Fx,Fy,Fz,Mx,My,Mz [N, N·m]. Repeat it."),
+    ] = None,
+    turned: Annotated[
+        bool, typer.Option("--turned", help="The file's load with gravity along each axis of the hand's base, too.")
+    ] = False,
+    faces: Annotated[
+        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
+    ] = None,
+) -> None:
+    """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
+
+    Without --load and --turned: for the file's own load. The hand closes by a grip force at each fingertip, in place
+    of what the file says. Exit status 0 such a grip was found, 1 none was found, 2 bad input.
+    """
+    from handlcp import scene as scenes
+
+    read = scenes.load(scene)
+    grasp = read.build()
+    if not isinstance(grasp, HandGrasp):
+        raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
+    brief_ = _brief(grasp, load or [], turned)
+    found = grasp.required_torque(brief_, safety, faces=sides_of(read.solve_with.faces, faces))
+    if json:
+        print_json({"title": read.title, **found.to_dict()})
+    else:
+        _print(found, read.title)
+    raise typer.Exit(0 if found.holds else 1)
+
+
+def _brief(grasp: HandGrasp, loads: list[str], turned: bool) -> dict[str, Any] | None:
+    """The loads by name; None: the file's own. Raises InputError."""
+    found = dict[str, Any]()
+    for text in loads:
+        name, equals, numbers = text.partition("=")
+        values = _numbers(numbers) if name and equals else None
+        if values is None or len(values) not in (3, 6) or name in found:
+            raise InputError("--load", "a new name=Fx,Fy,Fz or name=Fx,Fy,Fz,Mx,My,Mz", brief(repr(text)))
+        found[name] = np.append(array("--load", values), np.zeros(6 - len(values)))
+    if turned:
+        if (g := float(np.linalg.norm(grasp.given_gravity))) == 0.0:
+            raise InputError("--turned", "a scene with gravity", "one without")
+        found |= {name: {"gravity": g * np.array(way)} for name, way in _WAYS.items()}
+    return found or None
+
+
+def _numbers(text: str) -> list[float] | None:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        return None
+
+
+def _print(found: RequiredTorque, title: str) -> None:
+    out = titled(title)
+    word, style = ("FOUND", "green") if found.holds else ("NONE", "red")
+    say(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
+    out.print()
+    if found.holds:
+        print_tables(out, [_joints(found), _grips(found)])
+
+
+def _joints(found: RequiredTorque) -> Table:
+    table = tables.empty(
+        "Torque of each joint", "N·m (N of prismatic joints), the largest from first touch to full load"
+    )
+    table.add_column("joint", overflow="fold")
+    tables.numbers(table, "torque", "limit", "of limit")
+    table.add_column("sized by", overflow="fold")
+    for joint, torque, limit, share, load, remark in found.rows:
+        table.add_row(Text(joint), torque, limit, share, Text(load), style="red" if remark else None)
+    return table
+
+
+def _grips(found: RequiredTorque) -> Table:
+    table = tables.empty("Grip force to command", "N")
+    table.add_column("fingertip", overflow="fold")
+    tables.numbers(table, "grip")
+    for name, force in zip(found.grip, words.column(found.grip.values()), strict=True):
+        table.add_row(Text(name), force)
+    return table

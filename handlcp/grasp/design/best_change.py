@@ -1,0 +1,196 @@
+"""Which single change buys most: grip, friction, stiffness or torque limits, each by the same share.
+
+Each is made and the load limit found anew, so that what then binds counts too. The best is judged by `check` under a
+load between the old limit and the new one: with the change that is held, without it is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, number, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.design.followed import word
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.load_limit import load_limit
+from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE, LoadLimit
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.verdict.trials import stiffened
+from handlcp.text_table import TextTable, wrapped
+
+__all__ = ["BestChange", "Means", "TriedChange", "best_change", "means_of_fingers", "rougher"]
+
+_GIVES_OUT = {
+    SLIPS: "{} slips", OPENS: "{} opens", TORQUE: "torque of {}", RANGE: "range of {}", EQUILIBRIUM: "balance is lost",
+    MOTION: "motion",
+}  # fmt: skip
+
+
+class Means(NamedTuple):
+    """changes : (what, the changed grasp) for a share such as 0.1. loaded : the grasp under a load (6,) beside the
+    weight. own : (6,) its own.
+    """
+
+    changes: Callable[[GraspSpec, float], Iterable[tuple[str, GraspSpec | None]]]
+    loaded: Callable[[GraspSpec, Array], GraspSpec]
+    own: Callable[[GraspSpec], Array]
+
+
+@dataclass(frozen=True, slots=True)
+class TriedChange:
+    """One change. what : in words. factor : on the load, that the grasp holds then. gain : factor over that without the
+    change, minus 1; negative where it costs load. limit : its `LoadLimit`.
+    """
+
+    what: str
+    factor: float
+    gain: float
+    limit: LoadLimit = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BestChange(Data):
+    """What each change does to the load that a grasp holds, the best first.
+
+    wrench (6,) : the load that grows, beside the weight [N, N·m]. share : of every change. before : the load limit
+    without a change. tried : the changes; empty where nothing binds before. between : factor on the load, between the
+    limits before and after the best change, at which `check()` was asked; NaN where no change buys anything.
+    verdicts : its words there, with the best change and without.
+    """
+
+    wrench: Array
+    share: float
+    before: LoadLimit
+    tried: tuple[TriedChange, ...]
+    between: float
+    verdicts: tuple[str, str]
+
+    @property
+    def best(self) -> TriedChange | None:
+        """The change that buys most; None where none buys anything."""
+        return self.tried[0] if self.tried and self.tried[0].factor > self.before.factor else None
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether `check()` holds the load in between with the best change, and does not without it."""
+        return self.verdicts[0] == HELD and self.verdicts[1] not in ("", HELD)
+
+    @property
+    def table(self) -> TextTable:
+        """Change by change."""
+        rows = [("as it is", _times(self.before.factor), "", _bound(self.before))]
+        rows += [(t.what, _times(t.factor), _gain(t.gain), _bound(t.limit)) for t in self.tried]
+        return TextTable(("change", "holds\n× load", "gain", "then gives out"), tuple(rows), "<>><")
+
+    def __str__(self) -> str:
+        return f"{self.table}\n{self.sentence}" if self.tried else self.sentence
+
+    @property
+    def sentence(self) -> str:
+        """The best change, and what `check` says."""
+        if not self.tried:
+            return "nothing gives out, however large the load: no change buys anything"
+        if (best := self.best) is None:
+            return "none of these changes buys load"
+        told = f"{best.what} buys most: {_gain(best.gain)} load"
+        if self.confirmed:
+            return wrapped(f"{told}; at {self.between:.4g} × the load check() says HELD, and not without it")
+        given = " and ".join([f"{w} {how} it" for w, how in zip(self.verdicts, ("with", "without"), strict=True)])
+        return wrapped(f"{told}; but at {self.between:.4g} × the load check() says {given}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, SI units in the key names, None for what is not a finite number."""
+        return {
+            "load_N_Nm": self.wrench.tolist(), "share": self.share, "factor_before": _finite(self.before.factor),
+            "tried": [
+                {"change": t.what, "factor": _finite(t.factor), "gain": _finite(t.gain), "why": t.limit.why}
+                for t in self.tried
+            ],
+            "checked_at_factor": _finite(self.between), "verdict_with": self.verdicts[0],
+            "verdict_without": self.verdicts[1],
+        }  # fmt: skip
+
+
+def best_change(
+    spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any, means: Means
+) -> BestChange:  # fmt: skip
+    """See `Grasp.best_change`."""
+    part = number("share", share, above=0.0)
+    if part >= 1.0:
+        raise InputError("share", "a share below 1, such as 0.1", share)
+    asked = means.own(spec) if wrench is None else wrench
+    load = asked if wrench is not None or asked.any() else spec.wrench
+    before = load_limit(spec, section, load, geometry, None, None)
+    if np.isinf(before.factor):
+        return BestChange(before.wrench, part, before, (), np.nan, ("", ""))
+    made = {what: other for what, other in means.changes(spec, part) if other is not None}
+    found = {what: load_limit(other, section, load, geometry, None, None) for what, other in made.items()}
+    base = before.factor or np.nan
+    tried = [TriedChange(what, limit.factor, limit.factor / base - 1.0, limit) for what, limit in found.items()]
+    tried.sort(key=lambda t: -t.factor)
+    between, verdicts = np.nan, ("", "")
+    if tried and tried[0].factor > before.factor:
+        most = min(tried[0].factor, 2.0 * before.factor or 1.0)
+        between = 0.5 * (before.factor + most)
+        ends = [means.loaded(s, between * before.wrench) for s in (made[tried[0].what], spec)]
+        verdicts = (word(ends[0], section), word(ends[1], section))
+    return BestChange(before.wrench, part, before, tuple(tried), between, verdicts)
+
+
+# ---------------------------------------------------------------- the changes
+def _of_fingers(spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
+    much = words.percent(share)
+    for way, factor in (("more", 1.0 + share), ("less", 1.0 - share)):
+        yield f"{much} {way} preload", _preloaded(spec, factor)
+    yield f"{much} more friction", rougher(spec, 1.0 + share)
+    for way, factor in (("stiffer", 1.0 + share), ("softer", 1.0 - share)):
+        yield f"fingers {much} {way}", stiffened(spec, factor)
+
+
+def _preloaded(spec: GraspSpec, factor: float) -> GraspSpec | None:
+    """With its fingers' preloads times a factor; None: it has none."""
+    offset, k = spec.offset.copy(), spec.of_fingers
+    pressed = offset[:k, 2] < 0.0
+    offset[:k][pressed] *= factor
+    return spec.replace(offset=read_only(offset)) if pressed.any() else None
+
+
+def rougher(spec: GraspSpec, factor: float) -> GraspSpec | None:
+    """With every coefficient of friction times a factor; None: it has no friction."""
+    laws = tuple([c.friction.with_mu(factor * c.mu) if c.mu > 0.0 else c.friction for c in spec.contacts])
+    return spec.with_laws(laws) if any(c.mu > 0.0 for c in spec.contacts) else None
+
+
+def _under(spec: GraspSpec, load: Array) -> GraspSpec:
+    return spec.replace(wrench=read_only(np.array(load)))
+
+
+means_of_fingers = Means(_of_fingers, _under, lambda spec: spec.wrench)
+
+
+def _times(factor: float) -> str:
+    return f"{factor:.4g}" if np.isfinite(factor) else "∞"
+
+
+def _gain(gain: float) -> str:
+    return f"{100 * gain:+.1f} %" if np.isfinite(gain) else "–"
+
+
+def _bound(limit: LoadLimit) -> str:
+    """What gives out, the first of several."""
+    if not limit.binds:
+        return "nothing"
+    first = limit.binds[0]
+    said = _GIVES_OUT[first.kind].format(first.who)
+    return said if len(limit.binds) == 1 else f"{said} and {len(limit.binds) - 1} more"
+
+
+def _finite(x: float) -> float | None:
+    return float(x) if np.isfinite(x) else None

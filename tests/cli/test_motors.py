@@ -1,0 +1,67 @@
+"""`handlcp motors` from the outside."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+
+import pytest
+from typer.testing import CliRunner
+
+from handlcp.cli import app
+from tests.support.texts import same
+
+ROOT = pathlib.Path(__file__).parents[2]
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+
+
+def run(*arguments, width="80"):
+    return CliRunner().invoke(app, ["motors", *arguments], env={"COLUMNS": width, "NO_COLOR": "1"})
+
+
+def test_a_scene_gets_its_motors_within_80_columns_and_exits_0():
+    done = run(CUBE, "--safety", "2")
+    assert done.exit_code == 0, done.output
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert done.stderr == ""
+    said = " ".join(done.stdout[done.stdout.index("FOUND:") :].partition("\n\n")[0].split())
+    same("cli/test_motors: a cube", said, "the load × 2", "enough")
+    for part in ("finger_1_distal", "squeeze", "finger_2_tip", "of limit"):
+        assert part in done.stdout
+
+
+def test_loads_and_directions_of_gravity_are_named_in_json():
+    done = run(CUBE, "--load", "push=0,2,0", "--load", "twist=0,0,0,0,0,0.01", "--turned", "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    assert list(found["verdicts"]) == ["push", "twist", "x up", "x down", "y up", "y down", "z up", "z down"]
+    assert set(found["verdicts"].values()) == {"HELD"}
+    assert all(0 < row["torque_Nm"] <= row["limit_Nm"] for row in found["joints"])
+
+
+def test_a_load_that_no_grip_holds_exits_1_and_says_which(tmp_path):
+    text = pathlib.Path(CUBE).read_text(encoding="utf-8").replace("friction = 0.8", "friction = 0.01")
+    file = tmp_path / "slippery.toml"
+    file.write_text(text, encoding="utf-8")
+    done = run(str(file))
+    assert done.exit_code == 1, done.output
+    assert "NONE: No grip was found that holds the load × 1.5" in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [(("--load", "push"), "--load"), (("--load", "push=1,2"), "--load"), (("--load", "a=1,2,x"), "--load"),
+     (("--load", "a=0,0,1", "--load", "a=0,0,2"), "--load"), (("--load", "=0,0,1"), "--load"),
+     (("--safety", "0"), "safety"), (("--faces", "2"), "--faces"), (("--load", "a=0,0,nan"), "--load")],
+)  # fmt: skip
+def test_bad_input_is_one_sentence_and_exit_status_2(arguments, word):
+    done = run(CUBE, *arguments)
+    assert done.exit_code == 2
+    assert word in done.stderr
+    assert done.stdout == ""
+
+
+def test_a_scene_without_a_hand_has_no_motors():
+    done = run(str(ROOT / "examples" / "paper" / "hard_finger.toml"))
+    assert done.exit_code == 2
+    assert "[hand]" in done.stderr

@@ -1,0 +1,1 @@
+"""Tests of the questions of a designer: motors, grip, friction, stiffness, and what helps most."""
