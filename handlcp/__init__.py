@@ -93,22 +93,24 @@ if TYPE_CHECKING:
     from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
     from handlcp.simulator import to_mujoco
     from handlcp.study.accuracy import AccuracyCost, accuracy_cost
+    from handlcp.study.envelope import Envelope, envelope
     from handlcp.study.reliability import Chance, Influence, Reliability, Sample, reliability
 
 __version__ = VERSION
 
 __all__ = [
     "LCP", "NSNGRK", "Accuracy", "AccuracyCost", "AnisotropicCoulomb", "Audit", "Auto", "BestChange", "Box",
-    "Candidate", "Chance", "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Environment",
-    "Equilibria", "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp",
-    "GraspProblem", "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp",
+    "Candidate", "Chance", "Contact", "ContactCompliance", "Coulomb", "Cylinder", "Doubt", "Ellipsoid", "Envelope",
+    "Environment", "Equilibria", "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness",
+    "Grasp", "GraspProblem", "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp",
     "HandGraspSolution", "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke",
     "LoadLimit", "Loading", "Margins", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PrescribedForce",
     "Pyramid", "Reason", "Reliability", "Required", "RequiredStiffness", "RequiredTorque", "Residuals", "Sample",
     "SceneFileError", "SemismoothNewton", "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status",
     "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation", "TotalForceBound", "TriedChange",
     "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf",
-    "example_hand", "find_grasp", "reliability", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "envelope", "example_hand", "find_grasp", "reliability", "solve_lcp", "solve_many", "to_mujoco",
+    "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -125,6 +127,7 @@ _ROOMS = {
     },
     "simulator": {"to_mujoco"},
     "study.accuracy": {"AccuracyCost", "accuracy_cost"},
+    "study.envelope": {"Envelope", "envelope"},
     "study.reliability": {"Chance", "Influence", "Reliability", "Sample", "reliability"},
     "grasp": set[str](),
 }  # fmt: skip

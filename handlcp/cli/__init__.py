@@ -17,7 +17,8 @@ from handlcp.cli.gallery import gallery  # isort: skip
 from handlcp.cli.warm import warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "follow", "gallery", "hands", "keys", "main", "motors", "paper",
+    "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "main",
+    "motors", "paper",
     "solve", "warm",
 ]  # fmt: skip
 

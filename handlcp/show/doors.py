@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,16 @@ from handlcp.show.file import checked, write
 from handlcp.show.frame import data_frame, solution_frame
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
+from handlcp.study.envelope import Envelope
 from handlcp.study.plain import json_text
 
 __all__ = [
-    "data_frame", "html", "loading_dict", "loading_page", "loading_plot", "page", "plot", "solution_frame",
+    "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
+    "loading_dict", "loading_page", "loading_plot", "page", "plot", "solution_frame",
     "table_html", "text_html", "to_dict", "to_json",
 ]  # fmt: skip
+
+DPI = 160  # dots an inch
 
 
 def plot(
@@ -26,7 +31,6 @@ def plot(
     """See `GraspSolution.plot`."""
     from handlcp.show.loading.ending import verdict_picture
     from handlcp.show.picture import draw  # pictures alone need matplotlib
-    from handlcp.show.picture.figure import DPI
 
     file = None if path is None else checked(path)
     followed = None if verdict is None else verdict.loading
@@ -59,6 +63,49 @@ def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", 
     from handlcp.show.page.document import save_loading
 
     return save_loading(loading, path, title, obj, verdict)
+
+
+def envelope_plot(env: Envelope, path: Any = None, title: str = "") -> Any:
+    """See `Envelope.plot`."""
+    from handlcp.show.envelope.draw import figure
+
+    return _drawn(figure, env, path, title)
+
+
+def envelope_polar(env: Envelope, path: Any = None, title: str = "") -> Any:
+    """See `Envelope.polar`."""
+    from handlcp.show.envelope.polar import polar_figure
+
+    return _drawn(polar_figure, env, path, title)
+
+
+def envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
+    """See `Envelope.page`."""
+    from handlcp.show.envelope.page import save
+
+    return save(env, path, title)
+
+
+def envelope_dict(env: Envelope) -> dict[str, Any]:
+    """See `Envelope.to_dict`."""
+    from handlcp.show.envelope.record import record as record_of_envelope
+
+    return record_of_envelope(env)
+
+
+def envelope_frame(env: Envelope) -> Any:
+    """See `Envelope.to_frame`."""
+    from handlcp.show.envelope.record import columns
+
+    return data_frame(columns(env))
+
+
+def _drawn(figure: Callable[[Any, str], Any], answer: Any, path: Any, title: str) -> Any:
+    """A figure, or the file that it was written to."""
+    if path is None:
+        return figure(answer, title)
+    file = checked(path)
+    return write(figure(answer, title), file, DPI)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

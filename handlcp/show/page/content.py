@@ -22,7 +22,7 @@ from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 
-__all__ = ["content", "escape_of", "path_of"]
+__all__ = ["content", "escape_of", "packed", "path_of", "view_of"]
 
 
 def content(
@@ -40,8 +40,8 @@ def content(
     meshes, parts, told = Meshes(), parts_of(drawn), frames.to_list()
     return {
         "size": scene.units.length, "planar": scene.plane is not None, "perNewton": frames.per_newton,
-        "slipFactor": frames.slip_factor, "view": _view(drawn, parts, told[0]["joints"]),
-        "parts": [_part(p, meshes) for p in parts], "packed": meshes.packed(),
+        "slipFactor": frames.slip_factor, "view": view_of(drawn, parts, told[0]["joints"]),
+        "parts": [packed(p, meshes) for p in parts], "packed": meshes.packed(),
         "frames": told, "columns": frames.columns,
         "contacts": _contacts(grasp), "joints": _joints(shown, hand),
         "colours": {**STATE, "": UNKNOWN, "load": LOAD, "slip": SLIP, "escape": ESCAPE},
@@ -94,7 +94,8 @@ def _reached(stage: Any, share: Any, number: int, where: float) -> int:
     return int(behind[0]) if len(behind) else len(stage) - 1
 
 
-def _part(p: Part, meshes: Meshes) -> dict[str, Any]:
+def packed(p: Part, meshes: Meshes) -> dict[str, Any]:
+    """A solid as the viewer reads it."""
     return {**meshes.add(p.triangles), "colour": p.colour, "layer": p.layer, "joint": p.joint}
 
 
@@ -118,7 +119,7 @@ def _joints(shown: Sequence[Snapshot], hand: Any) -> list[dict[str, Any]]:
     return [{"name": n, "limit": x} for n, x in zip(hand.joint_names, limits.tolist(), strict=True)]
 
 
-def _view(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | None) -> dict[str, Any]:
+def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | None) -> dict[str, Any]:
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
     hulls = [(p, _hull(p.triangles)) for p in parts]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -21,9 +21,9 @@ from handlcp.show.picture.content import Content
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["save", "save_loading"]
+__all__ = ["document", "save", "save_loading", "web_files"]
 
-_SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js")
+_SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")
 _DIGITS = 6
 
 
@@ -66,23 +66,33 @@ def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, 
     return file.write(_document(title, said, content(drawn, shown, path_of(loading, 0), None)), target)
 
 
-def _document(title: str, said: str, found: Mapping[str, Any]) -> str:
-    web = files("handlcp.show.page").joinpath("web")
-    scripts = "\n".join(web.joinpath(name).read_text(encoding="utf-8") for name in _SCRIPTS)
+def web_files(*names: str, package: str = "handlcp.show.page") -> list[str]:
+    """Texts of files in the folder `web` of a package."""
+    web = files(package).joinpath("web")
+    return [web.joinpath(name).read_text(encoding="utf-8") for name in names]
+
+
+def document(title: str, said: str, found: Mapping[str, Any], page: str, scripts: Sequence[str]) -> str:
+    """A page's text. said : its verdict, as HTML. found : what its scripts read, with `notes` for the reader. page :
+    the text with {{names}} of what stands where. scripts : their texts, in order.
+    """
     data = json.dumps(_short(plain(found)), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": escape(title or "A grasp"),
         "heading": f"<h1>{escape(title)}</h1>" if title else "",
-        "style": web.joinpath("style.css").read_text(encoding="utf-8"),
+        "style": web_files("style.css")[0],
         "verdict": said,
         "notes": "".join(f"<li>{escape(str(note))}</li>" for note in found["notes"]),
         "made": f"handlcp {escape(VERSION)}",
         "data": data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"),
         "three": three_js(),
-        "scripts": scripts,
+        "scripts": "\n".join(scripts),
     }
-    page = web.joinpath("page.html").read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], page)
+
+
+def _document(title: str, said: str, found: Mapping[str, Any]) -> str:
+    return document(title, said, found, web_files("page.html")[0], web_files(*_SCRIPTS))
 
 
 def _short(value: Any) -> Any:

@@ -1,0 +1,1 @@
+"""Envelopes for people: a surface in space, polar diagrams, a page to turn, plain data."""

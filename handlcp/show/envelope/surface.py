@@ -1,0 +1,144 @@
+"""The surface of an envelope: a point along each direction, as far out as the factor, up to where it is cut."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.errors import InputError
+from handlcp.show.envelope.colours import Key, keys_of
+from handlcp.show.picture.overlay import nice
+from handlcp.study.envelope import Envelope
+
+__all__ = ["Surface", "section", "surface_of", "wires"]
+
+_MANY = 3.0  # so many medians are seen well beside the weak directions: what reaches farther is cut
+_FAR = 4.0  # reaches up to which the bound is known to its section
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """reach : what is farther is cut there; cut : whether anything is. points (m, 3) : of the factors, cut. own, bound
+    (m, 3) : of the factors and of the bound, cut four times as far out. cells (k, 3) : triangles; (k, 2) : segments.
+    keys : the colours. key (k,) : number of the colour of each cell.
+    """
+
+    reach: float
+    cut: bool
+    points: Array
+    own: Array
+    bound: Array
+    cells: Ints
+    keys: tuple[Key, ...]
+    key: Ints
+
+    @property
+    def bound_beyond(self) -> bool:
+        """Whether there is a bound to be drawn, apart from the surface."""
+        off = np.linalg.norm(self.bound - self.own, axis=1)
+        return bool((off > 1e-3 * self.reach).any())
+
+
+def surface_of(env: Envelope) -> Surface:
+    """Raises InputError for directions that lie neither all around nor in a plane."""
+    if not len(env.grid.cells):
+        expected = "directions all around or in a plane, for a picture"
+        raise InputError("directions", expected, f"{len(env.factors)} that nothing joins")
+    reach, cut = _reach(env)
+    keys, number = keys_of(env.causes)
+    cells, key, corners = divided(env.grid.cells, number[env.cause])
+
+    def out(factors: Array, most: float) -> Array:
+        known = env.directions * np.minimum(factors, most)[:, None]
+        return np.concatenate([known, known[corners].mean(axis=1)])
+
+    far = _FAR * reach
+    points, own, bound = out(env.factors, reach), out(env.factors, far), out(env.bound, far)
+    return Surface(reach, cut, points, own, bound, cells, keys, key)
+
+
+def divided(cells: Ints, own: Ints) -> tuple[Ints, Ints, Ints]:
+    """Cells (k, c) divided where their corners, of kinds own (m,), differ, so that each part is of one kind: the cells,
+    their kinds, and (p, 6) which of the m corners each further point is the mean of.
+    """
+    kinds = own[cells]
+    mixed = (kinds != kinds[:, :1]).any(axis=1)
+    new, names = dict[tuple[int, ...], int](), list[tuple[int, ...]]()
+
+    def middle(*corners: int) -> int:
+        where = tuple(sorted(corners))
+        if where not in new:
+            new[where] = len(own) + len(new)
+            names.append(where)
+        return new[where]
+
+    parts = list[tuple[int, ...]]()
+    key = list[int]()
+    for cell in cells[mixed].tolist():
+        for part, kind in _parts(cell, own[cell].tolist(), middle):
+            parts.append(part)
+            key.append(kind)
+    every = np.concatenate([cells[~mixed], np.array(parts, dtype=np.int64).reshape(-1, cells.shape[1])])
+    corners = np.array([where * (6 // len(where)) for where in names], dtype=np.int64).reshape(-1, 6)
+    return every, np.append(kinds[~mixed, 0], np.array(key, dtype=np.int64)), corners
+
+
+def _parts(cell: list[int], kinds: list[int], middle: Any) -> list[tuple[tuple[int, ...], int]]:
+    """Of one cell with corners of several kinds: (corners, kind)."""
+    if len(cell) == 2:
+        (a, b), m = cell, middle(*cell)
+        return [((a, m), kinds[0]), ((m, b), kinds[1])]
+    while kinds[0] == kinds[1] or (kinds[0] == kinds[2]):  # turned until the first corner differs from the others
+        cell, kinds = [*cell[1:], cell[0]], [*kinds[1:], kinds[0]]
+    (a, b, c), (i, j, k) = cell, kinds
+    ab, ca = middle(a, b), middle(a, c)
+    if j == k:
+        return [((a, ab, ca), i), ((ab, b, c), j), ((ab, c, ca), j)]
+    bc, m = middle(b, c), middle(a, b, c)
+    return [((a, ab, m), i), ((a, m, ca), i), ((b, bc, m), j), ((b, m, ab), j), ((c, ca, m), k), ((c, m, bc), k)]
+
+
+def section(points: Array, cells: Ints, normal: Array) -> tuple[Array, Ints]:
+    """Where a surface of triangles (k, 3) is cut by a plane through the origin: segments (s, 2, 3), and the number of
+    the triangle of each (s,).
+    """
+    side = points @ normal
+    side = np.where(abs(side) < 1e-9 * abs(points).max(initial=1e-300), 1e-9, side)
+    high = side[cells] > 0.0
+    here = np.flatnonzero(high.any(axis=1) & ~high.all(axis=1))
+    own, high = cells[here], high[here]
+    alone = np.where(high.sum(axis=1) == 1, high.argmax(axis=1), (~high).argmax(axis=1))
+    row = np.arange(len(here))
+    a = own[row, alone]
+    ends = []
+    for k in (1, 2):
+        b = own[row, (alone + k) % 3]
+        share = side[a] / (side[a] - side[b])
+        ends.append(points[a] + share[:, None] * (points[b] - points[a]))
+    return np.stack(ends, axis=1), here
+
+
+def wires(s: Surface) -> Array:
+    """(s, 2, 3) lines on the bound, in nine planes through the origin, within the reach."""
+    normals = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1),
+                        (0, 1, -1)], dtype=float)  # fmt: skip
+    lines = np.concatenate([section(s.bound, s.cells, n)[0] for n in normals])
+    return np.asarray(lines[np.linalg.norm(lines, axis=2).max(axis=1) <= 1.001 * s.reach])
+
+
+def _reach(env: Envelope) -> tuple[float, bool]:
+    """How far the weaker half of the directions can still be seen well."""
+    finite = env.factors[np.isfinite(env.factors)]
+    if not len(finite) or not finite.max() > 0.0:
+        return 1.0, bool(np.isinf(env.factors).any())
+    order = np.argsort(env.factors, kind="stable")
+    below = np.cumsum(env.shares[order])
+    middle = env.factors[order][np.searchsorted(below, 0.5 * below[-1])]
+    most = _MANY * (middle if np.isfinite(middle) and middle > 0.0 else float(finite.max()))
+    largest = float(env.factors.max())
+    cut = largest > 1.15 * most
+    step = nice(most if cut else largest) / 5.0
+    return float(np.ceil((most if cut else largest) / step - 1e-9) * step), cut

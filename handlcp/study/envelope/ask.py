@@ -1,0 +1,54 @@
+"""The limits of one grasp along many directions, asked for in pieces so that one sees how far they have come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.batch.progress import Progress, told
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.directions import limits_of
+from handlcp.grasp.limits.result import Bind
+from handlcp.study.envelope.load import Load
+
+__all__ = ["Binds", "Question"]
+
+_PIECE = {"fixed": 4096, "followed": 8}  # directions that are asked for at once
+
+Binds = tuple[Bind, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is asked along every direction. section : of the friction cones. geometry, motion, turn, progress : as in
+    `envelope`.
+    """
+
+    load: Load
+    section: Section
+    geometry: str
+    motion: float | None
+    turn: float | None
+    progress: Progress
+
+    def wrenches(self, directions: Array, given: Array | None) -> Array:
+        """(m, 6) for a factor of 1. given : in place of those of the directions."""
+        return self.load.wrenches(directions) if given is None else given
+
+    def ask(self, directions: Array, given: Array | None) -> tuple[Array, tuple[Binds, ...]]:
+        """(m,) factors, and for each what binds; () where nothing does."""
+        wrenches, m = self.wrenches(directions, given), len(directions)
+        factors, binds = np.empty(m), list[Binds]([()] * m)
+        with told(self.progress, m) as done:
+            for spec, where in self.load.specs(directions):
+                every = np.flatnonzero(where)
+                for start in range(0, len(every), _PIECE[self.geometry]):
+                    here = every[start : start + _PIECE[self.geometry]]
+                    found = limits_of(spec, self.section, wrenches[here], self.geometry, self.motion, self.turn)
+                    factors[here] = found.factors
+                    for k, some in zip(here.tolist(), found.binds, strict=True):
+                        binds[k] = some
+                    done(len(here))
+        return factors, tuple(binds)

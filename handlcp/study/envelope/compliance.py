@@ -1,0 +1,46 @@
+"""What passive compliance gives away: the limits of loading beside those of friction and torques alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.verify.bound import bound_of
+from handlcp.study.envelope.ask import Question
+
+__all__ = ["Compliance", "bound_along"]
+
+
+@dataclass(frozen=True, slots=True)
+class Compliance:
+    """Factors as shares of the bound, over the directions in which the bound is finite and positive.
+
+    median, least : shares; NaN where there is no such direction. number : of the direction with the least share.
+    """
+
+    median: float
+    least: float
+    number: int
+
+    @classmethod
+    def of(cls, factors: Array, bound: Array, shares: Array) -> Self:
+        """Shares (m,) : what part of all directions each stands for."""
+        known = np.flatnonzero(np.isfinite(bound) & (bound > 0.0))
+        if not len(known):
+            return cls(np.nan, np.nan, 0)
+        kept = factors[known] / bound[known]
+        order = np.argsort(kept, kind="stable")
+        below = np.cumsum(shares[known][order])
+        middle = kept[order][np.searchsorted(below, 0.5 * below[-1])]
+        return cls(float(middle), float(kept[order[0]]), int(known[order[0]]))
+
+
+def bound_along(question: Question, directions: Array, given: Array | None) -> Array:
+    """(m,) the largest factors that any forces within friction and torque limits balance."""
+    wrenches, found = question.wrenches(directions, given), np.empty(len(directions))
+    for spec, where in question.load.specs(directions):
+        found[where] = bound_of(spec, question.section, wrenches[where]).factors
+    return found

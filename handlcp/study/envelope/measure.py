@@ -1,0 +1,104 @@
+"""How much a grasp holds in each direction: limits along many directions, more of them where the cause changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Ints, integer, number
+from handlcp.errors import InputError
+from handlcp.grasp import Grasp
+from handlcp.grasp.batch.progress import Progress
+from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.study.envelope.ask import Binds, Question
+from handlcp.study.envelope.directions import Asked, read_directions
+from handlcp.study.envelope.grid import Grid
+from handlcp.study.envelope.load import FORCE, WRENCH, Load, load_of
+from handlcp.study.envelope.result import Envelope
+
+__all__ = ["envelope"]
+
+_MORE = 2.0  # directions that are added at most, for each one that was asked for
+_ROUNDS = 2
+
+
+def envelope(
+    grasp: Grasp, directions: Any = 362, *, of: str = FORCE, at: Any = None, geometry: str = "fixed",
+    faces: int | str | Pyramid = "cone", adaptive: int = _ROUNDS, motion: float | None = None,
+    turn: float | None = None, progress: Progress = None,
+) -> Envelope:  # fmt: skip
+    """How much the grasp holds in each direction, and what gives out first: `grasp.load_limit` along all of them.
+
+    directions : an integer: at least so many all around, spread evenly, ±x, ±y and ±z among them. A plane "xy", "yz",
+        "xz" or its normal (3,), one every 5°; with a number, such as ("xy", 180). (m, 3) vectors, of which the
+        direction counts. (m, 6) wrenches about the grasp's reference, which the factors multiply. World axes.
+    of : "force": a force on the object, factors in N. "torque": a torque, in N·m. "gravity": the largest mass of the
+        object, in kg, where gravity points in this direction, seen from the hand; the mass that the object has is left
+        out, and its fingers' weight turns with gravity if the grasp counts it (`finger_weight=`). Forces and torques
+        come after the squeeze and the weight, in place of the grasp's other load.
+    at : (3,) where the force acts [m]; None: at the grasp's reference, the object's centre of mass unless said
+        otherwise.
+    geometry : "fixed": contact points and normals of this posture. "followed": hand and object move under the load, and
+        contacts are detected anew; about a hundred times slower.
+    faces : as in `Grasp.solve`. motion, turn : how far the object may move [m] and turn [rad] since the load began;
+        None: any distance.
+    adaptive : how many times the steps between directions with different causes are halved, with at most two
+        directions more for each that was asked for; 0: not at all. (m, 3) and (m, 6) stay as they are.
+    progress : True: a bar on stderr. A function: called with (done, total).
+
+    A direction in which nothing ever gives out has the factor infinity. Raises InputError; Unsupported for grasps that
+    cannot be followed.
+    """
+    if not isinstance(grasp, Grasp):
+        raise InputError("grasp", "a Grasp", repr(grasp)[:80])
+    if geometry not in ("fixed", "followed"):
+        raise InputError("geometry", '"fixed" or "followed"', repr(geometry)[:80])
+    far = None if motion is None else number("motion", motion, above=0.0)
+    wide = None if turn is None else number("turn", turn, above=0.0)
+    rounds = integer("adaptive", adaptive, 0, 12)
+    asked, load = _read(grasp, directions, of, at)
+    question = Question(load, as_section(faces, planar=grasp.scene.kind.planar), geometry, far, wide, progress)
+    grid, (factors, binds) = asked.grid, question.ask(asked.grid.points, asked.wrenches)
+    room = round(_MORE * len(grid.points))
+    for _ in range(rounds if asked.divides else 0):
+        cut = _between_causes(grid, binds)[:room]
+        if not len(cut):
+            break
+        grid, before = grid.halved(cut), len(grid.points)
+        more, why = question.ask(grid.points[before:], None)
+        factors, binds, room = np.append(factors, more), (*binds, *why), room - len(cut)
+    return Envelope(question, grid, asked.wrenches, factors, binds, asked.plane)
+
+
+def _read(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[Asked, Load]:
+    """Directions and load; in a planar scene, the directions in its plane. Raises InputError."""
+    asked, normal = read_directions(directions), grasp.spec.plane
+    if of == WRENCH or asked.wrenches is not None:
+        if asked.wrenches is None or of not in (FORCE, WRENCH):
+            raise InputError("of", '"force", "torque" or "gravity" for directions, none for wrenches', repr(of)[:80])
+        return asked, load_of(grasp, WRENCH, at)
+    load = load_of(grasp, of, at)
+    if normal is None:
+        return asked, load
+    if isinstance(directions, (int, np.integer)):
+        if of == "torque":
+            return read_directions([normal, -normal]), load
+        asked = read_directions((normal, max(int(directions), 3)))
+    points = asked.grid.points
+    off = np.cross(points, normal) if of == "torque" else points @ normal
+    if (abs(off) > 1e-9).any():
+        expected = "directions about the normal of a planar scene" if of == "torque" else "directions in its plane"
+        raise InputError("directions", expected, "a planar scene")
+    return asked, load
+
+
+def _between_causes(grid: Grid, binds: Sequence[Binds]) -> Ints:
+    """(c, 2) edges whose ends have different causes, the longest first."""
+    number = dict[frozenset[Any], int]()
+    own = np.array([number.setdefault(frozenset(b), len(number)) for b in binds])
+    edges = grid.edges
+    between = edges[own[edges[:, 0]] != own[edges[:, 1]]]
+    along = (grid.points[between[:, 0]] * grid.points[between[:, 1]]).sum(axis=1)
+    return np.asarray(between[np.argsort(np.round(along, 9), kind="stable")])

@@ -1,0 +1,118 @@
+"""An envelope as text: the weakest and the strongest direction, what gives out where, what compliance gives away."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.study.envelope.causes import NOTHING, said
+from handlcp.text_table import TextTable, wrapped
+
+__all__ = ["amount", "direction", "given_away", "headline", "printed"]
+
+_ROWS = 8  # causes of a table; the rest are one row
+_WHAT = {"force": "a force", "torque": "a torque", "gravity": "gravity", "wrench": "the load"}
+_AXES = ("x", "y", "z")
+
+
+def printed(env: Any) -> str:
+    """See `Envelope.__str__`."""
+    lines = [wrapped(line, "  ") for line in (_head(env), *_extremes(env), given_away(env)) if line]
+    return "\n".join([*lines, "", str(_table(env))])
+
+
+def headline(env: Any) -> str:
+    """One sentence: the weakest direction, and what gives out there."""
+    w = env.weakest
+    if np.isinf(w.factor):
+        return f"{NOTHING}, in no direction"
+    if w.factor == 0.0:
+        return f"the grasp does not hold without a load: {said(w.binds)}"
+    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}; weakest {_way(env, w.number)}: {said(w.binds)}"
+
+
+def amount(env: Any, factor: float) -> str:
+    """Such as "3.2 N", "0.41 kg (2.1 times the object's)", "1.3 times the wrench"."""
+    if np.isinf(factor):
+        return "any load"
+    if env.of == "force":
+        return words.force(factor)
+    if env.of == "torque":
+        return words.torque(factor)
+    if env.of == "gravity":
+        mass = env.question.load.mass
+        return f"{factor:.3g} kg" + (f" ({factor / mass:.3g} times the object’s)" if mass else "")
+    return f"{factor:.3g} times the wrench"
+
+
+def direction(d: Array) -> str:
+    """Such as "+x", "(0.71, 0, -0.71)"."""
+    k = int(abs(d).argmax())
+    if abs(d[k]) > 1.0 - 1e-9:
+        return f"{'+' if d[k] > 0 else '-'}{_AXES[k]}"
+    return "(" + ",\N{NO-BREAK SPACE}".join(f"{round(x, 2) + 0.0:g}" for x in d.tolist()) + ")"
+
+
+def _in_any(env: Any) -> str:
+    around = env.plane is None and len(env.triangles)
+    return " in every direction" if around else " in every direction of the plane" if env.plane is not None else ""
+
+
+def _way(env: Any, k: int) -> str:
+    """Such as "along +x"; of wrenches, which one."""
+    return f"with wrench {k + 1}" if env.of == "wrench" else f"along {direction(env.directions[k])}"
+
+
+def _head(env: Any) -> str:
+    """What was asked."""
+    load, m = env.question.load, len(env.factors)
+    geometry = "contacts of this posture" if env.question.geometry == "fixed" else "hand and object followed"
+    what = _WHAT[env.of]
+    if env.of == "force":
+        unit = words.length_unit(load.at.tolist())
+        what += " at (" + ", ".join(unit(x) for x in load.at.tolist()) + f") {unit.name}"
+    around = "in a plane" if env.plane is not None else "all around" if len(env.triangles) else ""
+    ways = "wrenches" if env.of == "wrench" else "directions"
+    return f"how much it holds: {what}, {m} {ways}{f' {around}' if around else ''}, {geometry}"
+
+
+def _extremes(env: Any) -> list[str]:
+    w, s = env.weakest, env.strongest
+    return [
+        f"weakest: {amount(env, w.factor)} {_way(env, w.number)}: {said(w.binds)}",
+        f"strongest: {amount(env, s.factor)} {_way(env, s.number)}: {said(s.binds)}",
+    ]
+
+
+def given_away(env: Any) -> str:
+    """What compliance costs."""
+    c = env.compliance
+    if np.isnan(c.median):
+        return ""
+    text = f"friction and torque limits alone would hold {amount(env, float(env.bound.min()))} in the weakest direction"
+    if c.least > 1.0 - 1e-6:
+        return f"{text}: compliance gives nothing away"
+    return (
+        f"{text}; with passive compliance it holds {words.percent(c.median)} of what they would in the median "
+        f"direction, {words.percent(c.least)} {_way(env, c.number)}"
+    )
+
+
+def _table(env: Any) -> TextTable:
+    """A row for each cause, the most frequent first."""
+    shown, rest = env.causes[:_ROWS], env.causes[_ROWS:]
+    if len(rest) == 1:
+        shown, rest = env.causes, ()
+    rows = [(c.says, words.percent(c.share), *_numbers(env, c.least, c.median)) for c in shown]
+    if rest:
+        least = min(c.least for c in rest)
+        rows.append((f"{len(rest)} more", words.percent(sum(c.share for c in rest)), *_numbers(env, least, np.nan)))
+    unit = f"\n{env.unit}" if env.unit else ""
+    return TextTable(("what gives out first", "directions", f"least{unit}", f"median{unit}"), tuple(rows), "<>>>")
+
+
+def _numbers(env: Any, *values: float) -> list[str]:
+    return ["any" if np.isinf(x) else "" if np.isnan(x) else f"{x:.3g}" for x in values]

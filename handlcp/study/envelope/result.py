@@ -1,0 +1,179 @@
+"""The envelope of a grasp: how much it holds in each direction, what gives out first, what compliance gives away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Ints, read_only
+from handlcp.grasp import Grasp
+from handlcp.grasp.answer.shown import Data
+from handlcp.lazy import lazy
+from handlcp.study.envelope.ask import Binds, Question
+from handlcp.study.envelope.causes import Cause, causes_of
+from handlcp.study.envelope.compliance import Compliance, bound_along
+from handlcp.study.envelope.grid import Grid
+from handlcp.study.envelope.printed import printed
+from handlcp.views import view
+
+__all__ = ["Envelope", "Extreme"]
+
+
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """One direction of an envelope: its number, the unit vector (3,) in world axes (zero for a wrench), the factor
+    [N, N·m, kg], and what binds.
+    """
+
+    number: int
+    direction: Array
+    factor: float
+    binds: Binds
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope(Data):
+    """How much a grasp holds in each of m directions; made by `envelope`.
+
+    factors : (m,) in `unit`, infinite where nothing gives out, 0 where the grasp does not even hold without a load.
+    binds : (m,) tuples of what gives out first, each with `kind` and `who`, as `LoadLimit.binds`; () for nothing.
+    """
+
+    question: Question
+    grid: Grid
+    given: Array | None
+    factors: Array
+    binds: tuple[Binds, ...]
+    plane: Array | None
+
+    def __post_init__(self) -> None:
+        """Read-only."""
+        read_only(self.factors)
+
+    @property
+    def of(self) -> str:
+        """What the object is loaded with: "force", "torque", "gravity", or "wrench" where wrenches were given."""
+        return self.question.load.of
+
+    @property
+    def unit(self) -> str:
+        """Of the factors: "N", "N·m", "kg"; "" for multiples of wrenches."""
+        return self.question.load.unit
+
+    @property
+    def grasp(self) -> Grasp:
+        """The one that is loaded; for gravity, without its object's weight."""
+        return self.question.load.grasp
+
+    @property
+    def directions(self) -> Array:
+        """(m, 3) unit vectors, world axes; those that were added where causes change come last. Zero for wrenches."""
+        return self.grid.points
+
+    @property
+    def triangles(self) -> Ints:
+        """(k, 3) numbers of the directions at the corners of triangles that cover the sphere, counterclockwise from
+        outside; (0, 3) where the directions do not lie all around.
+        """
+        cells = self.grid.cells
+        return cells if cells.shape[1] == 3 else np.zeros((0, 3), dtype=np.int64)
+
+    @lazy
+    def wrenches(self) -> Array:
+        """(m, 6) force and torque for a factor of 1, about the grasp's reference, world axes."""
+        return read_only(np.array(self.question.wrenches(self.directions, self.given)))
+
+    @lazy
+    def shares(self) -> Array:
+        """(m,) what part of all directions each stands for: by solid angle, or by angle in a plane. Their sum is 1."""
+        return read_only(self.grid.shares)
+
+    @lazy
+    def weakest(self) -> Extreme:
+        """The direction with the smallest factor."""
+        return self._at(int(np.argmin(self.factors)))
+
+    @lazy
+    def strongest(self) -> Extreme:
+        """The direction with the largest factor."""
+        return self._at(int(np.argmax(self.factors)))
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """What gives out first, the most frequent cause first: in words, on which share of the directions, and how
+        much is held there.
+        """
+        return self._causes[0]
+
+    @property
+    def cause(self) -> Ints:
+        """(m,) number in `causes` of what gives out first in each direction."""
+        return self._causes[1]
+
+    @property
+    def bound(self) -> Array:
+        """(m,) factors without compliance: as long as any forces within friction and torque limits balance the load,
+        whether or not these fingers create them. Computed when it is first asked for.
+        """
+        return self._bound
+
+    @property
+    def compliance(self) -> Compliance:
+        """What passive compliance gives away: the factors as shares of `bound`."""
+        return Compliance.of(self.factors, self.bound, self.shares)
+
+    @lazy
+    def _causes(self) -> tuple[tuple[Cause, ...], Ints]:
+        return causes_of(self.binds, self.factors, self.shares)
+
+    @lazy
+    def _bound(self) -> Array:
+        return read_only(bound_along(self.question, self.directions, self.given))
+
+    def _at(self, k: int) -> Extreme:
+        return Extreme(k, self.directions[k], float(self.factors[k]), self.binds[k])
+
+    def plot(self, path: Any = None, *, title: str = "") -> Any:
+        """The surface of the factors in space, coloured by what gives out first, the bound as lines around it; for
+        directions in a plane, their polar diagram. A matplotlib figure, or the file that it was written to.
+
+        path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format, and for
+        directions that lie neither all around nor in a plane; Unsupported without matplotlib.
+        """
+        return view("envelope_plot")(self, path, title)
+
+    def polar(self, path: Any = None, *, title: str = "") -> Any:
+        """Polar diagrams of the factors in the planes xy, yz and xz, or in the plane that was asked for: coloured by
+        what gives out first, the bound dashed. Returns and raises as `plot`.
+        """
+        return view("envelope_polar")(self, path, title)
+
+    def page(self, path: Any, *, title: str = "") -> Path:
+        """A page to turn the hand on, with the surface around it: one HTML file that needs no network. Returns the
+        file. Raises InputError for a file that cannot be written, or directions that do not lie all around; Unsupported
+        without trimesh.
+        """
+        written: Path = view("envelope_page")(self, path, title)
+        return written
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each direction: x, y, z, the factor and the bound with their unit, what binds,
+        and the share of all directions. Raises Unsupported without pandas.
+        """
+        return view("envelope_frame")(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The whole envelope as plain data: SI units in the key names, None for what is infinite."""
+        found: dict[str, Any] = view("envelope_dict")(self)
+        return found
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what prints."""
+        text: str = view("text_html")(self)
+        return text
+
+    def __str__(self) -> str:
+        return printed(self)
