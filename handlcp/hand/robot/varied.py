@@ -1,8 +1,7 @@
 """The grasp of a hand made again with another posture, or with links of other lengths.
 
 A link's length is where its end is: the placement of the next joint in the frame of the one before, or of a fingertip
-in the frame of the last joint. Its three coordinates are varied in Pinocchio's model; what the link carries moves
-along.
+in the frame of the last joint. Its three coordinates are varied in Pinocchio's model; what it carries moves along.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from copy import copy
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
@@ -47,6 +47,25 @@ def longer(hand: HandModel, k: int, step: float) -> HandModel:
     return made
 
 
+def _sprung(hand: HandModel, k: int, step: float) -> HandModel:
+    """With a spring more at joint k: C' = C - C e eᵀ C / (1/step + C_kk), written as the square of its root."""
+    made, springs, C = copy(hand), copy(hand.stiffness), hand.stiffness.compliance(np.eye(hand.nv))
+    if C[k, k] > 0.0:
+        less = (1.0 - 1.0 / np.sqrt(1.0 + step * C[k, k])) / C[k, k]
+        springs.root = read_only(springs.root - less * np.outer(C[:, k], springs.root[k]))
+    made.__dict__["stiffness"] = springs
+    return made
+
+
+def _stronger(hand: HandModel, k: int, step: float) -> HandModel:
+    """With a larger torque limit of joint k."""
+    made, limits = copy(hand), hand.torques.limits.copy()
+    limits[k] += step
+    made.__dict__["torques"] = replace(hand.torques, limits=read_only(limits))
+    made.__dict__["torque_limits"] = read_only(limits)
+    return made
+
+
 def varied(mechanism: Any, spec: GraspSpec, what: str, k: int, step: float) -> GraspSpec:
     """See `Mechanism.varied`, of a `HandMechanism`."""
     posture: Posture = mechanism.posture
@@ -54,13 +73,17 @@ def varied(mechanism: Any, spec: GraspSpec, what: str, k: int, step: float) -> G
     if what == "posture":
         q = q.copy()
         q[k] += step
+    elif what == "stiffness":
+        hand = _sprung(hand, k, step)
+    elif what == "torque_limits":
+        hand = _stronger(hand, k, step)
     else:
         hand = longer(hand, k, step)
     return in_posture(mechanism, spec, type(posture)(hand, read_only(q)))
 
 
 def in_posture(mechanism: Any, spec: GraspSpec, posture: Posture) -> GraspSpec:
-    """The grasp asked for in another posture; where it is not known what was asked, contacts and commands stay."""
+    """The grasp asked for again in another posture; where nobody knows what was asked, its contacts stay."""
     if hasattr(spec.asked, "state"):
         made: GraspSpec = replace(spec.asked, state=posture).spec()
         return made
