@@ -21,8 +21,8 @@ from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.grasp_matrix import wrench_map
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.by.vary import STEPS, moved
 from handlcp.grasp.sensitivity.change import Change, no_change
-from handlcp.grasp.sensitivity.vary import STEPS, moved
 
 __all__ = ["by_lengths", "by_moved_normals", "by_moved_positions", "by_posture"]
 

@@ -18,7 +18,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.sensitivity.vary import STEPS, shape_of, vary
+from handlcp.grasp.sensitivity.by.vary import STEPS, shape_of, vary
 
 __all__ = ["PathSensitivity"]
 
