@@ -35,7 +35,7 @@ from handlcp.hand.robot.audit.audit import doubt_reasons
 from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.posture import Posture
-from handlcp.hand.robot.varied import length_names, varied, with_contacts
+from handlcp.hand.robot.varied import Varied
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.torques import TorqueCheck, torque_check, torque_reasons
 from handlcp.lazy import lazy
@@ -44,7 +44,7 @@ __all__ = ["HandMechanism", "finger_flexibility", "mechanism_of"]
 
 
 @dataclass(frozen=True, eq=False)
-class HandMechanism(Mechanism):
+class HandMechanism(Varied, Mechanism):
     """A hand in a posture, as the mechanism of a grasp.
 
     posture : where the hand is. tips : numbers of the fingertips that take part, in the order of the contacts.
@@ -76,12 +76,6 @@ class HandMechanism(Mechanism):
         rows = [self.frames[i, :, 2] @ J[i] if i < len(self.tips) else still for i in contacts]
         return read_only(np.array(rows).reshape(len(contacts), len(still)))
 
-    def angular(self) -> Array:
-        """(n, 3, nv), zero for contacts of the environment."""
-        J = self.posture.turning(self.tips)
-        still = len(self.jacobian) // 3 - len(self.tips)
-        return read_only(np.concatenate([J, np.zeros((still, *J.shape[1:]))]) if still else J)
-
     def gives(self, spec: GraspSpec) -> bool:
         """Unless another flexibility was asked for."""
         return getattr(spec.asked, "flexibility", None) is None
@@ -89,16 +83,6 @@ class HandMechanism(Mechanism):
     def flexibility(self) -> Array:
         """(3k, 3k) of the fingers."""
         return finger_flexibility(self)
-
-    def varied(self, spec: GraspSpec, what: str, k: int, step: float) -> GraspSpec:
-        return varied(self, spec, what, k, step)
-
-    def replaced(self, spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
-        return with_contacts(self, spec, positions, frames)
-
-    @property
-    def lengths(self) -> tuple[str, ...]:
-        return length_names(self.posture.hand)
 
     def hessian(self) -> Array:
         """(3n, nv, nv), zero for contacts of the environment."""

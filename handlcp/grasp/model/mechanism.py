@@ -78,8 +78,8 @@ class Mechanism:
         return False
 
     def varied(self, spec: Any, what: str, k: int, step: float) -> Any:
-        """The grasp made again with its k-th "posture" [rad, m] or "lengths" [m] larger by a step, as it was asked for.
-        Contacts with an object are detected anew; those that were given stay.
+        """The grasp made again, as it was asked for, with the k-th "posture" [rad, m], "lengths" [m], "stiffness" or
+        "torque_limits" [N·m] larger by a step. Contacts with an object are detected anew; those that were given stay.
         """
         raise NotImplementedError
 

@@ -8,9 +8,9 @@ from typing import Any
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.by.parameters import PARAMETERS
 from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
-from handlcp.grasp.sensitivity.parameters import PARAMETERS
 from handlcp.grasp.sensitivity.quantities import QUANTITIES
 from handlcp.grasp.sensitivity.respond import Response
 from handlcp.tolerances import ACTIVE

@@ -44,7 +44,7 @@ def under_forces(spec: GraspSpec, forces: Array) -> GraspSpec | str:
         if isinstance(made, str):
             return made
         effects.append(made)
-    return spec.replace(effects=tuple(effects))
+    return spec.replace(effects=tuple(effects), asked=spec.asked)
 
 
 def solve_again(

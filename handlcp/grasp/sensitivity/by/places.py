@@ -3,7 +3,7 @@
     δv ≈ [v(p + h) - v(p - h)] / 2h,    forces, motion and contact states staying as they are
 
 The grasp is made again with each parameter a little larger and smaller, as it was asked for: contacts on an object are
-detected anew, a squeeze is commanded anew. What is differenced is smooth and costs no solve; with `STEP` the error is
+detected anew, a squeeze is commanded anew. What is differenced is smooth and costs no solve; with `STEPS` the error is
 about 1e-9 of the largest change. Geometric stiffness changes with the contacts in no closed form that is known here, so
 that beside it moved and turned contacts are differenced, too.
 """
@@ -14,18 +14,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.grasp_matrix import wrench_map
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.by.vary import STEPS, moved
 from handlcp.grasp.sensitivity.change import Change, no_change
 
 __all__ = ["by_lengths", "by_moved_normals", "by_moved_positions", "by_posture"]
-
-_TURN, _SHIFT = 1e-5, 3e-7  # [rad], [m]
 
 
 def by_posture(answer: Answer) -> Change:
@@ -34,7 +33,7 @@ def by_posture(answer: Answer) -> Change:
     if mechanism is None:
         return no_change(answer, 0)
     made = mechanism.varied
-    return _differences(answer, len(mechanism.names), _TURN, lambda k, h: made(answer.spec, "posture", k, h))
+    return _differences(answer, len(mechanism.names), STEPS["posture"], lambda k, h: made(answer.spec, "posture", k, h))
 
 
 def by_lengths(answer: Answer) -> Change:
@@ -43,39 +42,21 @@ def by_lengths(answer: Answer) -> Change:
     if mechanism is None:
         return no_change(answer, 0)
     made = mechanism.varied
-    return _differences(answer, 3 * len(mechanism.lengths), _SHIFT, lambda k, h: made(answer.spec, "lengths", k, h))
+    return _differences(
+        answer, 3 * len(mechanism.lengths), STEPS["lengths"], lambda k, h: made(answer.spec, "lengths", k, h)
+    )
 
 
 def by_moved_positions(answer: Answer) -> Change:
     """Of the contact points (n, 3), world axes [1/m]."""
     spec = answer.spec
-
-    def moved(k: int, h: float) -> GraspSpec:
-        positions = spec.positions.copy()
-        positions.reshape(-1)[k] += h
-        return _replaced(spec, positions, spec.frames)
-
-    return _differences(answer, 3 * spec.n, _SHIFT, moved)
+    return _differences(answer, 3 * spec.n, STEPS["positions"], lambda k, h: moved(spec, "positions", k, h))
 
 
 def by_moved_normals(answer: Answer) -> Change:
     """Of turns (n, 3) of the contact axes about themselves [1/rad]."""
     spec = answer.spec
-
-    def turned(k: int, h: float) -> GraspSpec:
-        frames, (i, a) = spec.frames.copy(), divmod(k, 3)
-        x, y = (a + 1) % 3, (a + 2) % 3
-        frames[i, :, x] = np.cos(h) * spec.frames[i, :, x] + np.sin(h) * spec.frames[i, :, y]
-        frames[i, :, y] = np.cos(h) * spec.frames[i, :, y] - np.sin(h) * spec.frames[i, :, x]
-        return _replaced(spec, spec.positions, frames)
-
-    return _differences(answer, 3 * spec.n, _TURN, turned)
-
-
-def _replaced(spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
-    assert spec.mechanism is not None  # geometric stiffness needs joints
-    found: GraspSpec = spec.mechanism.replaced(spec, read_only(positions), read_only(frames))
-    return found
+    return _differences(answer, 3 * spec.n, STEPS["normals"], lambda k, h: moved(spec, "normals", k, h))
 
 
 def _differences(answer: Answer, count: int, h: float, made: Callable[[int, float], GraspSpec]) -> Change:

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change
-from handlcp.grasp.sensitivity.of_contacts import by_normals, by_positions
-from handlcp.grasp.sensitivity.of_loads import (
+from handlcp.grasp.sensitivity.by.contacts import by_normals, by_positions
+from handlcp.grasp.sensitivity.by.loads import (
     by_friction,
     by_joint_offset,
     by_pads,
@@ -17,7 +16,8 @@ from handlcp.grasp.sensitivity.of_loads import (
     by_torque_limits,
     by_wrench,
 )  # fmt: skip
-from handlcp.grasp.sensitivity.of_places import by_lengths, by_moved_normals, by_moved_positions, by_posture
+from handlcp.grasp.sensitivity.by.places import by_lengths, by_moved_normals, by_moved_positions, by_posture
+from handlcp.grasp.sensitivity.change import Change
 
 __all__ = ["PARAMETERS", "Parameter"]
 

@@ -1,0 +1,126 @@
+"""Grasps that differ in one parameter, and differences of whole solves between them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+import handlcp as hl
+from handlcp.hand.hand_grasp import grasp_of
+from handlcp.hand.robot.varied import longer
+
+__all__ = ["STEPS", "differences", "misses", "quantities", "varied"]
+
+# Fourth-order differences over these leave about 1e-10 of truncation and of the solver's rounding
+STEPS = {
+    "wrench": 1e-4, "squeeze": 1e-6, "joint_offset": 1e-5, "stiffness": 1e-3, "pads": 1e-7, "friction": 1e-4,
+    "torque_limits": 1e-5, "positions": 1e-6, "normals": 1e-5, "posture": 3e-6, "lengths": 3e-7,
+}  # fmt: skip
+
+
+def varied(grasp, parameter, index, step):
+    """The grasp with one entry of a parameter larger by a step, made with none of the code that differentiates."""
+    spec, i = grasp.spec, index[0]
+    if parameter == "wrench":
+        load = np.eye(6)[i] * step
+        return grasp_of(spec.replace(wrench=spec.wrench + load, asked=spec.asked))
+    if parameter == "squeeze":
+        offset = spec.offset.copy()
+        offset[i, 2] -= step
+        return grasp_of(spec.replace(offset=offset, asked=spec.asked))
+    if parameter == "pads":
+        E = spec.flexibility.copy()
+        block = np.eye(3) * step
+        if spec.planar:
+            block[1, 1] = 0.0
+        E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += block
+        return grasp_of(spec.replace(flexibility=E, asked=spec.asked))
+    if parameter == "friction":
+        laws = [c.friction for c in spec.contacts]
+        laws[i] = laws[i].with_mu(laws[i].mu + step)
+        return grasp_of(spec.with_laws(tuple(laws)))
+    if parameter in ("positions", "normals"):
+        return _contacts(spec, parameter, *index, step)
+    if parameter == "joint_offset":
+        return grasp.replace(joint_offset=grasp.joint_offset + np.eye(grasp.state.hand.nv)[i] * step)
+    hand, q = grasp.state.hand, grasp.state.q.copy()
+    if parameter == "stiffness":
+        K = np.array(hand.joint_stiffness)
+        K[i, i] += step
+        hand = hand.replace(joint_stiffness=K)
+    elif parameter == "torque_limits":
+        limits = np.array(hand.torque_limits)
+        limits[i] += step
+        hand = hand.replace(torque_limits=limits)
+    elif parameter == "lengths":
+        hand = longer(hand, 3 * i + index[1], step)
+    else:
+        q[i] += step
+    return grasp_of(replace(spec.asked, state=hand.at(q)).spec())
+
+
+def _contacts(spec, parameter, i, axis, step):
+    positions, frames = spec.positions.copy(), spec.frames.copy()
+    if parameter == "positions":
+        positions[i, axis] += step
+    else:
+        frames[i] = frames[i] @ pin.exp3(np.eye(3)[axis] * step)
+    if spec.mechanism is not None:
+        return grasp_of(spec.mechanism.replaced(spec, positions, frames))
+    contacts = [
+        hl.Contact(p, R[:, 2], c.friction, tangent=R[:, 0])
+        for p, R, c in zip(positions, frames, spec.contacts, strict=True)
+    ]
+    return grasp_of(replace(hl.Grasp(contacts).spec, wrench=spec.wrench, reference=spec.reference,
+                            flexibility=spec.flexibility, offset=spec.offset, effects=spec.effects))  # fmt: skip
+
+
+def quantities(solution):
+    """What a solution says of each quantity."""
+    found = {
+        "forces": solution.forces, "slip": solution.slip, "gap": solution.gap,
+        "displacement": solution.object_displacement, "friction_margin": solution.friction_margin,
+    }  # fmt: skip
+    if solution.torsion is not None:
+        found["torsion"] = solution.torsion
+    if hasattr(solution, "torques"):
+        found["torques"] = solution.torques
+        margin = solution.torque_margin
+        found["torque_margin"] = np.where(np.isfinite(margin), margin, np.nan)
+    return found
+
+
+def differences(grasp, solution, faces, parameter, index):
+    """Fourth-order central differences of whole solves."""
+    h = STEPS[parameter]
+
+    def at(step):
+        return quantities(varied(grasp, parameter, index, step).solve(faces, start=solution))
+
+    a, b, c, d = at(h), at(-h), at(2 * h), at(-2 * h)
+    return {name: (8 * (a[name] - b[name]) - (c[name] - d[name])) / (12 * h) for name in a}
+
+
+_ALIKE = (("forces", "friction_margin"), ("slip", "gap", "displacement"), ("torques", "torque_margin"), ("torsion",))
+_ROUNDING = 1e-12  # of a quantity: what a solve is off by
+
+
+def misses(grasp, solution, faces, parameter, index):
+    """By quantity, how far its derivative is from differences, as a share of the largest entry of this parameter among
+    quantities of a kind, rounding of the differences left out; inf where one of the two is no number.
+    """
+    found, s, values = {}, solution.sensitivity(), quantities(solution)
+    truths = differences(grasp, solution, faces, parameter, index)
+    size = {name: np.nanmax(abs(s.of(name, parameter)), initial=0.0) for name in truths}
+    for name, truth in truths.items():
+        one = s.of(name, parameter)[(..., *index)]
+        known, alike = np.isfinite(truth) & np.isfinite(one), next(group for group in _ALIKE if name in group)
+        largest = max(size.get(other, 0.0) for other in alike)
+        rounding = _ROUNDING * max(np.nanmax(abs(values[other]), initial=0.0) for other in alike if other in values)
+        missed = abs(np.where(known, one - truth, 0.0)).max(initial=0.0) - rounding / STEPS[parameter]
+        found[name] = max(missed, 0.0) / largest if largest > 0.0 else max(missed, 0.0)
+        if (np.isfinite(truth) != np.isfinite(one)).any():
+            found[name] = np.inf
+    return found
