@@ -11,13 +11,14 @@ from handlcp.cli.solve import solve  # isort: skip  commands are listed in this 
 from handlcp.cli.follow import follow  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
+from handlcp.cli.reliability import reliability  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
 from handlcp.cli.gallery import gallery  # isort: skip
 from handlcp.cli.warm import warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "follow", "gallery", "hands", "keys", "main", "paper", "solve",
-    "warm",
+    "accuracy", "app", "audit", "compare", "effects", "follow", "gallery", "hands", "keys", "main", "paper",
+    "reliability", "solve", "warm",
 ]  # fmt: skip
 
 

@@ -13,10 +13,11 @@ from handlcp.show.frame import data_frame, solution_frame
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
 from handlcp.study.plain import json_text
+from handlcp.study.reliability import Reliability
 
 __all__ = [
-    "data_frame", "html", "loading_dict", "loading_page", "loading_plot", "page", "plot", "solution_frame",
-    "table_html", "text_html", "to_dict", "to_json",
+    "data_frame", "html", "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot",
+    "solution_frame", "table_html", "text_html", "to_dict", "to_json",
 ]  # fmt: skip
 
 
@@ -59,6 +60,13 @@ def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", 
     from handlcp.show.page.document import save_loading
 
     return save_loading(loading, path, title, obj, verdict)
+
+
+def reliability_plot(found: Reliability, path: Any = None, title: str = "") -> Any:
+    """See `Reliability.plot`."""
+    from handlcp.show.reliability import draw, save
+
+    return draw(found, title) if path is None else save(found, path, title)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:
