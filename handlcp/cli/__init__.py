@@ -9,7 +9,9 @@ from handlcp.cli.streams import lost, open_streams
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
 from handlcp.cli.follow import follow  # isort: skip
+from handlcp.cli.envelope import envelope  # isort: skip
 from handlcp.cli.motors import motors  # isort: skip
+from handlcp.cli.reliability import reliability  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
@@ -18,8 +20,7 @@ from handlcp.cli.warm import warm  # isort: skip
 
 __all__ = [
     "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "main",
-    "motors", "paper",
-    "solve", "warm",
+    "motors", "paper", "reliability", "solve", "warm",
 ]  # fmt: skip
 
 

@@ -15,11 +15,12 @@ from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
 from handlcp.study.envelope import Envelope
 from handlcp.study.plain import json_text
+from handlcp.study.reliability import Reliability
 
 __all__ = [
     "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
-    "loading_dict", "loading_page", "loading_plot", "page", "plot", "solution_frame",
-    "table_html", "text_html", "to_dict", "to_json",
+    "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot", "solution_frame", "table_html",
+    "text_html", "to_dict", "to_json",
 ]  # fmt: skip
 
 DPI = 160  # dots an inch
@@ -106,6 +107,13 @@ def _drawn(figure: Callable[[Any, str], Any], answer: Any, path: Any, title: str
         return figure(answer, title)
     file = checked(path)
     return write(figure(answer, title), file, DPI)
+
+
+def reliability_plot(found: Reliability, path: Any = None, title: str = "") -> Any:
+    """See `Reliability.plot`."""
+    from handlcp.show.reliability import draw, save
+
+    return draw(found, title) if path is None else save(found, path, title)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

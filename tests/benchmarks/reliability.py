@@ -59,8 +59,8 @@ def speed(console: Any, samples: int) -> None:
     table = plain_table(
         f"hl.reliability, {samples:,} samples, placing included [s]", "grasp", "varies", "values", "held", "1 core",
         "2 cores", "processor", "bare", "ratio",
-        caption="processor: its own seconds on one core. bare: those of solve_many on the same grasps, made before; "
-        "the ratio of both.",
+        caption="processor: its own seconds on one core. bare: those of solve_many on the same grasps, made before. "
+        "ratio: of both.",
     )  # fmt: skip
     for case, make in CASES.items():
         grasp = make()

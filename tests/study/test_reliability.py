@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 import handlcp as hl
-from tests.support.reliability import blocks_of, chance, chance_in_two_looks, percent, steps_of
+from tests.support.reliability import blocks_of, chance, chance_in_two_looks, steps_of
 
 C, SQUEEZE = 1e-3, 5e-3  # m/N, m: two fingers press with 5 N
 
@@ -120,10 +120,19 @@ def test_samples_that_stand_for_others_widen_the_interval_and_it_still_covers(ru
 
 
 @pytest.mark.parametrize(
-    ("share", "text"), [(0.0, "0 %"), (1.0, "100 %"), (0.5, "50.0 %"), (0.99964, "99.964 %"), (0.0012, "0.12 %")]
-)
-def test_a_chance_prints_with_the_digits_that_count(share, text):
-    assert percent(share) == text
+    ("chance", "text"),
+    [
+        ((0.9951, 0.9907, 0.99957), "99.51 % (95 % interval 99.07 to 99.96 %)"),
+        ((1.0, 0.99964, 1.0), "100 % (95 % interval 99.964 to 100 %)"),
+        ((0.0, 0.0, 0.05), "0 % (95 % interval 0 to 5.0 %)"),
+        ((0.9997, 0.95, 1.0), "99.9 % (95 % interval 95.0 to 100 %)"),
+        ((0.5, 0.48, 0.53), "50.0 % (95 % interval 48.0 to 53.0 %)"),
+    ],
+)  # fmt: skip
+def test_a_chance_prints_with_the_digits_that_its_interval_is_sure_of(chance, text):
+    found = hl.Chance(*chance, 0.95)
+    assert str(found) == text
+    assert float(found) == chance[0]
 
 
 # ---------------------------------------------------------------- the same again

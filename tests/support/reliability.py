@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.study.reliability.interval import Chance, chance_of, percent
+from handlcp.study.reliability.interval import Chance, chance_of
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.points import Blocks, blocks_of
 from handlcp.study.reliability.spread import read_spread
 
-__all__ = ["Blocks", "blocks_of", "chance", "chance_in_two_looks", "grasp_with", "percent", "steps_of"]
+__all__ = ["Blocks", "blocks_of", "chance", "chance_in_two_looks", "grasp_with", "steps_of"]
 
 
 def chance(good: Any, blocks: Blocks, level: float = 0.95) -> Chance:

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from handlcp import words
 from handlcp.check import Array
 
-__all__ = ["Influence", "influences"]
+__all__ = ["Influence", "influences", "value_with"]
 
 _PIECES = 8, 32  # that the values are cut into, least and most
 _EACH = 64  # samples of a piece, about
@@ -41,6 +42,18 @@ class Influence:
     share: float
     slope: float
     linear: float
+
+    @property
+    def said(self) -> str:
+        """The standard deviation with its unit, such as "± 10 %", "± 1 mm", "± 0.57°"."""
+        return f"± {words.percent(self.sd) if self.unit == '×' else value_with(self.sd, self.unit)}"
+
+
+def value_with(x: float, unit: str) -> str:
+    """A number with its unit; factors as such."""
+    if unit == "m":
+        return words.length(x)
+    return words.angle(x) if unit == "rad" else f"× {x:.3g}" if unit == "×" else f"{x:.3g} {unit}".rstrip()
 
 
 def influences(names: list[tuple[str, str, float]], points: Array, margin: Array, slopes: Array) -> list[Influence]:

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from handlcp import words
 from handlcp.check import Array, Bools, Ints
 
 __all__ = ["Chance", "chance_of", "percent"]
@@ -38,8 +37,11 @@ class Chance:
         return self.value
 
     def __str__(self) -> str:
-        where = f"{100 * self.confidence:.4g} % interval {percent(self.low)} to {percent(self.high)}"
-        return f"{percent(self.value)} ({where})"
+        """In percent, with as many digits as the interval is sure of."""
+        width = 100 * (self.high - self.low)
+        digits = min(max(1 - math.floor(math.log10(width)), 1), 6) if width > 0.0 else 1
+        value, low, high = (percent(x, digits) for x in (self.value, self.low, self.high))
+        return f"{value} % ({100 * self.confidence:.4g} % interval {low} to {high} %)"
 
 
 def chance_of(good: Bools, left: Bools, open_: Bools, again: tuple[Bools, Bools], size: int, level: float) -> Chance:
@@ -82,10 +84,12 @@ def _by_block(values: Array | Ints, size: int) -> Array:
     return np.asarray(np.asarray(values, dtype=float).reshape(-1, size).mean(axis=1))
 
 
-def percent(share: float) -> str:
-    """With digits enough to tell how far from 0 and 1 it is."""
-    if not math.isfinite(share) or share in (0.0, 1.0):
-        return words.percent(share)
-    away = min(share, 1.0 - share)
-    digits = 1 if away >= 0.0095 else min(1 - math.floor(math.log10(100 * away)), 6) if away > 0.0 else 1
-    return f"{100 * share:.{digits}f} %"
+def percent(share: float, digits: int) -> str:
+    """Without its sign; 0 and 100 are said of nothing else."""
+    if share in (0.0, 1.0):
+        return f"{100 * share:.0f}"
+    text = f"{100 * share:.{digits}f}"
+    least = 0.1**digits
+    return (
+        f"{least:.{digits}f}" if float(text) == 0.0 else f"{100 - least:.{digits}f}" if float(text) == 100.0 else text
+    )

@@ -16,7 +16,7 @@ from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.grasp import Grasp
 from handlcp.study.plain import plain
-from handlcp.study.reliability.influence import Influence
+from handlcp.study.reliability.influence import Influence, value_with
 from handlcp.study.reliability.interval import Chance
 from handlcp.study.reliability.outcome import WORDS, Outcomes
 from handlcp.study.reliability.place import Placer
@@ -196,7 +196,7 @@ class Reliability(Data):
         """What matters most, from the samples and from the derivatives."""
         heads = ("what varies", "by", "samples:\nshare", "rank\ncorr.", "derivative:\nshare", "margin\nper sd")
         rows = [
-            (f.name, _sd(f), _share(f.share), _signed(f.rank, 2), _share(f.linear), _signed(f.slope, 3))
+            (f.name, f.said, _share(f.share), _signed(f.rank, 2), _share(f.linear), _signed(f.slope, 3))
             for f in self.influences[:_ROWS]
         ]
         return TextTable(heads, tuple(rows), "<>>>>>")
@@ -227,19 +227,8 @@ class Reliability(Data):
         """A sample with the values that matter most."""
         units = {d.name: d.unit for d in self.placer.dimensions}
         first = [f.name for f in self.influences[:4]]
-        values = ", ".join([f"{name} {_value(sample.values[name], units[name])}" for name in first])
+        values = ", ".join([f"{name} {value_with(sample.values[name], units[name])}" for name in first])
         return f"sample {sample.number} ({values}): {sample.word}: {sample.cause}"
-
-
-def _value(x: float, unit: str) -> str:
-    """A number with its unit; factors as such."""
-    if unit == "m":
-        return words.length(x)
-    return words.angle(x) if unit == "rad" else f"× {x:.3g}" if unit == "×" else f"{x:.3g} {unit}".rstrip()
-
-
-def _sd(f: Influence) -> str:
-    return f"± {words.percent(f.sd) if f.unit == '×' else _value(f.sd, f.unit)}"
 
 
 def _share(x: float) -> str:

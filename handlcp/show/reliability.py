@@ -1,0 +1,108 @@
+"""The figure of a reliability: the margins of all samples, and what matters most."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+import numpy as np
+
+from handlcp.show.axes import SMALL, TEXT, number_ticks, panel, say
+from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, shortened
+from handlcp.study.reliability import Reliability
+
+__all__ = ["draw", "save"]
+
+WIDTH, HEIGHT, DPI = 10.0, 4.6, 160  # inches, dots an inch
+ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
+ROWS = 8  # of what matters most
+LETTERS = 26  # of a name
+BINS = 40
+
+
+def save(found: Reliability, path: Any, title: str = "") -> Any:
+    """Draw and write a file. Raises InputError for an unknown format or a folder that does not exist."""
+    file = checked(path)
+    return write(draw(found, title), file, DPI)
+
+
+def draw(found: Reliability, title: str = "") -> Figure:
+    """Left, how many samples have which margin, and how many nothing holds. Right, the values that vary, with the share
+    of the margin's variance that each explains, by the samples and by the derivatives. Raises Unsupported without
+    matplotlib.
+    """
+    figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
+    if title:
+        figure.text(0.012, 0.975, textwrap.shorten(title, 95, placeholder=" …"), color=INK, **BOLD)
+    said = [f"Holds: {found.chance_held}"]
+    if found.chance_within_limits is not None:
+        said.append(f"within torque limits: {found.chance_within_limits}")
+    figure.text(0.012, 0.895 if title else 0.975, "; ".join(said) + ".", fontsize=TEXT, color=INK, va="top")
+    tall = 0.62 if title else 0.70
+    _margins(figure.add_axes((0.07, 0.13, 0.37, tall)), found)
+    _influences(figure.add_axes((0.69, 0.13, 0.29, tall)), found)
+    return figure
+
+
+def _margins(ax: Any, found: Reliability) -> None:
+    """The histogram; samples without an answer are a bar of their own, left of all others."""
+    panel(ax, f"{found.samples:,} samples", "margin: friction and torque that are left [%]", "share of samples [%]")
+    margin = 100 * found.margin[np.isfinite(found.margin)]
+    lost = 100 * (1.0 - len(margin) / found.samples)
+    edges = _edges(margin)
+    low, width = float(edges[0]), float(edges[1] - edges[0])
+    counts = 100 * np.histogram(margin, edges)[0] / found.samples
+    colours = [BLUE if edge >= -1e-9 else RED for edge in edges[:-1]]
+    ax.bar(edges[:-1], counts, width, align="edge", color=colours, edgecolor="white", linewidth=0.4)
+    top, end = max(float(counts.max(initial=0.0)), lost), low
+    if lost > 0.0:
+        end = low - 8.0 * width
+        ax.bar([low - 4.0 * width], [lost], 2.0 * width, color=RED)
+        style = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": RED}
+        ax.text(low - 4.0 * width, lost + 0.02 * top, f"not held\n{lost:.2g} %", **style)
+    if low < 0.0:
+        ax.axvline(0.0, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
+        ax.text(-0.5 * width, 1.2 * top, "over a limit", ha="right", va="top", fontsize=SMALL, color=RED)
+    ax.set_xlim(end, edges[-1] + width)
+    ax.set_ylim(0.0, 1.22 * top)
+    number_ticks(ax.xaxis, [x for x in ax.get_xticks() if low <= x <= edges[-1]])  # what is not held has no margin
+
+
+def _edges(margin: Any) -> Any:
+    """Of bins as wide as each other, one of which begins at 0, where some margins are below it."""
+    low, high = (float(margin.min()), float(margin.max())) if len(margin) else (0.0, 100.0)
+    low = 0.0 if 0.0 <= low < 25.0 else low
+    high = max(high, low + 1.0, 1.0 if low < 0.0 else low)
+    width = (high - low) / BINS
+    first = np.floor(low / width) if low < 0.0 < high else low / width
+    return (first + np.arange(BINS + 2)) * width
+
+
+def _influences(ax: Any, found: Reliability) -> None:
+    """Two bars for each value that varies, those that matter most on top."""
+    rows = found.influences[:ROWS]
+    left = f", {ROWS} of {len(found.influences)}" if len(found.influences) > ROWS else ""
+    panel(ax, f"What matters most{left}", "share of the margin's variance [%]", "")
+    if not any(np.isfinite(f.share) or np.isfinite(f.linear) for f in rows):
+        ax.set_yticks([])
+        say(ax, "all samples are alike")
+        return
+    y = np.arange(len(rows))[::-1]
+    for values, away, colour in (([f.share for f in rows], 0.2, BLUE), ([f.linear for f in rows], -0.2, ORANGE)):
+        ax.barh(y + away, 100 * np.nan_to_num(values), 0.36, color=colour)
+    names = shortened([f.name for f in rows], LETTERS)
+    ax.set_yticks(y, [f"{name}\n{spread}" for name, spread in zip(names, [f.said for f in rows], strict=True)])
+    ax.grid(visible=False, axis="y")
+    ax.set_ylim(-0.6, len(rows) - 0.4)
+    ax.set_xlim(0.0, None)
+    for k, (name, colour) in enumerate((("by the samples", BLUE), ("by derivatives at the middle", ORANGE))):
+        ax.text(
+            0.98, 0.03 + 0.075 * (1 - k), name, transform=ax.transAxes, ha="right", fontsize=SMALL, color=_dark(colour)
+        )
+    ax.tick_params(axis="y", colors=GREY)
+
+
+def _dark(colour: str) -> str:
+    """Dark enough for text."""
+    return "#A86F00" if colour == ORANGE else colour
