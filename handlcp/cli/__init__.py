@@ -9,6 +9,7 @@ from handlcp.cli.streams import lost, open_streams
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
 from handlcp.cli.follow import follow  # isort: skip
+from handlcp.cli.limits import limits  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
@@ -16,8 +17,8 @@ from handlcp.cli.gallery import gallery  # isort: skip
 from handlcp.cli.warm import warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "follow", "gallery", "hands", "keys", "main", "paper", "solve",
-    "warm",
+    "accuracy", "app", "audit", "compare", "effects", "follow", "gallery", "hands", "keys", "limits", "main", "paper",
+    "solve", "warm",
 ]  # fmt: skip
 
 
