@@ -12,6 +12,7 @@ from handlcp.cli.follow import follow  # isort: skip
 from handlcp.cli.envelope import envelope  # isort: skip
 from handlcp.cli.motors import motors  # isort: skip
 from handlcp.cli.reliability import reliability  # isort: skip
+from handlcp.cli.limits import limits  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
@@ -19,8 +20,8 @@ from handlcp.cli.gallery import gallery  # isort: skip
 from handlcp.cli.warm import warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "main",
-    "motors", "paper", "reliability", "solve", "warm",
+    "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "limits",
+    "main", "motors", "paper", "reliability", "solve", "warm",
 ]  # fmt: skip
 
 

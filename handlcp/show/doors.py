@@ -8,6 +8,7 @@ from typing import Any
 
 from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
+from handlcp.grasp.limits.result import LoadLimit
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.file import checked, write
 from handlcp.show.frame import data_frame, solution_frame
@@ -19,8 +20,8 @@ from handlcp.study.reliability import Reliability
 
 __all__ = [
     "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
-    "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot", "solution_frame", "table_html",
-    "text_html", "to_dict", "to_json",
+    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot", "solution_frame",
+    "table_html", "text_html", "to_dict", "to_json",
 ]  # fmt: skip
 
 DPI = 160  # dots an inch
@@ -57,6 +58,13 @@ def loading_plot(loading: Loading, path: Any = None, title: str = "") -> Any:
     from handlcp.show.loading import figure, save
 
     return figure(loading, title) if path is None else save(loading, path, title)
+
+
+def limit_plot(limit: LoadLimit, path: Any = None, title: str = "") -> Any:
+    """See `LoadLimit.plot`."""
+    from handlcp.show.limit import figure, save
+
+    return figure(limit, title) if path is None else save(limit, path, title)
 
 
 def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:

@@ -3,6 +3,8 @@
 `python -m tests.mujoco --truth [word ...]` asks whether MuJoCo says the same twice as slowly, and with half the time
 step: how far its forces, and the load at which it loses the object, change.
 
+`python -m tests.mujoco limits [word ...]` compares load limits: see `tests.mujoco.limits`.
+
 HANDLCP_KERNELS=compiled is set, as in the tests: the times are those of compiled kernels.
 """
 
@@ -18,6 +20,7 @@ import numpy as np
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
 from handlcp.simulator import SimulatorSettings, simulate
+from tests.mujoco import limits as load_limits
 from tests.mujoco.case import limit_error, misses
 from tests.mujoco.cases import CASES
 
@@ -99,4 +102,6 @@ def main(words):
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--truth"]:
         sys.exit(truth(sys.argv[2:]))
+    if sys.argv[1:2] == ["limits"]:
+        sys.exit(1 if load_limits.main(sys.argv[2:]) else 0)
     sys.exit(1 if main(sys.argv[1:]) else 0)

@@ -1,18 +1,35 @@
-"""The axis that all panels share: stages side by side, each from 0 to 100 %."""
+"""The axis that all panels share: stages side by side, each from 0 to 100 %; and what any such axis has."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 from handlcp.check import Array
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show.axes import SMALL, TEXT
 from handlcp.show.style import INK
 
-__all__ = ["StageAxis"]
+__all__ = ["Axis", "StageAxis"]
 
 _CROWDED = 5  # stages from which on only their ends have a tick
 _QUARTERS = 2  # stages up to which every quarter has one
+
+
+class Axis(Protocol):
+    """What panels need of the axis along x. at (m,) : places of the points of all curves. lost : where the path ends
+    before the axis does, None where it does not; called : how that is marked.
+    """
+
+    at: Array
+    lost: float | None
+    called: str
+
+    @property
+    def end(self) -> float:
+        """Of the axis, which begins at 0."""
+
+    def ticks(self, ax: Any, named: bool) -> None:
+        """Ticks along x, with their names below them if asked for."""
 
 
 class StageAxis:
@@ -25,6 +42,7 @@ class StageAxis:
         self.at: Array = loading.steps.stage + loading.steps.share
         lost = [e.number + e.share for e in loading.events if e.kind == "lost"]
         self.lost: float | None = lost[0] if lost else None
+        self.called = "lost"
 
     @property
     def end(self) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.show.axes import TEXT
 from handlcp.show.axes import panel as frame
-from handlcp.show.loading.axis import StageAxis
+from handlcp.show.loading.axis import Axis
 from handlcp.show.loading.series import Curve, Panel
 from handlcp.show.style import INK, spread
 
@@ -22,7 +22,7 @@ ROW = 0.165  # inches of a line of a name
 ASIDE = 0.12  # inches from the panel to the names
 
 
-def draw_panel(ax: Any, axis: StageAxis, panel: Panel, last: bool) -> None:
+def draw_panel(ax: Any, axis: Axis, panel: Panel, last: bool) -> None:
     """Curves, limit, names. last : whether it is the lowest one, which names the stages."""
     frame(ax, panel.title, "", "")
     axis.ticks(ax, last)
@@ -81,7 +81,7 @@ def _same(a: Array, b: Array, near: float) -> bool:
     return bool((np.isfinite(a) == np.isfinite(b)).all() and (abs(a - b)[both] <= near).all())
 
 
-def _write(ax: Any, axis: StageAxis, labels: list[Label]) -> None:
+def _write(ax: Any, axis: Axis, labels: list[Label]) -> None:
     """Names at the right edge, as near to the ends of their curves as there is room, each with a line to there."""
     box, dpi = ax.get_window_extent(), ax.figure.dpi
     texts = [textwrap.fill(name, LETTERS, break_long_words=False) for _, name, _ in labels]

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from handlcp.grasp.loading.events import summary
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.loading.axis import StageAxis
+from handlcp.show.loading.axis import Axis, StageAxis
 from handlcp.show.loading.curves import draw_panel
 from handlcp.show.loading.head import headline
-from handlcp.show.loading.marks import Marks
-from handlcp.show.loading.series import panels
+from handlcp.show.loading.marks import Mark, Marks
+from handlcp.show.loading.series import Panel, panels
 
-__all__ = ["figure", "save"]
+__all__ = ["DPI", "compose", "figure", "save"]
 
 WIDTH, DPI = 10.0, 160  # inches, dots an inch
 LEFT, ACROSS = 0.068, 0.70  # of the width: where panels begin, and how wide they are
@@ -37,13 +38,19 @@ def figure(loading: Loading, title: str = "") -> Figure:
     object is shaded.
     """
     axis, shown = StageAxis(loading), panels(loading)
-    marks = Marks(axis, summary(loading.events, loading.steps.grasp.spec))
+    told = summary(loading.events, loading.steps.grasp.spec)
+    marks = Marks(axis, [Mark(s.number + s.share, s.where, s.sentence, s.kind) for s in told])
+    return compose(axis, shown, marks, lambda drawn: headline(drawn, loading, title))
+
+
+def compose(axis: Axis, shown: Sequence[Panel], marks: Marks, head: Callable[[Figure], float]) -> Figure:
+    """Panels one below the other under a head, which says where it ends, in inches; and the list of the marks."""
     # The height follows from the words, whose size is known once they are written
     draft = new_figure(figsize=(WIDTH, 8.0), dpi=100)
-    above = headline(draft, loading, title) + ABOVE + marks.head
+    above = head(draft) + ABOVE + marks.head
     inches = above + len(shown) * (TALL + BETWEEN) - BETWEEN + BELOW + marks.height
     drawn = new_figure(figsize=(WIDTH, inches), dpi=100)
-    headline(drawn, loading, title)
+    head(drawn)
     for k, panel in enumerate(shown):
         bottom = 1.0 - (above + TALL) / inches
         ax = drawn.add_axes((LEFT, bottom, ACROSS, TALL / inches))

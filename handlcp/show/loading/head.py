@@ -7,7 +7,7 @@ from typing import Any
 from handlcp.grasp.loading.follow import Loading
 from handlcp.show.style import BOLD, INK, title_lines, width, wrapped
 
-__all__ = ["LINE", "headline"]
+__all__ = ["LINE", "headline", "outcome"]
 
 LINE, TITLE = 0.215, 0.36  # inches from a line of the sentence to the next, and from the title to it
 _SIZE = 10.5  # points
@@ -17,15 +17,21 @@ _ACROSS, _LETTERS = 0.944, 150
 
 def headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
     """Title, "REACHED" or "LOST", and why; returns where that ends, in inches below the top. below : a further line."""
+    sentence = f"{loading.why.removeprefix('reached ').removeprefix('lost ')}."
+    return outcome(figure, title, "REACHED" if loading.reached else "LOST", sentence, loading.reached, below)
+
+
+def outcome(figure: Any, title: str, head: str, sentence: str, good: bool, below: str = "") -> float:
+    """Title, a word and the sentence that it begins; returns where that ends, in inches below the top."""
     inches, left, y = float(figure.get_size_inches()[1]), 0.018, 0.17
     for line in title_lines(figure, title):
         figure.text(left, 1.0 - y / inches, line, color=INK, **BOLD)
         y += 0.30
     y += TITLE - 0.30 if title else 0.0
-    word, colour = ("REACHED:", _GOOD) if loading.reached else ("LOST:", _BAD)
+    word, colour = f"{head}:", _GOOD if good else _BAD
     style: dict[str, Any] = {"fontsize": _SIZE, "va": "top"}
     # The first line has a bold word, which is wider
-    lines = wrapped(figure, f"{word} {_said(loading)}", _LETTERS, _ACROSS, **style)
+    lines = wrapped(figure, f"{word} {sentence}", _LETTERS, _ACROSS, **style)
     figure.text(left, 1.0 - y / inches, word, weight="bold", color=colour, **style)
     indent = width(figure, f"{word} ", weight="bold", **style) / figure.bbox.width
     lines[0] = lines[0].removeprefix(f"{word} ")
@@ -33,8 +39,3 @@ def headline(figure: Any, loading: Loading, title: str, below: str = "") -> floa
         figure.text(left + (0 if k else indent + 0.002), 1.0 - y / inches, line, color=INK, **style)
         y += LINE
     return y
-
-
-def _said(loading: Loading) -> str:
-    """The outcome without the word that stands before it."""
-    return f"{loading.why.removeprefix('reached ').removeprefix('lost ')}."

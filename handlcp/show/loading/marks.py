@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-from handlcp.grasp.loading.events import Summary
 from handlcp.show.axes import SMALL, TEXT
-from handlcp.show.loading.axis import StageAxis
+from handlcp.show.loading.axis import Axis
 from handlcp.show.style import BLUE, GREY, INK, PURPLE, RED, spread, width
 
-__all__ = ["LOST", "Marks"]
+__all__ = ["LOST", "Mark", "Marks"]
 
 LOST, SHADE = "#B03A00", "#FBEFE9"
 COLOURS = {"slips": RED, "sticks": BLUE, "opens": GREY, "touches": GREY, "snaps": INK}  # joints are purple
@@ -22,12 +22,21 @@ LIFT = 0.16  # inches from the panel to the numbers
 TITLE: dict[str, Any] = {"fontsize": TEXT + 0.5, "color": INK, "weight": "bold"}
 
 
+class Mark(NamedTuple):
+    """Something that happens. at : along the axis. where : the same in words. kind : as of a loading's events."""
+
+    at: float
+    where: str
+    sentence: str
+    kind: str
+
+
 class Marks:
     """Of one figure. told : what happens, in its order."""
 
-    def __init__(self, axis: StageAxis, told: tuple[Summary, ...]) -> None:
+    def __init__(self, axis: Axis, told: Sequence[Mark]) -> None:
         self.axis, self.told, self.more = axis, told[:MOST], max(len(told) - MOST, 0)
-        self.places = [s.number + s.share for s in self.told]
+        self.places = [s.at for s in self.told]
         self.sentences = [textwrap.wrap(s.sentence, LETTERS) for s in self.told]
 
     @property
@@ -65,8 +74,8 @@ class Marks:
             (float(x), str(k), _colour(s)) for k, (x, s) in enumerate(zip(self.places, self.told, strict=True), 1)
         ]
         if self.axis.lost is not None:
-            wanted.append((self.axis.lost, "lost", LOST))
-        room = [(0.42 if name == "lost" else APART) * self.axis.end / inches for _, name, _ in wanted]
+            wanted.append((self.axis.lost, self.axis.called, LOST))
+        room = [(0.42 if name == self.axis.called else APART) * self.axis.end / inches for _, name, _ in wanted]
         begin = [x - size / 2 for (x, _, _), size in zip(wanted, room, strict=True)]
         places = spread(begin, room, -0.1 * self.axis.end / inches, self.axis.end * (1.0 + 0.2 / inches))
         across = ax.get_xaxis_transform()
@@ -93,7 +102,7 @@ class Marks:
             figure.text(0.046, 1.0 - y / tall, f"… and {self.more} more", fontsize=SMALL, va="center", color=GREY)
 
 
-def _colour(s: Summary) -> str:
+def _colour(s: Mark) -> str:
     return COLOURS.get(s.kind.removesuffix(" by turns"), PURPLE)
 
 

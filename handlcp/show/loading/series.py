@@ -15,13 +15,16 @@ from handlcp.grasp.loading.follow import Loading
 from handlcp.show.loading.end import STILL
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
 
-__all__ = ["Curve", "Panel", "friction_used", "panels"]
+__all__ = [
+    "COLOURS", "LETTERS", "NO_FORCE", "Curve", "Panel", "curves_of", "friction_used", "motion_panels", "panels",
+    "torque_panel",
+]  # fmt: skip
 
 COLOURS = (BLUE, RED, GREEN, PURPLE, "#B87800", "#3A9BD8", "#7A3E00", "#8C8C00")
 OTHERS = "#B9BEC4"
 LETTERS = 28  # of a curve's name
 _MOST = 6  # joints with a name in their panel: those nearest to their limits
-_NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
+NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +55,13 @@ def panels(loading: Loading) -> list[Panel]:
     n, names = grasp.scene.n, shortened(steps.names, LETTERS)
     colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
     every = f"all {n} {'contacts' if grasp.scene.environment else 'fingers'}"
-    out = [Panel("Normal force [N]", _curves(names, colours, steps.forces[:, :, 2]), every)]
+    out = [Panel("Normal force [N]", curves_of(names, colours, steps.forces[:, :, 2]), every)]
     if (grasp.scene.mu > 0).any():
         used = 100.0 * friction_used(loading)
-        out.append(Panel("Friction [% of its limit]", _curves(names, colours, used), every, 100.0))
-    out += _motion(steps.displacement)
+        out.append(Panel("Friction [% of its limit]", curves_of(names, colours, used), every, 100.0))
+    out += motion_panels(steps.displacement)
     if grasp.spec.mechanism is not None:
-        out.append(_torques(grasp.spec.mechanism.names, steps.torques, grasp.spec.mechanism.limits))
+        out.append(torque_panel(grasp.spec.mechanism.names, steps.torques, grasp.spec.mechanism.limits))
     return out
 
 
@@ -67,24 +70,24 @@ def friction_used(loading: Loading) -> Array:
     scene, steps = Grasp(loading.steps.grasp.spec).scene, loading.steps
     used = np.array([used_by(scene, f, t) for f, t in zip(steps.forces, steps.torsion, strict=True)])
     normal = steps.forces[:, :, 2]
-    used[normal <= _NO_FORCE * normal.max()] = np.nan
+    used[normal <= NO_FORCE * normal.max()] = np.nan
     return used
 
 
-def _curves(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:
+def curves_of(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:
     return tuple([Curve(*each) for each in zip(names, colours, values.T, strict=True)])
 
 
-def _motion(displacement: Array) -> Iterator[Panel]:
+def motion_panels(displacement: Array) -> Iterator[Panel]:
     """Of the object since the start, along the world's axes; and its turn, where it turns."""
     colours, move, turn = (RED, GREEN, BLUE), displacement[:, :3], displacement[:, 3:]
     unit = words.length_unit(move.ravel().tolist())
-    yield Panel(f"Motion of the object [{unit.name}]", _curves("xyz", colours, move / unit.size), "x, y, z")
+    yield Panel(f"Motion of the object [{unit.name}]", curves_of("xyz", colours, move / unit.size), "x, y, z")
     if abs(turn).max() > STILL:
-        yield Panel("Turn of the object [°]", _curves("xyz", colours, np.degrees(turn)), "x, y, z")
+        yield Panel("Turn of the object [°]", curves_of("xyz", colours, np.degrees(turn)), "x, y, z")
 
 
-def _torques(names: Sequence[str], torques: Array, limits: Array) -> Panel:
+def torque_panel(names: Sequence[str], torques: Array, limits: Array) -> Panel:
     """Against their limits where these are known; the nearest to them are named."""
     known = np.flatnonzero(np.isfinite(limits) & (limits > 0.0))
     shown = known if len(known) else np.arange(len(names))

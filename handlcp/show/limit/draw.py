@@ -1,0 +1,101 @@
+"""The figure of a load limit: forces, friction, motion and joint torques while the load grows, and what gives out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import Unsupported
+from handlcp.grasp import Grasp
+from handlcp.grasp.answer.friction_used import friction_used
+from handlcp.grasp.limits.result import LoadLimit
+from handlcp.grasp.loading.events import Event, summary
+from handlcp.show.file import Figure, checked, write
+from handlcp.show.limit.axis import LoadAxis
+from handlcp.show.limit.report import size, way
+from handlcp.show.loading.draw import DPI, compose
+from handlcp.show.loading.head import outcome
+from handlcp.show.loading.marks import Mark, Marks
+from handlcp.show.loading.series import (
+    COLOURS,
+    LETTERS,
+    NO_FORCE,
+    Panel,
+    curves_of,
+    motion_panels,
+    torque_panel,
+)  # fmt: skip
+from handlcp.show.style import shortened
+
+__all__ = ["figure", "save"]
+
+
+def save(limit: LoadLimit, path: Any, title: str = "") -> Path:
+    """Draw and write a file; see `figure`. Raises InputError for an unknown format or a folder that does not exist."""
+    file = checked(path)
+    return write(figure(limit, title), file, DPI)
+
+
+def figure(limit: LoadLimit, title: str = "") -> Figure:
+    """The figure of what `grasp.load_limit` returns.
+
+    Along x, the load from nothing to its limit. One below the other: normal forces; friction as a share of its limit,
+    100 % where a finger slides; motion of the object since the load began, world axes; joint torques as a share of
+    their limits. Lines with a number are events, listed at the bottom. What lies behind the limit is shaded.
+    Raises Unsupported for a grasp that is lost before the load comes, and when matplotlib is not installed.
+    """
+    if not len(limit.path.factors):
+        raise Unsupported(f"there is no load to draw: {limit.why}; `grasp.follow().plot()` draws how it is lost")
+    axis, grasp = LoadAxis(limit), _grasp(limit)
+    last = float(limit.path.factors[-1]) or 1.0
+    events = [Event(e.kind, e.who, "load", e.factor / last) for e in limit.events]
+    told = summary(events, grasp.spec)
+    marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
+    return compose(axis, _panels(limit, grasp), marks, lambda drawn: _head(drawn, limit, title))
+
+
+def _grasp(limit: LoadLimit) -> Grasp:
+    """With its contacts and limits."""
+    spec = limit.at_limit.spec
+    assert spec is not None  # it was solved
+    return Grasp(spec)
+
+
+def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:
+    """Title, the limit and what gives out; which load, and what friction and torque limits alone would allow."""
+    held = np.isfinite(limit.factor)
+    below = f"The load that grows: {way(limit.wrench)}."
+    if held and np.isfinite(limit.bound):
+        below += f" Friction and torque limits alone would allow {size(limit.wrench, limit.bound)}."
+    if limit.some_equilibrium > limit.factor * (1.0 + 1e-6):
+        most = size(limit.wrench, limit.some_equilibrium)
+        below += f" Up to {most} there are forces in balance, which a load that grows does not reach."
+    return outcome(drawn, title, "LIMIT" if held else "NO LIMIT", f"{limit.why}.", not held, below)
+
+
+def _panels(limit: LoadLimit, grasp: Grasp) -> list[Panel]:
+    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has."""
+    path, scene, spec = limit.path, grasp.scene, grasp.spec
+    n, names = scene.n, shortened(spec.names, LETTERS)
+    colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
+    every = f"all {n} {'contacts' if scene.environment else 'fingers'}"
+    out = [Panel("Normal force [N]", curves_of(names, colours, path.forces[:, :, 2]), every)]
+    if (scene.mu > 0).any() and not scene.soft:  # the path knows no moments of soft fingers
+        out.append(
+            Panel("Friction [% of its limit]", curves_of(names, colours, _used(grasp, path.forces)), every, 100.0)
+        )
+    out += motion_panels(path.displacement - path.displacement[0])
+    if spec.mechanism is not None:
+        out.append(torque_panel(spec.mechanism.names, path.torques, spec.mechanism.limits))
+    return out
+
+
+def _used(grasp: Grasp, forces: Array) -> Array:
+    """(m, n) share of the friction limit in percent; NaN without friction or without a force."""
+    used = np.array([friction_used(grasp.scene, f, None) for f in forces])
+    normal = forces[:, :, 2]
+    used[normal <= NO_FORCE * normal.max()] = np.nan
+    return 100.0 * used
