@@ -9,10 +9,10 @@ from handlcp.cli.streams import lost, open_streams
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
 from handlcp.cli.follow import follow  # isort: skip
+from handlcp.cli.limits import limits  # isort: skip
 from handlcp.cli.envelope import envelope  # isort: skip
 from handlcp.cli.motors import motors  # isort: skip
 from handlcp.cli.reliability import reliability  # isort: skip
-from handlcp.cli.limits import limits  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip

@@ -53,7 +53,9 @@ class System:
 
 
 def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
-    """wrench (6,) : its load beside the weight, which sets the natural units where there is neither squeeze nor weight. Raises Unsupported."""
+    """The equations of a grasp on the way to a load. wrench (6,) : beside the weight; it sets the natural units where
+    there is neither squeeze nor weight. Raises Unsupported.
+    """
     if held := [e for e in spec.effects if e.prescribed()]:
         names = ", ".join(type(e).__name__ for e in held)
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
