@@ -124,5 +124,5 @@ def _told(spec: GraspSpec, scene: Scene, kind: str, forces: Array | None, motion
     t = certificate_of(spec, scene, escape_of(scene, motion))
     say = Sentences(spec.names, scene.positions, spec.reference, scene.environment)
     way = say.motion(t, "slides", "turns")
-    less = " without friction" if kind == "form" else ""
-    return Closure(kind, False, None, t, f"no contact resists{less} when the object {way}")
+    less = "without friction " if kind == "form" else ""
+    return Closure(kind, False, None, t, f"{less}the object {way}, and no contact resists")

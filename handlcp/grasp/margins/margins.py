@@ -17,6 +17,7 @@ from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.load_limit import load_limit
+from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.margins.closure import Closure, force_closure, form_closure
 from handlcp.grasp.margins.wrench_space import WrenchSpace, wrench_space
 from handlcp.grasp.model.scene import Scene
@@ -78,14 +79,19 @@ class Margins(Data):
         return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation)
 
     @lazy
-    def safety(self) -> float | None:
-        """How many times the load beside the weight may come before something gives out, as `Grasp.load_limit` says;
-        None where there is no such load, or no path to it is known.
+    def load(self) -> LoadLimit | None:
+        """How far the load beside the weight may grow, as `Grasp.load_limit` says; None where there is no such load, or
+        no path to it is known (forces that are known or prescribed).
         """
         try:
-            return load_limit(self.spec, self.section, None, None, None, None).factor
+            return load_limit(self.spec, self.section, None, None, None, None)
         except (InputError, Unsupported):
             return None
+
+    @property
+    def safety(self) -> float | None:
+        """The safety factor on the load beside the weight; None as above."""
+        return None if self.load is None else self.load.factor
 
     @lazy
     def force_closure(self) -> Closure:
@@ -161,8 +167,9 @@ class Margins(Data):
         if self.torque is not None:
             rows.append(("torque", words.torque(self.torque.amount), words.percent(self.torque.share),
                          self.torque.who))  # fmt: skip
-        if self.safety is not None:
-            rows.append(("load", _times(self.safety), "", "until something gives out"))
+        if self.load is not None:
+            who = words.listed([b.who for b in self.load.binds])
+            rows.append(("load", _times(self.load.factor), "", who))
         lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))] if rows else []
         if not self.solution.held:
             lines.append("no margins of friction and torque: no equilibrium was found")
@@ -186,11 +193,16 @@ def _space(space: WrenchSpace) -> str:
     if space.why:
         return f"wrench space: none, {space.why}"
     few = "" if space.dimension == space.of else f" in {space.dimension} of {space.of} dimensions"
-    within = "" if not space.faces else f" (volume within {space.faces}-face pyramids)"
+    radius, volume = _between(space.epsilon, space.epsilon_most), _between(space.volume, space.volume_most)
     return (
-        f"wrench space{few}: ε {space.epsilon:.3g}, volume {space.volume:.3g}, per newton of all normal forces, "
-        f"moments over {words.length(space.length)}{within}"
+        f"wrench space{few}: ε {radius}, volume {volume}, per newton of all normal forces, moments over "
+        f"{words.length(space.length)}"
     )
+
+
+def _between(low: float, high: float) -> str:
+    one, other = f"{low:.3g}", f"{high:.3g}"
+    return one if one == other else f"{one} to {other}"
 
 
 def _times(factor: float) -> str:
