@@ -168,8 +168,7 @@ class Margins(Data):
             rows.append(("torque", words.torque(self.torque.amount), words.percent(self.torque.share),
                          self.torque.who))  # fmt: skip
         if self.load is not None:
-            who = words.listed([b.who for b in self.load.binds])
-            rows.append(("load", _times(self.load.factor), "", who))
+            rows.append(("load", _times(self.load.factor), "", _what(self.load)))
         lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))] if rows else []
         if not self.solution.held:
             lines.append("no margins of friction and torque: no equilibrium was found")
@@ -203,6 +202,12 @@ def _space(space: WrenchSpace) -> str:
 def _between(low: float, high: float) -> str:
     one, other = f"{low:.3g}", f"{high:.3g}"
     return one if one == other else f"{one} to {other}"
+
+
+def _what(load: LoadLimit) -> str:
+    """Who gives out; the object stands for what is lost of it."""
+    lost = {"equilibrium": "balance is lost", "motion": "its motion"}
+    return words.listed([lost.get(b.kind, b.who) for b in load.binds]) or "nothing"
 
 
 def _times(factor: float) -> str:
