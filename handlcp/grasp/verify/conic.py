@@ -75,9 +75,9 @@ def solve_conic(programs: Conic) -> Ends:
         np.zeros(p, dtype=np.int64), np.full((p, v), np.nan), np.full((p, e), np.nan), np.full((p, m), np.nan),
         np.full((p, m), np.nan), np.full(p, np.inf),
     )  # fmt: skip
-    for equations, todo in ((Reduced, np.arange(p)), (Whole, None)):
-        left = np.flatnonzero(ends.gap > _NEAR) if todo is None else todo
-        _run(programs, left, ends, equations)
+    _run(programs, np.arange(p), ends, Reduced)
+    if (rest := np.flatnonzero(ends.gap > _NEAR)).size:
+        _run(programs, rest, ends, Whole)
     return ends
 
 
