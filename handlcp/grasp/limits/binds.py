@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.grasp.limits.happens import RAY, REACHED, WATCHED
-from handlcp.grasp.limits.parts import CLOSED, Place
+from handlcp.grasp.limits.parts import CLOSED
 from handlcp.grasp.limits.parts import OPENS as TOUCHES_LAST
 from handlcp.grasp.limits.result import (
     EQUILIBRIUM,
@@ -28,8 +28,8 @@ __all__ = ["binds_of", "events_of", "why_of"]
 _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
-def binds_of(system: System, status: int, which: int, place: Place) -> tuple[Bind, ...]:
-    """status, which : as `trace` returns them; place : where it ended."""
+def binds_of(system: System, status: int, which: int, closed: Ints, active: Ints) -> tuple[Bind, ...]:
+    """status, which : as `trace` returns them; closed (n,), active (f,) : of the place where it ended."""
     if status in (RAY, REACHED):
         return ()
     if status == WATCHED:
@@ -37,11 +37,11 @@ def binds_of(system: System, status: int, which: int, place: Place) -> tuple[Bin
             return (Bind(MOTION, OBJECT),)
         return (Bind(*system.watched[which]),)
     names, p = system.spec.names, system.parts
-    opened = [i for i in range(len(p.mu)) if place.closed[i] == TOUCHES_LAST]
+    opened = [i for i in range(len(p.mu)) if closed[i] == TOUCHES_LAST]
     if opened:
         return tuple([Bind(OPENS, names[i]) for i in opened])
-    loaded = [i for i in range(len(p.mu)) if place.closed[i] == CLOSED]
-    sliding = sorted({int(i) for i, on in zip(p.owner, place.active, strict=True) if on})
+    loaded = [i for i in range(len(p.mu)) if closed[i] == CLOSED]
+    sliding = sorted({int(i) for i, on in zip(p.owner, active, strict=True) if on})
     slippery = [i for i in loaded if i in sliding or not (p.contacts[i, 1:] >= 0).any()]
     if sliding and slippery == loaded:
         return tuple([Bind(SLIPS, names[i]) for i in sliding])

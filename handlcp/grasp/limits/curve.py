@@ -19,7 +19,7 @@ from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["follow_curve"]
 
-_ERROR = 1e-11  # of a step, relative to forces and motions
+_ERROR = 1e-9  # of a step, relative to forces and motions
 _MOST = 3000  # steps
 _TIE = 1e-12
 _ROOTS = 60
@@ -100,7 +100,9 @@ def _slope(
     tangent[count] = 1.0
     if not solved(A, tangent, 1e-15):
         return False
-    dy[:-1] = np.dot(X, tangent[:count]) + at.x0 * tangent[count]
+    dy[:-1] = tangent[count] * at.x0
+    for c in range(count):
+        dy[:-1] += tangent[c] * X[c]
     dy[-1] = tangent[count]
     length = np.sqrt(np.sum(dy[: m + len(w)] ** 2) + (dy[-1] * np.max(np.abs(w))) ** 2)
     dy /= length

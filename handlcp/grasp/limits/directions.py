@@ -13,11 +13,13 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import geometry_of, tolerance
 from handlcp.grasp.limits.binds import binds_of
 from handlcp.grasp.limits.fixed import watch_from
+from handlcp.grasp.limits.parts import none_known, update
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.start import start_of
 from handlcp.grasp.limits.system import system_of
-from handlcp.grasp.limits.trace import EVENTS, trace
+from handlcp.grasp.limits.trace import trace_each
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.lcp.compiler.when import at_once
 
 __all__ = ["Limits", "limits_of"]
 
@@ -61,10 +63,13 @@ def limits_of(
         never = ((Bind(EQUILIBRIUM, OBJECT),),) * m
         return Limits(loads, read_only(np.zeros(m)), never, np.zeros(m, dtype=np.int64), "fixed")
     p, watch = system.parts, watch_from(system, begun.place, most)
-    log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
-    factors, binds, events = np.empty(m), [], np.empty(m, dtype=np.int64)
-    for k, wrench in enumerate(loads):
-        place = begun.place.copy()
-        status, factors[k], which, events[k], _ = trace(p, place, system.load(wrench), np.inf, watch, log, points)
-        binds.append(binds_of(system, status, which, place))
-    return Limits(loads, read_only(factors), tuple(binds), events, "fixed")
+    n, known = len(p.mu), none_known(p)
+    answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
+    update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
+    with at_once(m):
+        trace_each(p, begun.place, system.loads(loads), watch, known, answers, ends)
+    binds = [
+        binds_of(system, int(status), int(which), end[:n], end[n:])
+        for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
+    ]
+    return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")

@@ -8,7 +8,7 @@ from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, why_of
 from handlcp.grasp.limits.happens import Watch
-from handlcp.grasp.limits.parts import Place
+from handlcp.grasp.limits.parts import Place, none_known
 from handlcp.grasp.limits.path import FollowedPath
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LoadLimit
 from handlcp.grasp.limits.start import start_of
@@ -35,9 +35,10 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
-    status, factor, which, events, count = trace(p, place, system.load(wrench), np.inf, watch, log, points)
+    w, known = system.load(wrench), none_known(p)
+    status, factor, which, events, count = trace(p, place, w, np.inf, watch, known, log, points)
     path = FollowedPath(system, wrench, points[:count].copy(), place)
-    binds = binds_of(system, status, which, place)
+    binds = binds_of(system, status, which, place.closed, place.active)
     later = Later(path.arrays, path.solution, lambda: factor, lambda: np.inf)
     happened = events_of(system, log[:events])
     return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds, spec), happened, "fixed", later)

@@ -1,7 +1,7 @@
 """Small complementarity problems of rates: γ ≥ 0, y = M γ + q ≥ 0, γᵀ y = 0; matrices of any kind.
 
-First what continues the path, then pivots from there, then, where they are few, every choice of the pairs. So a "no"
-is one that holds as long as there are no more than `_ALL` pairs.
+First what continues the path, then pivots from there, then every choice of up to `_ALL` pairs; of more, those that
+differ from what continues the path by no more than `_NEAR` of the first `_FEW`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from handlcp.lcp.kernels.compile import kernel
 __all__ = ["solve_pairs", "solved"]
 
 _TINY, _SINGULAR = 1e-9, 1e-11
-_ALL = 9
+_ALL, _FEW, _NEAR = 6, 12, 3
 
 
 @kernel
@@ -36,12 +36,15 @@ def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> bool:
         if worst == -2:  # singular
             break
         basis[worst] = 1 - basis[worst]
-    if p <= _ALL:
-        for choice in range(2**p):
-            for i in range(p):
-                basis[i] = (choice >> i & 1) ^ first[i]
-            if _miss(M, q, basis, gamma, size) == -1:
-                return True
+    most = p if p <= _ALL else _NEAR
+    for choice in range(2 ** min(p, _FEW)):
+        changes = 0
+        for i in range(p):
+            change = choice >> i & 1
+            changes += change
+            basis[i] = change ^ first[i]
+        if changes <= most and _miss(M, q, basis, gamma, size) == -1:
+            return True
     return False
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.limits.pairs import solve_pairs
-from handlcp.grasp.limits.parts import CLOSED, OPEN, OPENS, Parts, Place, inverse
+from handlcp.grasp.limits.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["Rates", "Solved", "decide", "face_of_force", "respond"]
@@ -41,7 +41,6 @@ class Solved(NamedTuple):
     """The inverse at a place, and the response x0 (m + dof + k) to the load where nothing slips."""
 
     W: Array
-    Z: Array
     x0: Array
 
 
@@ -61,34 +60,47 @@ def face_of_force(p: Parts, f: int, r: Array) -> None:
 
 
 @kernel
-def _pair(p: Parts, kind: int, index: int, a: Array, b: Array) -> None:
-    """Write the row a (m,) and the motion b (m,) of a face (kind ≥ 0: its contact), a normal or a limit."""
-    a[:] = 0.0
-    b[:] = 0.0
-    if kind == _NORMAL:
-        j = p.contacts[index, 0]
-        a[j] = b[j] = -1.0
-    elif kind == _LIMIT:
-        a[:] = p.rows[index]
-        b[:] = p.rows[index]
-    else:
-        a[p.contacts[kind, 0]] = -p.mu[kind]
-        for c in range(3):
-            j = p.contacts[kind, c + 1]
-            if j >= 0:
-                a[j] = b[j] = p.normals[index, c]
+def respond(p: Parts, at: Solved, kinds: Ints, index: Ints) -> tuple[Array, Array, Array]:
+    """(X, M, q): responses (pairs, m + dof + k) to each γ in rows, and the complementarity problem of the pairs."""
+    m, count = len(p.E), len(kinds)
+    X, M, q = np.zeros((count, len(at.x0))), np.empty((count, count)), np.empty(count)
+    for c in range(count):
+        kind, own = kinds[c], index[c]
+        x = X[c]
+        if kind == _NORMAL:
+            x += at.W[p.contacts[own, 0]]
+        elif kind == _LIMIT:
+            for j in range(m):
+                if p.rows[own, j] != 0.0:
+                    x -= p.rows[own, j] * at.W[j]
+        else:
+            for a in range(3):
+                j = p.contacts[kind, a + 1]
+                if j >= 0 and p.normals[own, a] != 0.0:
+                    x -= p.normals[own, a] * at.W[j]
+    for c in range(count):
+        q[c] = _used(p, kinds[c], index[c], at.x0)
+        for b in range(count):
+            M[c, b] = _used(p, kinds[c], index[c], X[b])
+    return X, M, q
 
 
 @kernel
-def respond(p: Parts, at: Solved, kinds: Ints, index: Ints) -> tuple[Array, Array, Array]:
-    """(X, M, q): responses (m + dof + k, pairs) to each γ, and the complementarity problem of the pairs."""
-    m, count = len(p.E), len(kinds)
-    a, B = np.zeros((count, m)), np.zeros((count, m))
-    for c in range(count):
-        _pair(p, kinds[c], index[c], a[c], B[c])
-    X = -np.dot(np.ascontiguousarray(at.W[:, :m]), np.ascontiguousarray(B.T))
-    r = np.ascontiguousarray(X[:m])
-    return X, -np.dot(a, r), -np.dot(a, at.x0[:m])
+def _used(p: Parts, kind: int, own: int, r: Array) -> float:
+    """-a·r of a face (kind ≥ 0: its contact), a normal or a limit."""
+    if kind == _NORMAL:
+        return float(r[p.contacts[own, 0]])
+    total = 0.0
+    if kind == _LIMIT:
+        for j in range(p.rows.shape[1]):
+            total -= p.rows[own, j] * r[j]
+        return float(total)
+    total = float(p.mu[kind] * r[p.contacts[kind, 0]])
+    for a in range(3):
+        j = p.contacts[kind, a + 1]
+        if j >= 0:
+            total -= p.normals[own, a] * r[j]
+    return total
 
 
 @kernel
@@ -120,23 +132,27 @@ def _rates(p: Parts, x: Array, give: Array) -> Rates:
     m, dof, k = len(p.E), len(p.G), len(p.rows)
     r, u = x[:m].copy(), x[m : m + dof].copy()
     s = x[m + dof :] + give
-    v = np.dot(p.E, r) + np.dot(u, p.G)
     slack = np.zeros(k)
     for q in range(k):
-        v += p.rows[q] * s[q]
         for j in range(m):
             slack[q] -= p.rows[q, j] * r[j]
     gap = np.zeros(len(p.mu))
     for i in range(len(gap)):
-        if p.contacts[i, 0] >= 0:
-            gap[i] = v[p.contacts[i, 0]]
+        c = p.contacts[i, 0]
+        if c >= 0:
+            for j in range(m):
+                gap[i] += p.E[c, j] * r[j]
+            for a in range(dof):
+                gap[i] += p.G[a, c] * u[a]
+            for q in range(k):
+                gap[i] += p.rows[q, c] * s[q]
     return Rates(r, u, s, gap, slack)
 
 
 @kernel
-def decide(p: Parts, s: Place, w: Array) -> tuple[bool, Rates, Solved]:
+def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[bool, Rates, Solved]:
     """The rates under the load w (dof,), and what contacts and limits do: written into s. False: there are none."""
-    n, k, m = len(p.mu), len(p.rows), len(p.E)
+    n, k, m, dof = len(p.mu), len(p.rows), len(p.E), len(w)
     touching, many = np.empty(n, np.int64), 0
     for i in range(n):
         if s.closed[i] > CLOSED:
@@ -149,18 +165,20 @@ def decide(p: Parts, s: Place, w: Array) -> tuple[bool, Rates, Solved]:
     for q in range(k):
         given[q] = 1 if s.yields[q] == 1 else 0
     closed = s.closed.copy()
-    W, Z = np.empty((0, 0)), np.empty((0, 0))
-    x = np.zeros(m + len(w) + k)
+    x, x0 = np.zeros(m + dof + k), np.zeros(m + dof + k)
     for choice in range(2 ** min(many, _MOST)):
         for t in range(many):
             i = touching[t]
             other = (choice >> min(t, _MOST - 1)) & 1
             closed[i] = OPEN if (s.closed[i] == OPENS) == (other == 0) else CLOSED
-        W, Z = inverse(p, closed, given)
-        if _is_driven(Z, w, len(w)):
+        update(p, closed, given, known)
+        if _is_driven(known, w):
             continue
-        x0 = -np.dot(np.ascontiguousarray(W[:, m : m + len(w)]), w)
-        at = Solved(W, Z, x0)
+        x0[:] = 0.0
+        for a in range(dof):
+            if w[a] != 0.0:
+                x0 -= w[a] * known.W[m + a]
+        at = Solved(known.W, x0)
         kinds, index, basis = _pairs_at(p, s, closed)
         gamma = np.zeros(len(kinds))
         if not _slips(p, s, at, kinds, index, basis, gamma, x):
@@ -174,19 +192,19 @@ def decide(p: Parts, s: Place, w: Array) -> tuple[bool, Rates, Solved]:
             continue
         _settle(p, s, closed, kinds, index, gamma, found)
         return True, found, at
-    return False, _rates(p, x, np.zeros(k)), Solved(W, Z, x)
+    return False, _rates(p, x, np.zeros(k)), Solved(known.W, x0)
 
 
 @kernel
-def _is_driven(Z: Array, w: Array, dof: int) -> bool:
-    size = np.max(np.abs(w))
-    for c in range(Z.shape[1]):
+def _is_driven(known: Inverse, w: Array) -> bool:
+    """Whether the load does work along a motion that no contact feels."""
+    size, most = np.max(np.abs(w)), 0.0
+    for c in range(known.loose[0]):
         total = 0.0
-        for i in range(dof):
-            total += Z[i, c] * w[i]
-        if abs(total) > _DRIVEN * size:
-            return True
-    return False
+        for i in range(len(w)):
+            total += known.Z[i, c] * w[i]
+        most = max(most, abs(total))
+    return bool(most > _DRIVEN * size)
 
 
 @kernel
@@ -222,7 +240,7 @@ def _slips(
         x[:] = at.x0
         for c in range(len(kinds)):
             if gamma[c] != 0.0:
-                x += X[:, c] * gamma[c]
+                x += gamma[c] * X[c]
         if not turning:
             return True
         change = 0.0

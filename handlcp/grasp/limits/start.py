@@ -14,7 +14,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.limits.happens import REACHED, room_of
-from handlcp.grasp.limits.parts import CLOSED, CLOSES, OPEN, OPENS, Place
+from handlcp.grasp.limits.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
 from handlcp.grasp.limits.rates import face_of_force
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.limits.trace import EVENTS, trace
@@ -24,7 +24,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 
 __all__ = ["Start", "start_of"]
 
-_NONE = 1e-7  # of the contacts' distances: fingertips no farther apart touch
+_NONE = 3e-5  # of the contacts' distances: fingertips no farther from the object touch, as in `StepGrasp`
 _ON = 1e-9  # of the largest force or motion
 
 
@@ -44,7 +44,7 @@ def start_of(system: System) -> Start:
     width = 1 + len(p.E) + len(p.G) + len(p.rows)
     free = watch._replace(rows=watch.rows[:0], level=watch.level[:0])
     log, path = np.empty((EVENTS, 3)), np.empty((EVENTS, width))
-    status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, log, path)
+    status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, none_known(p), log, path)
     if status != REACHED:
         return Start(None, f"the grasp holds {factor:.0%} of the object's own weight")
     return squeezed

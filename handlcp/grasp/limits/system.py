@@ -44,17 +44,22 @@ class System:
 
     def load(self, wrench: Array) -> Array:
         """(dof,) in natural units, from a wrench (6,) about the reference."""
+        return np.asarray(self.loads(wrench[None])[0])
+
+    def loads(self, wrenches: Array) -> Array:
+        """(m, dof) the same of wrenches (m, 6)."""
         scene, units = self.scene, self.scene.units
-        about = wrench.copy()
-        about[3:] += cross_rows(self.spec.reference - units.centre, wrench[:3])
-        about[:3] /= units.force
-        about[3:] /= units.force * units.length
-        return np.asarray(scene.freedom @ about)
+        about = wrenches / units.force
+        arm = np.broadcast_to(self.spec.reference - units.centre, (len(wrenches), 3))
+        about[:, 3:] = (about[:, 3:] + cross_rows(arm, about[:, :3])) / units.length
+        return np.ascontiguousarray(about @ scene.freedom.T)
 
 
 def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
     """The equations of a grasp on the way to a load. wrench (6,) : beside the weight; it sets the natural units where
     there is neither squeeze nor weight. Raises Unsupported.
+    """The arrays of a grasp. wrench (6,) : its load beside the weight, which sets the natural units where there is
+    neither squeeze nor weight. Raises Unsupported.
     """
     if held := [e for e in spec.effects if e.prescribed()]:
         names = ", ".join(type(e).__name__ for e in held)

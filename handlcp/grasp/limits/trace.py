@@ -24,11 +24,11 @@ from handlcp.grasp.limits.happens import (
     reached,
     settle_at,
 )  # fmt: skip
-from handlcp.grasp.limits.parts import OPEN, Parts, Place
+from handlcp.grasp.limits.parts import OPEN, Inverse, Parts, Place
 from handlcp.grasp.limits.rates import Rates, decide
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "trace"]
+__all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "trace", "trace_each"]
 
 # What happens on a path
 SLIPS, STICKS, OPENED, TOUCHES, YIELDS, HOLDS = 0, 1, 2, 3, 4, 5
@@ -38,12 +38,12 @@ _STUCK = 40  # events without a step between
 
 @kernel
 def trace(
-    p: Parts, s: Place, w: Array, end: float, watch: Watch, log: Array, path: Array
+    p: Parts, s: Place, w: Array, end: float, watch: Watch, known: Inverse, log: Array, path: Array
 ) -> tuple[int, float, int, int, int]:
     """(how it ends, load factor, what was watched, events, points): the path from s under the load factor · w (dof,).
 
-    s is changed to where it ends. log (EVENTS, 3) : factor, kind and number of each event. path (EVENTS, 1 + m + dof +
-    k) : factor, r, u and give at each point.
+    s is changed to where it ends, and so is `known`. log (EVENTS, 3) : factor, kind and number of each event. path
+    (EVENTS, 1 + m + dof + k) : factor, r, u and give at each point.
     """
     factor, events, points, idle = 0.0, 0, 0, 0
     before = kinds_of(p, s)
@@ -54,7 +54,7 @@ def trace(
     if end <= 0.0:
         return REACHED, factor, -1, events, points
     while points < EVENTS - 1 and events < EVENTS - len(before):
-        found, rates, at = decide(p, s, w)
+        found, rates, at = decide(p, s, w, known)
         if not found:
             return LOST, factor, -1, events, points
         now = kinds_of(p, s)
@@ -75,6 +75,28 @@ def trace(
         if idle > _STUCK:
             break
     return GIVES_UP, factor, -1, events, points
+
+
+@kernel
+def trace_each(p: Parts, begun: Place, loads: Array, watch: Watch, known: Inverse, answers: Array, ends: Ints) -> None:
+    """The paths under each of loads (m, dof), all from the same place. answers (m, 4) : its status, what was
+    watched, its factor, how many events. ends (m, n + f) : `closed` and `active` there.
+    """
+    log = np.empty((EVENTS, 3))
+    path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
+    n, first = len(begun.gap), known.W.copy()
+    closed, yields, Z, loose = known.closed.copy(), known.yields.copy(), known.Z.copy(), known.loose[0]
+    for a in range(len(loads)):
+        known.W[:, :], known.Z[:, :], known.loose[0] = first, Z, loose
+        known.closed[:], known.yields[:] = closed, yields
+        s = Place(
+            begun.r.copy(), begun.u.copy(), begun.gap.copy(), begun.give.copy(), begun.slack.copy(),
+            begun.closed.copy(), begun.yields.copy(), begun.active.copy(), begun.slides.copy(),
+        )  # fmt: skip
+        status, factor, which, events, _ = trace(p, s, loads[a], np.inf, watch, known, log, path)
+        answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
+        ends[a, :n] = s.closed
+        ends[a, n:] = s.active
 
 
 @kernel
