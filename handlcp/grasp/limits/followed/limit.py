@@ -33,10 +33,11 @@ _TURNS = 1e-3  # of the contacts' radii: the least motion that steps are measure
 
 @dataclass(frozen=True, slots=True)
 class Ready:
-    """A grasp with squeeze and weight. state : then; None where they are not held, and why."""
+    """A grasp with squeeze and weight. state : then; None where it is not held, and why. last : as far as it is."""
 
     stepper: Stepper
     state: State | None
+    last: State
     size: Size
     why: str
 
@@ -66,8 +67,8 @@ def ready(spec: GraspSpec, section: Section) -> Ready:
     size = Size(max(soft * force / spec.n, _TURNS * float(state.look.radius.min())), force)
     if run.failure is not None:
         stage = goals[run.lost_stage].name
-        return Ready(stepper, None, size, f"the {stage} alone is not held: {why_lost(run, spec)}")
-    return Ready(stepper, state, size, "")
+        return Ready(stepper, None, state, size, f"the {stage} alone is not held: {why_lost(run, spec)}")
+    return Ready(stepper, state, state, size, "")
 
 
 def ended(held: Ready, load: Array, most: tuple[float, float]) -> Ended:
