@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.limits.pinches import C, pinch
+from tests.limits.pinches import C, K, pinch
 from tests.loading.hands import ball, cube
 
 EXACT = 1e-4  # the stated share to which a limit is located
@@ -30,11 +30,10 @@ def test_a_joint_at_its_torque_limit_binds_where_half_the_load_reaches_it(tmp_pa
 
 
 def test_a_joint_at_the_end_of_its_range_binds(tmp_path):
-    g, _ = pinch(tmp_path, left=1e-3)
+    g, normal = pinch(tmp_path, left=1e-3)
     limit = g.load_limit(X)
-    soft = C + 1 / 500.0  # of a finger: the joints move by their share of half the load
-    assert soft > 0.0
-    assert limit.factor == pytest.approx(2 * 500.0 * 1e-3, rel=EXACT)
+    left = 1e-3 - C * normal  # the squeeze has pressed the pads, and joints follow
+    assert limit.factor == pytest.approx(2 * K * left, rel=EXACT)
     assert [(b.kind, b.who) for b in limit.binds] == [("range", "left_slide")]
 
 
@@ -96,13 +95,16 @@ def test_events_come_in_order_and_the_path_ends_at_the_limit():
     assert limit.path.forces.shape == (len(limit.path.factors), 5, 3)
 
 
-def test_a_joint_that_yields_is_an_event_and_no_limit():
-    strict = ball(limits=0.2).load_limit(Z)
-    yielding = ball(limits=0.2, effects=[hl.TorqueSaturation()]).load_limit(Z)
+def test_joints_that_yield_are_no_limit_and_hold_their_torque():
+    wrench = (0.36, 0.92, -0.11, 0.0, 0.0, 0.0)
+    strict = ball(limits=0.16).load_limit(wrench)
+    assert strict.factor == 0.0  # the squeeze alone asks for more
     assert strict.binds[0].kind == "torque"
-    assert yielding.factor > strict.factor
-    assert yielding.binds[0].kind != "torque"
-    assert any(e.kind == "yields" for e in yielding.events)
+    yielding = ball(limits=0.16, effects=[hl.TorqueSaturation()]).load_limit(wrench)
+    assert yielding.factor > 1.0
+    assert yielding.binds[0].kind == "slips"
+    assert abs(yielding.path.torques).max() <= 0.16 * (1 + 1e-9)
+    assert any(e.kind == "holds" for e in yielding.events)
 
 
 def test_a_load_in_other_units_has_the_same_limit():
