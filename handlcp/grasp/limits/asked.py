@@ -8,16 +8,15 @@ import numpy as np
 
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.loading.follow import geometry_of
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["geometry_of", "load_of", "tolerance"]
+__all__ = ["is_followed", "load_of", "tolerance"]
 
 
-def geometry_of(spec: GraspSpec, geometry: Any) -> str:
-    """The geometry of the path. Raises InputError."""
-    if geometry not in (None, "followed", "fixed"):
-        raise InputError("geometry", '"followed", "fixed" or None', repr(geometry))
-    return "fixed"
+def is_followed(spec: GraspSpec, geometry: Any) -> bool:
+    """Whether contacts are followed: where hand and object are known, but for "fixed". Raises InputError."""
+    return geometry_of(spec, geometry).follows
 
 
 def load_of(spec: GraspSpec, wrench: Any) -> Array:

@@ -10,10 +10,12 @@ import numpy as np
 from handlcp.check import Array, Ints, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.asked import geometry_of, tolerance
+from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
 from handlcp.grasp.limits.fixed import watch_from
 from handlcp.grasp.limits.parts import none_known, update
+from handlcp.grasp.limits.followed.answers import followed_limits
+from handlcp.grasp.limits.followed.cause import events_of
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.start import start_of
 from handlcp.grasp.limits.system import system_of
@@ -52,16 +54,34 @@ def limits_of(
     spec: GraspSpec, section: Section, wrenches: Any, geometry: Any = None, motion: Any = None, turn: Any = None
 ) -> Limits:
     """Of loads (m, 6), other arguments as in `Grasp.load_limit`. Raises InputError, Unsupported."""
-    geometry_of(spec, geometry)
+    follows = is_followed(spec, geometry)
     loads = array("wrenches", wrenches, (-1, 6))
     if not len(loads) or not loads.any(axis=1).all():
         raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")
     most = (tolerance("motion", motion), tolerance("turn", turn))
+    return (_followed if follows else _fixed)(spec, section, loads, most)
+
+
+def _followed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float]) -> Limits:
+    ends = followed_limits(spec, section, loads, most)
+    if not ends:
+        return _never(loads, "followed")
+    factors, binds = [e.factor for e in ends], tuple([e.binds for e in ends])
+    events = np.array([len(events_of(e.path, e.at, e.snaps)) for e in ends], dtype=np.int64)
+    return Limits(loads, read_only(np.array(factors)), binds, events, "followed")
+
+
+def _never(loads: Array, geometry: str) -> Limits:
+    """Where squeeze or weight alone are not held."""
+    m = len(loads)
+    return Limits(loads, read_only(np.zeros(m)), ((Bind(EQUILIBRIUM, OBJECT),),) * m, np.zeros(m, np.int64), geometry)
+
+
+def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float]) -> Limits:
     system = system_of(spec, section, loads[int(abs(loads).max(axis=1).argmax())])
     begun, m = start_of(system), len(loads)
     if begun.place is None:
-        never = ((Bind(EQUILIBRIUM, OBJECT),),) * m
-        return Limits(loads, read_only(np.zeros(m)), never, np.zeros(m, dtype=np.int64), "fixed")
+        return _never(loads, "fixed")
     p, watch = system.parts, watch_from(system, begun.place, most)
     n, known = len(p.mu), none_known(p)
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)

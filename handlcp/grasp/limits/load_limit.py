@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.asked import geometry_of, load_of, tolerance
+from handlcp.grasp.limits.asked import is_followed, load_of, tolerance
 from handlcp.grasp.limits.fixed import fixed_limit
+from handlcp.grasp.limits.followed.answers import followed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 
@@ -17,6 +18,6 @@ def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
-    geometry_of(spec, geometry)
+    limit = followed_limit if is_followed(spec, geometry) else fixed_limit
     most = (tolerance("motion", motion), tolerance("turn", turn))
-    return fixed_limit(spec, section, load_of(spec, wrench), most)
+    return limit(spec, section, load_of(spec, wrench), most)

@@ -18,7 +18,7 @@ from handlcp.grasp.limits.followed.walk import RAY, Size, walk
 from handlcp.grasp.limits.followed.watched import Watched
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.loading.drive import FINEST, drive
-from handlcp.grasp.loading.follow import TOLERANCE, begun, geometry_of
+from handlcp.grasp.loading.follow import begun, geometry_of
 from handlcp.grasp.loading.stage import Stage
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
@@ -27,16 +27,18 @@ from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["Ended", "Ready", "ended", "ready"]
 
+_TOLERANCE = 1e-3  # of the contacts' radii: how far a step may end from where its contacts were looked at
 _STEPS = 40  # of the squeeze, and of the weight
 _TURNS = 1e-3  # of the contacts' radii: the least motion that steps are measured by
 
 
 @dataclass(frozen=True, slots=True)
 class Ready:
-    """A grasp with squeeze and weight. state : then; None where they are not held, and why."""
+    """A grasp with squeeze and weight. state : then; None where it is not held, and why. last : as far as it is."""
 
     stepper: Stepper
     state: State | None
+    last: State
     size: Size
     why: str
 
@@ -58,7 +60,7 @@ class Ended:
 def ready(spec: GraspSpec, section: Section) -> Ready:
     """Squeeze the object, then let it weigh. Raises InputError for a grasp whose geometry is not known, Unsupported."""
     order = ("squeeze", Stage("weight", weight=1.0))
-    first, goals, stepper = begun(spec, section, geometry_of(spec, "followed"), TOLERANCE, order, np.zeros(6))
+    first, goals, stepper = begun(spec, section, geometry_of(spec, "followed"), _TOLERANCE, order, np.zeros(6))
     run = drive(stepper, first, goals, _STEPS, FINEST)
     state = run.states[-1]
     force = float(state.read.forces[:, 2].sum())
@@ -66,8 +68,8 @@ def ready(spec: GraspSpec, section: Section) -> Ready:
     size = Size(max(soft * force / spec.n, _TURNS * float(state.look.radius.min())), force)
     if run.failure is not None:
         stage = goals[run.lost_stage].name
-        return Ready(stepper, None, size, f"the {stage} alone is not held: {why_lost(run, spec)}")
-    return Ready(stepper, state, size, "")
+        return Ready(stepper, None, state, size, f"the {stage} alone is not held: {why_lost(run, spec)}")
+    return Ready(stepper, state, state, size, "")
 
 
 def ended(held: Ready, load: Array, most: tuple[float, float]) -> Ended:

@@ -21,7 +21,7 @@ __all__ = ["GIVES_UP", "LOST", "PEAK", "RAY", "WATCHED", "Size", "Walk", "walk"]
 PEAK, LOST, WATCHED, RAY, GIVES_UP = "peak", "lost", "watched", "ray", "gives up"
 
 RAY_AT = 1e4  # times the forces before there is any load: nothing binds that has not bound by then
-_FIRST, _MOST, _LEAST = 0.03, 0.5, 1e-5  # of the motion that the forces before make: steps
+_FIRST, _MOST, _LEAST = 0.03, 0.5, 1e-4  # of the motion that the forces before make: steps
 _MORE = (1e-4, 1e-3)  # of the load: where the path turns, states are searched under so much more of it
 _STEPS = 300
 _JUMP = 0.25  # of the forces there are: the load of a step, in the mean
@@ -64,9 +64,8 @@ def walk(path: PushedPath, size: Size, beyond: Callable[[State], float]) -> Walk
             if (other := _another(path, last)) is None:
                 return Walk(LOST, top, None, snaps)
             new = other
-        elif new.factor > top.factor and (after is not None or new.kinds != last.kinds) and not path.stays(new):
-            after = after or new
-        if new.factor > top.factor and (after is None or path.stays(new)):
+        known = after is None and new.kinds == last.kinds  # what no contact has changed is found as before
+        if new.factor > top.factor and (known or path.stays(new)):
             if after is not None:
                 snaps.append(new)
             if beyond(new.state) > 0.0:

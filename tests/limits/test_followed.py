@@ -1,0 +1,113 @@
+"""Load limits with the geometry followed: closed forms, and what binds."""
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.limits.pinches import C, K, pinch
+from tests.loading.hands import ball, cube
+
+EXACT = 1e-4  # the stated share to which a limit is located
+X, Z = np.eye(6)[0], np.eye(6)[2]
+
+
+def test_a_pinch_slips_through_at_twice_the_friction_of_one_finger(tmp_path):
+    g, normal = pinch(tmp_path, friction=0.4)
+    limit = g.load_limit(-Z)
+    assert limit.geometry == "followed"
+    assert limit.factor == pytest.approx(2 * 0.4 * normal, rel=EXACT)
+    assert {b.kind for b in limit.binds} == {"slips"}
+    assert {b.who for b in limit.binds} == set(g.names)
+
+
+def test_a_joint_at_its_torque_limit_binds_where_half_the_load_reaches_it(tmp_path):
+    g, normal = pinch(tmp_path, torque_limits=2.0 + 1.5)
+    assert normal == pytest.approx(2.0)
+    limit = g.load_limit(X)  # two springs alike share it
+    assert limit.factor == pytest.approx(2 * 1.5, rel=EXACT)
+    assert [(b.kind, b.who) for b in limit.binds] == [("torque", "right_slide")]
+    assert abs(limit.at_limit.torques).max() == pytest.approx(3.5, rel=EXACT)
+
+
+def test_a_joint_at_the_end_of_its_range_binds(tmp_path):
+    g, normal = pinch(tmp_path, left=1e-3)
+    limit = g.load_limit(X)
+    left = 1e-3 - C * normal  # the squeeze has pressed the pads, and joints follow
+    assert limit.factor == pytest.approx(2 * K * left, rel=EXACT)
+    assert [(b.kind, b.who) for b in limit.binds] == [("range", "left_slide")]
+
+
+def test_the_motion_that_is_allowed_binds(tmp_path):
+    g, _ = pinch(tmp_path, friction=0.8)
+    limit = g.load_limit(-Z, motion=1e-4)
+    assert limit.factor == pytest.approx(2 * 1e-4 / C, rel=EXACT)
+    assert [(b.kind, b.who) for b in limit.binds] == [("motion", "the object")]
+
+
+def test_nothing_binds_where_a_table_takes_the_load():
+    hand = hl.example_hand("two_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
+    box = hl.Box((0.05, 0.05, 0.07), (0, 0, 0.09), mass=0.5)
+    table = hl.Table((0, 0, 0.125), (0, 0, -1), hl.Coulomb(0.4), flexibility=0)
+    g = hand.at(hand.close_on(box)).grasp(
+        box, hl.Coulomb(0.8), gravity=(0, 0, 9.81), squeeze=0.002, environment=table
+    )  # fmt: skip
+    limit = g.load_limit(Z)
+    assert limit.factor == np.inf
+    assert not limit.binds
+    assert "nothing binds" in limit.why
+
+
+def test_what_the_squeeze_does_not_hold_has_no_limit_above_nothing():
+    limit = cube(squeeze=None).load_limit(Z)
+    assert limit.factor == 0.0
+    assert "not held" in limit.why
+
+
+@pytest.mark.parametrize("direction", [(0.74, 0.54, -0.4), (-0.9, -0.44, 0.03)])
+def test_following_the_load_holds_below_the_limit_and_not_above(direction):
+    g, wrench = ball(), np.append(direction, np.zeros(3))
+    limit = g.load_limit(wrench)
+
+    def reached(share):
+        order = ("squeeze", hl.Stage("weight", weight=1.0), hl.Stage("load", load=share * limit.load))
+        return g.follow(order=order, steps=80).reached
+
+    assert reached(0.99)
+    assert not reached(1.01)
+
+
+def test_the_state_at_the_limit_is_certified_and_balances_the_load():
+    g = ball()
+    limit = g.load_limit(Z)
+    assert limit.at_limit.held
+    force = limit.at_limit.forces_world.sum(axis=0)
+    np.testing.assert_allclose(force, -limit.load[:3] - g.mechanism.weight_of_object(), atol=1e-6)
+
+
+def test_events_come_in_order_and_the_path_ends_at_the_limit():
+    limit = ball().load_limit(Z)
+    factors = [e.factor for e in limit.events]
+    assert factors == sorted(factors)
+    assert factors[-1] <= limit.factor * (1.0 + 1e-9)
+    assert any(e.kind == "slips" for e in limit.events)
+    assert limit.path.factors[0] == 0.0
+    assert limit.path.factors[-1] == limit.factor
+    assert limit.path.forces.shape == (len(limit.path.factors), 5, 3)
+
+
+def test_joints_that_yield_are_no_limit_and_hold_their_torque():
+    wrench = (0.36, 0.92, -0.11, 0.0, 0.0, 0.0)
+    strict = ball(limits=0.16).load_limit(wrench)
+    assert strict.factor == 0.0  # the squeeze alone asks for more
+    assert strict.binds[0].kind == "torque"
+    yielding = ball(limits=0.16, effects=[hl.TorqueSaturation()]).load_limit(wrench)
+    assert yielding.factor > 1.0
+    assert yielding.binds[0].kind == "slips"
+    assert abs(yielding.path.torques).max() <= 0.16 * (1 + 1e-9)
+    assert any(e.kind == "holds" for e in yielding.events)
+
+
+def test_a_load_in_other_units_has_the_same_limit():
+    g = ball()
+    one, thousand = g.load_limit(Z), g.load_limit(1e3 * Z)
+    assert 1e3 * thousand.factor == pytest.approx(one.factor, rel=1e-9)
