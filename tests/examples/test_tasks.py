@@ -34,15 +34,22 @@ def test_there_are_eight_tasks():
     assert len(TASKS) == 8
 
 
-def test_the_motors_that_lift_the_bottle_are_the_least_that_do():
+def test_the_motors_hold_the_bottle_tilted_and_pushed_and_a_weaker_grip_does_not():
     task = ran("motor_torques")
-    end, grip = task["held"].solution, task["grip"]
-    lift = end.forces_world[:, 2]
-    assert lift.sum() == pytest.approx(2.25 * G, rel=1e-6)
-    # Nothing but friction carries the bottle: the grip is at least weight / (μ n), and one newton less does not do
-    assert end.normal_force.mean() * (1 + 1e-6) >= 2.25 * G / (0.6 * 3)
-    assert not task["grasp"].replace(grip_force=grip - 1).follow().reached
-    assert max(task["motors"].values()) == pytest.approx(abs(end.torques).max())
+    motors, grasp, brief = task["motors"], task["grasp"], task["brief"]
+    assert motors.verdicts == dict.fromkeys(brief, "HELD")
+    hand = grasp.state.hand.replace(torque_limits=motors.torque)
+    touching = hand.at(grasp.state.q).grasp(grasp.target, friction=0.6, grip_force=motors.grip)
+    lifted = touching.replace(mass=2.25)  # 1.5 times as heavy
+    assert lifted.check().word == "HELD"
+    end = lifted.follow().solution
+    assert end.forces_world[:, 2].sum() == pytest.approx(2.25 * G, rel=1e-6)
+    # Nothing but friction carries the bottle: the fingers press with at least weight / μ together
+    assert end.normal_force.sum() * (1 + 1e-6) >= 2.25 * G / 0.6
+    less = {finger: motors.fails * force for finger, force in motors.grip.items()}
+    assert motors.lost[0] == "push"
+    pushed = lifted.replace(grip_force=less, load=(0, 1.5 * 4.0, 0, 0, 0, 0))
+    assert pushed.follow(steps=8).reached is False
 
 
 def test_the_stiffness_and_the_squeeze_keep_the_cube_within_a_millimetre():
