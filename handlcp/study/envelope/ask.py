@@ -22,7 +22,7 @@ Binds = tuple[Bind, ...]
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked along every direction. section : of the friction cones. geometry, motion, turn : as in `envelope`."""
+    """What is asked along every direction. section : of friction. geometry, motion, turn : as in `envelope`."""
 
     load: Load
     section: Section
