@@ -1,4 +1,4 @@
-"""A designer's eight tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
+"""A designer's tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
     assert not [n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr.startswith("_")]
 
 
-def test_there_are_eight_tasks():
-    assert len(TASKS) == 8
+def test_there_are_nine_tasks():
+    assert len(TASKS) == 9
 
 
 def test_the_motors_hold_the_bottle_tilted_and_pushed_and_a_weaker_grip_does_not():
@@ -106,3 +106,16 @@ def test_contacts_given_by_hand_bear_the_moment_in_equal_parts():
     np.testing.assert_allclose(s.forces_world[:, 2], 0.5, rtol=1e-9)
     np.testing.assert_allclose(abs(s.torsion), 0.0025, rtol=1e-9)
     assert task["grasp"].required_friction().value == pytest.approx(0.5 * np.sqrt(0.01 + 0.025**2), rel=1e-3)
+
+
+def test_the_cube_is_held_where_the_envelope_says_and_lost_beyond():
+    task = ran("envelope")
+    grasp, mass, pull = task["grasp"], task["mass"], task["pull"]
+    weak = mass.weakest
+    for share, holds in ((0.98, True), (1.02, False)):
+        turned = grasp.replace(mass=share * weak.factor, gravity=G * weak.direction)
+        assert turned.follow(geometry="fixed").reached is holds
+    d = pull.weakest.direction
+    assert grasp.follow((*(0.98 * pull.weakest.factor * d), 0, 0, 0), geometry="fixed").reached
+    assert not grasp.follow((*(1.02 * pull.weakest.factor * d), 0, 0, 0), geometry="fixed").reached
+    assert task["page"].stat().st_size > 100_000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from functools import cache
 
 import numpy as np
@@ -264,6 +265,22 @@ def test_what_prints_fits_the_line_and_names_the_weakest_direction():
     text = str(of_cube(42, 1))
     assert max(map(len, text.splitlines())) <= 80
     assert f"{of_cube(42, 1).weakest.factor:.3g} N" in text
+
+
+def test_an_envelope_can_be_pickled():
+    env = of_cube(12)
+    again = pickle.loads(pickle.dumps(env))
+    np.testing.assert_array_equal(again.factors, env.factors)
+    np.testing.assert_array_equal(again.bound, env.bound)
+    assert again.binds == env.binds
+    assert str(again) == str(env)
+
+
+def test_a_grasp_that_does_not_hold_without_a_load_says_so():
+    loose = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3, preload=1e-3)
+    env = hl.envelope(loose, 12)
+    assert (env.factors == 0.0).all()
+    assert "does not hold without a load" in str(env)
 
 
 def test_progress_counts_the_directions():

@@ -16,6 +16,7 @@ from handlcp.show import tables
 from handlcp.show import work_precision as work_precision_figure
 from handlcp.show.accuracy_table import all_tables
 from handlcp.show.contact_sheet import contact_sheet
+from handlcp.show.envelope.surface import divided, section, surface_of, wires
 from handlcp.show.loading import end, report
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
@@ -33,6 +34,7 @@ __all__ = [
     "camera_of",
     "contact_sheet",
     "convergence_figure",
+    "divided",
     "draw",
     "end",
     "environment_bodies",
@@ -47,12 +49,15 @@ __all__ = [
     "report",
     "rim",
     "save",
+    "section",
     "shapes",
     "shortened",
     "stub_bodies",
+    "surface_of",
     "tables",
     "tip_shapes",
     "units",
+    "wires",
     "work_precision_figure",
 ]
 

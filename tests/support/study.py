@@ -5,6 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+
+import handlcp as hl
+from handlcp.grasp.friction import as_section
+from handlcp.grasp.limits.directions import limits_of
 from handlcp.study.accuracy.left_out import UNDETERMINED, variants
 from handlcp.study.accuracy.methods import settings
 from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
@@ -32,6 +37,7 @@ __all__ = [
     "Number",
     "compatibility",
     "left_out",
+    "limits_of_directions",
     "mark_of",
     "no_equilibrium",
     "planned_rows",
@@ -54,3 +60,9 @@ def planned_rows(methods: Iterable[Any], faces: tuple[int, ...], tolerances: tup
     and these are the study's own.
     """
     return sum(map(len, settings(tuple(methods), (faces, False), (tolerances, False), True).values()))
+
+
+def limits_of_directions(grasp: hl.Grasp, wrenches: Any, faces: Any) -> np.ndarray:
+    """(m,) factors on these wrenches (m, 6), contacts fixed: what an envelope asks for."""
+    section = as_section(faces, planar=grasp.scene.kind.planar)
+    return np.asarray(limits_of(grasp.spec, section, wrenches, "fixed", None, None).factors)

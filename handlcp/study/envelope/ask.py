@@ -22,26 +22,25 @@ Binds = tuple[Bind, ...]
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked along every direction. section : of the friction cones. geometry, motion, turn, progress : as in
-    `envelope`.
-    """
+    """What is asked along every direction. section : of friction. geometry, motion, turn : as in `envelope`."""
 
     load: Load
     section: Section
     geometry: str
     motion: float | None
     turn: float | None
-    progress: Progress
 
     def wrenches(self, directions: Array, given: Array | None) -> Array:
         """(m, 6) for a factor of 1. given : in place of those of the directions."""
         return self.load.wrenches(directions) if given is None else given
 
-    def ask(self, directions: Array, given: Array | None) -> tuple[Array, tuple[Binds, ...]]:
-        """(m,) factors, and for each what binds; () where nothing does."""
+    def ask(
+        self, directions: Array, given: Array | None, progress: Progress = None
+    ) -> tuple[Array, tuple[Binds, ...]]:  # fmt: skip
+        """(m,) factors, and for each what binds; () where nothing does. progress : as in `envelope`."""
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds = np.empty(m), list[Binds]([()] * m)
-        with told(self.progress, m) as done:
+        with told(progress, m) as done:
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)
                 for start in range(0, len(every), _PIECE[self.geometry]):

@@ -59,15 +59,15 @@ def envelope(
     wide = None if turn is None else number("turn", turn, above=0.0)
     rounds = integer("adaptive", adaptive, 0, 12)
     asked, load = _read(grasp, directions, of, at)
-    question = Question(load, as_section(faces, planar=grasp.scene.kind.planar), geometry, far, wide, progress)
-    grid, (factors, binds) = asked.grid, question.ask(asked.grid.points, asked.wrenches)
+    question = Question(load, as_section(faces, planar=grasp.scene.kind.planar), geometry, far, wide)
+    grid, (factors, binds) = asked.grid, question.ask(asked.grid.points, asked.wrenches, progress)
     room = round(_MORE * len(grid.points))
     for _ in range(rounds if asked.divides else 0):
         cut = _between_causes(grid, binds)[:room]
         if not len(cut):
             break
         grid, before = grid.halved(cut), len(grid.points)
-        more, why = question.ask(grid.points[before:], None)
+        more, why = question.ask(grid.points[before:], None, progress)
         factors, binds, room = np.append(factors, more), (*binds, *why), room - len(cut)
     return Envelope(question, grid, asked.wrenches, factors, binds, asked.plane)
 

@@ -20,6 +20,8 @@ _AXES = ("x", "y", "z")
 
 def printed(env: Any) -> str:
     """See `Envelope.__str__`."""
+    if env.strongest.factor == 0.0:
+        return "\n".join([wrapped(_head(env), "  "), wrapped(headline(env), "  ")])
     lines = [wrapped(line, "  ") for line in (_head(env), *_extremes(env), given_away(env)) if line]
     return "\n".join([*lines, "", str(_table(env))])
 
@@ -29,7 +31,7 @@ def headline(env: Any) -> str:
     w = env.weakest
     if np.isinf(w.factor):
         return f"{NOTHING}, in no direction"
-    if w.factor == 0.0:
+    if env.strongest.factor == 0.0:
         return f"the grasp does not hold without a load: {said(w.binds)}"
     return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}; weakest {_way(env, w.number)}: {said(w.binds)}"
 

@@ -93,18 +93,18 @@ class Envelope(Data):
 
     @lazy
     def weakest(self) -> Extreme:
-        """The direction with the smallest factor."""
+        """The direction with the smallest factor: its `number`, unit vector `direction` (3,), `factor` and `binds`."""
         return self._at(int(np.argmin(self.factors)))
 
     @lazy
     def strongest(self) -> Extreme:
-        """The direction with the largest factor."""
+        """The direction with the largest factor, as `weakest`."""
         return self._at(int(np.argmax(self.factors)))
 
     @property
     def causes(self) -> tuple[Cause, ...]:
-        """What gives out first, the most frequent cause first: in words, on which share of the directions, and how
-        much is held there.
+        """What gives out first, the most frequent cause first. Each has `binds`, as here; `says`, in words; `share` of
+        all directions; the `least` and the `median` factor there.
         """
         return self._causes[0]
 
@@ -122,7 +122,9 @@ class Envelope(Data):
 
     @property
     def compliance(self) -> Compliance:
-        """What passive compliance gives away: the factors as shares of `bound`."""
+        """What passive compliance leaves: factors as shares of `bound`, over the directions where that is finite. Their
+        `median`; the `least`, and the `number` of its direction.
+        """
         return Compliance.of(self.factors, self.bound, self.shares)
 
     @lazy
@@ -176,4 +178,8 @@ class Envelope(Data):
         return text
 
     def __str__(self) -> str:
+        """What was asked, the weakest and the strongest direction, a table of what gives out first."""
         return printed(self)
+
+    def __repr__(self) -> str:
+        return f"Envelope(of={self.of!r}, {len(self.factors)} directions, weakest={self.weakest.factor:.6g})"
