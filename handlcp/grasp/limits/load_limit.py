@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import geometry_of, load_of, tolerance
 from handlcp.grasp.limits.fixed import fixed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.sensitivity.paths import PathSensitivity
 
 __all__ = ["load_limit"]
 
@@ -17,6 +22,18 @@ def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
+    asked, most = load_of(spec, wrench), (tolerance("motion", motion), tolerance("turn", turn))
+    found = _limit(spec, section, asked, geometry, most)
+
+    def factor(varied: GraspSpec) -> dict[str, Array]:
+        load = read_only(asked + varied.wrench - spec.wrench)
+        own = varied.replace(wrench=spec.wrench, asked=varied.asked)
+        return {"factor": np.array(_limit(own, section, load, geometry, most).factor)}
+
+    return replace(found, differences=lambda: PathSensitivity(spec, factor))
+
+
+def _limit(spec: GraspSpec, section: Section, load: Array, geometry: Any, most: tuple[float, float]) -> LoadLimit:
+    """Of a load (6,) beside the weight; most : motion [m] and turn [rad] that are allowed."""
     geometry_of(spec, geometry)
-    most = (tolerance("motion", motion), tolerance("turn", turn))
-    return fixed_limit(spec, section, load_of(spec, wrench), most)
+    return fixed_limit(spec, section, load, most)
