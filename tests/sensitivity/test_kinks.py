@@ -62,7 +62,7 @@ def test_a_contact_that_just_touches_pushes_or_opens(faces):
 
 @pytest.mark.parametrize(("faces", "mu"), [("cone", 0.25), (8, 0.25), (4, 0.25)])
 def test_a_contact_at_its_limit_slides_or_sticks(faces, mu):
-    """Weak fingers bear mu · 10 N each along z, on a face of the pyramid, whose normal is cos(π/m) away when inscribed."""
+    """Weak fingers bear mu · 10 N each along z, where a face of an inscribed pyramid is cos(π/m) of that away."""
     share = 1.0 if faces == "cone" else np.cos(np.pi / faces)
     load = np.array([0, 0, -60.0 * mu * share, 0, 0, 0])
     found, along = compare(at_the_limit(mu), load, np.array([0, 0, -1.0, 0, 0, 0]), faces)
