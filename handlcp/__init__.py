@@ -100,11 +100,11 @@ __all__ = [
     "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem",
     "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp", "HandGraspSolution",
     "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke", "LoadLimit",
-    "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PathSensitivity", "PrescribedForce", "Pyramid", "Reason",
-    "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "Sensitivity", "SoftFinger", "SoftWrist",
-    "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck",
-    "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict",
-    "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability", "solve_lcp",
+    "Loading", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PathSensitivity", "PrescribedForce", "Pyramid",
+    "Reason", "Reliability", "Required", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "Sensitivity",
+    "SoftFinger", "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons",
+    "TorqueCheck", "TorqueSaturation", "TotalForceBound", "URDFError", "Uniqueness", "UnknownName", "Unsupported",
+    "Verdict", "accuracy_cost", "audit_urdf", "describe_urdf", "example_hand", "find_grasp", "reliability", "solve_lcp",
     "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 

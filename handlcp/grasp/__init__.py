@@ -53,7 +53,8 @@ __all__ = [
     "Accuracy", "AnisotropicCoulomb", "Bind", "Contact", "ContactCompliance", "Coulomb", "Effect", "Environment",
     "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw", "Frictionless",
     "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Limit", "LimitEvent",
-    "LimitPath", "LoadLimit", "Loading", "PathSensitivity", "Placement", "PrescribedForce", "Pyramid", "Reason", "Required", "Residuals",
-    "Scene", "Sensitivity", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation",
-    "TotalForceBound", "Uniqueness", "Verdict", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
+    "LimitPath", "LoadLimit", "Loading", "PathSensitivity", "Placement", "PrescribedForce", "Pyramid", "Reason",
+    "Required", "Residuals", "Scene", "Sensitivity", "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion",
+    "Suggestions", "TorqueSaturation", "TotalForceBound", "Uniqueness", "Verdict", "effect_kinds", "solve_many",
+    "wrench_from_fingertip_forces",
 ]  # fmt: skip
