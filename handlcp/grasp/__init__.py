@@ -50,14 +50,16 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.sensitivity.paths import PathSensitivity
+from handlcp.grasp.sensitivity.sensitivity import Sensitivity
 from handlcp.grasp.verify.judge import Residuals
 
 __all__ = [
     "Accuracy", "AnisotropicCoulomb", "BestChange", "Bind", "Closure", "Contact", "ContactCompliance", "Coulomb",
     "Effect", "Environment", "Equilibria", "Event", "Explanation", "FileKey", "FingerForceBound", "FrictionLaw",
     "Frictionless", "GeometricStiffness", "Grasp", "GraspProblem", "GraspSolution", "GraspSpec", "KnownForce", "Least",
-    "Limit", "LimitEvent", "LimitPath", "LoadLimit", "Loading", "Margins", "Placement", "PrescribedForce", "Pyramid",
-    "Reason", "Required", "RequiredStiffness", "Residuals", "Scene", "SoftFinger", "SoftWrist", "Solutions", "Stage",
-    "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound", "TriedChange", "Uniqueness", "Verdict",
-    "WrenchSpace", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
+    "Limit", "LimitEvent", "LimitPath", "LoadLimit", "Loading", "Margins", "PathSensitivity", "Placement",
+    "PrescribedForce", "Pyramid", "Reason", "Required", "RequiredStiffness", "Residuals", "Scene", "Sensitivity",
+    "SoftFinger", "SoftWrist", "Solutions", "Stage", "Suggestion", "Suggestions", "TorqueSaturation", "TotalForceBound",
+    "TriedChange", "Uniqueness", "Verdict", "WrenchSpace", "effect_kinds", "solve_many", "wrench_from_fingertip_forces",
 ]  # fmt: skip

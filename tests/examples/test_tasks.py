@@ -52,6 +52,15 @@ def test_the_motors_hold_the_bottle_tilted_and_pushed_and_a_weaker_grip_does_not
     assert pushed.follow(steps=8).reached is False
 
 
+def test_friction_to_spare_is_what_a_solve_with_less_friction_has():
+    task = ran("what_if_friction_drops")
+    less = task["grasp"].replace(friction=0.9 * task["friction"]).solve()
+    # All contacts stick, so that forces do not change and the margin is linear in the friction
+    assert set(less.contact_state) == {"sticking"}
+    assert task["margin"] + task["drop"] == pytest.approx(less.friction_margin, rel=1e-9)
+    assert task["drop"] == pytest.approx(-0.08 * task["solution"].normal_force, rel=1e-9)
+
+
 def test_the_stiffness_and_the_squeeze_keep_the_cube_within_a_millimetre():
     task = ran("stiffness_and_squeeze")
     hand = task["hand"].replace(joint_stiffness=task["stiffness"])

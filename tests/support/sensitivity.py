@@ -93,18 +93,22 @@ def quantities(solution):
 
 
 def differences(grasp, solution, faces, parameter, index):
-    """Fourth-order central differences of whole solves."""
+    """(differences, step): fourth-order central differences of whole solves, with a step on which no contact changes
+    its state.
+    """
     h = STEPS[parameter]
-
-    def at(step):
-        return quantities(varied(grasp, parameter, index, step).solve(faces, start=solution))
-
-    a, b, c, d = at(h), at(-h), at(2 * h), at(-2 * h)
-    return {name: (8 * (a[name] - b[name]) - (c[name] - d[name])) / (12 * h) for name in a}
+    for _ in range(4):
+        found = [varied(grasp, parameter, index, k * h).solve(faces, start=solution) for k in (1, -1, 2, -2)]
+        if all(s.contact_state == solution.contact_state for s in found):
+            break
+        h /= 10.0
+    a, b, c, d = map(quantities, found)
+    return {name: (8 * (a[name] - b[name]) - (c[name] - d[name])) / (12 * h) for name in a}, h
 
 
 _ALIKE = (("forces", "friction_margin"), ("slip", "gap", "displacement"), ("torques", "torque_margin"), ("torsion",))
-_ROUNDING = 1e-12  # of a quantity: what a solve is off by
+# Of a quantity, what a solve is off by; where forces change their own flexibility, it is solved until they stay
+_ROUNDING, _ITERATED = 1e-12, 1e-10
 
 
 def misses(grasp, solution, faces, parameter, index):
@@ -112,14 +116,15 @@ def misses(grasp, solution, faces, parameter, index):
     quantities of a kind, rounding of the differences left out; inf where one of the two is no number.
     """
     found, s, values = {}, solution.sensitivity(), quantities(solution)
-    truths = differences(grasp, solution, faces, parameter, index)
+    noise = _ITERATED if any(e.depends_on_forces for e in grasp.effects) else _ROUNDING
+    truths, step = differences(grasp, solution, faces, parameter, index)
     size = {name: np.nanmax(abs(s.of(name, parameter)), initial=0.0) for name in truths}
     for name, truth in truths.items():
         one = s.of(name, parameter)[(..., *index)]
         known, alike = np.isfinite(truth) & np.isfinite(one), next(group for group in _ALIKE if name in group)
         largest = max(size.get(other, 0.0) for other in alike)
-        rounding = _ROUNDING * max(np.nanmax(abs(values[other]), initial=0.0) for other in alike if other in values)
-        missed = abs(np.where(known, one - truth, 0.0)).max(initial=0.0) - rounding / STEPS[parameter]
+        rounding = noise * max(np.nanmax(abs(values[other]), initial=0.0) for other in alike if other in values)
+        missed = abs(np.where(known, one - truth, 0.0)).max(initial=0.0) - rounding / step
         found[name] = max(missed, 0.0) / largest if largest > 0.0 else max(missed, 0.0)
         if (np.isfinite(truth) != np.isfinite(one)).any():
             found[name] = np.inf

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, load_of, tolerance
 from handlcp.grasp.limits.fixed import fixed_limit
 from handlcp.grasp.limits.followed.answers import followed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.sensitivity.paths import PathSensitivity
 
 __all__ = ["load_limit"]
 
@@ -21,3 +26,18 @@ def load_limit(
     limit = followed_limit if is_followed(spec, geometry) else fixed_limit
     most = (tolerance("motion", motion), tolerance("turn", turn))
     return limit(spec, section, load_of(spec, wrench), most)
+    asked, most = load_of(spec, wrench), (tolerance("motion", motion), tolerance("turn", turn))
+    found = _limit(spec, section, asked, geometry, most)
+
+    def factor(varied: GraspSpec) -> dict[str, Array]:
+        load = read_only(asked + varied.wrench - spec.wrench)
+        own = varied.replace(wrench=spec.wrench, asked=varied.asked)
+        return {"factor": np.array(_limit(own, section, load, geometry, most).factor)}
+
+    return replace(found, differences=lambda: PathSensitivity(spec, factor))
+
+
+def _limit(spec: GraspSpec, section: Section, load: Array, geometry: Any, most: tuple[float, float]) -> LoadLimit:
+    """Of a load (6,) beside the weight; most : motion [m] and turn [rad] that are allowed."""
+    geometry_of(spec, geometry)
+    return fixed_limit(spec, section, load, most)

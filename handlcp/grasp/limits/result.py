@@ -12,6 +12,7 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
 from handlcp.views import view
@@ -73,7 +74,7 @@ class LoadLimit(Data):
     factor : times `wrench`; inf where nothing binds however large the load, 0 where squeeze or weight alone are not
     held. wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one
     or several. why : one sentence. events : on the way, in order. geometry : "fixed" or "followed".
-    made : makes what is only computed when it is asked for.
+    made, differences : make what is only computed when it is asked for.
     """
 
     factor: float
@@ -83,6 +84,14 @@ class LoadLimit(Data):
     events: tuple[LimitEvent, ...]
     geometry: str
     made: Later
+    differences: Callable[[], PathSensitivity] | None = None
+
+    def sensitivity(self) -> PathSensitivity:
+        """Derivatives of the factor, by differences of whole load limits: `.factor_by_friction` (n,), and so on;
+        `wrench` is that of this limit.
+        """
+        assert self.differences is not None  # `load_limit` saw to it
+        return self.differences()
 
     @property
     def load(self) -> Array:

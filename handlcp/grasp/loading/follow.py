@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from handlcp.grasp.loading.steps import Steps
 from handlcp.grasp.loading.why import under_load, why_lost
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
@@ -32,6 +34,7 @@ from handlcp.views import view
 
 __all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of"]
 
+_COARSER = 100.0  # steps of differences of a path, beside those of one solve: its own steps are no finer
 TOLERANCE = 3e-4  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 
 
@@ -41,7 +44,8 @@ class Loading(Data):
 
     reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
     reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
-    events : in order. steps : every step as arrays. stages : their names. section : of the friction cones.
+    events : in order. steps : every step as arrays. stages : their names. section : of the friction cones. again :
+    follows another grasp in the same way.
     """
 
     reached: bool
@@ -52,6 +56,7 @@ class Loading(Data):
     steps: Steps
     stages: tuple[str, ...]
     section: Section
+    again: Callable[[GraspSpec], Loading] | None = field(default=None, repr=False)
 
     @property
     def last(self) -> State:
@@ -65,6 +70,24 @@ class Loading(Data):
         """
         last = self.last
         return solve_spec(self.steps.grasp.made(last.look, last.loads), self.section, start=last.start, proof=False)
+
+    def sensitivity(self) -> PathSensitivity:
+        """Derivatives of the end of the path, with all its history, by differences of whole paths: forces (n, 3),
+        torques (nv,), displacement (6,), such as `.displacement_by_wrench` (6, 6); `error` tells how far the two
+        sides differ, events of the path and the size of its steps included. NaN where an end is not reached.
+        """
+        assert self.again is not None  # `follow` saw to it
+        follow_again = self.again
+
+        def end(spec: GraspSpec) -> dict[str, Array]:
+            last = follow_again(spec)
+            share = 1.0 if last.reached else np.nan
+            read = last.last.read
+            return {
+                "forces": share * read.forces, "torques": share * read.torque, "displacement": share * last.displacement
+            }  # fmt: skip
+
+        return PathSensitivity(self.steps.grasp.spec, end, _COARSER)
 
     @property
     def displacement(self) -> Array:
@@ -163,6 +186,13 @@ def begun(
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     first, goals = read_stages(order, load, read_only(beside), before, command, squeezes)
     return first, goals, stepper
+    run = drive(stepper, first, goals, count, finest)
+
+    def again(other: GraspSpec) -> Loading:
+        asked = beside + other.wrench - spec.wrench if load is None else load
+        return follow(other, section, asked, order, geometry, steps, tolerance, finest)
+
+    return replace(_loading(run, goals, stepper, section), again=again)
 
 
 def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:

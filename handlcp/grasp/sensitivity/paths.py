@@ -4,8 +4,9 @@
 
 A path depends on its history: which contact slid first, and how far, has to be gone through again. Where friction has
 flat faces a load limit is piecewise smooth in every parameter, and such differences are off by rounding alone. `error`
-is how much the two sides differ: large where an event changes its place in the order, so that there are two
-derivatives, and where steps of a path are rougher than the change.
+is how much the two sides differ: large where events change places, so that there are two derivatives, and where steps
+of a path are rougher than the change. A derivative whose sides differ by more than a thousandth is that of a parameter
+that grows.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.by.vary import STEPS, shape_of, vary
 
 __all__ = ["PathSensitivity"]
+
+_APART = 1e-3  # of the larger: sides that differ by more are two derivatives
 
 
 class PathSensitivity:
@@ -69,7 +72,9 @@ class PathSensitivity:
             ahead, behind = (self._end(vary(self._spec, parameter, k, step)) for step in (h, -h))
             for name, here in self._here.items():
                 a, b = (ahead[name] - here) / h, (here - behind[name]) / h
-                columns[name].append(((a + b) / 2.0, abs(a - b)))
+                apart = abs(a - b)
+                both = apart <= _APART * np.maximum(abs(a), abs(b))
+                columns[name].append((np.where(both, (a + b) / 2.0, a), apart))
         return {
             name: (_stacked([a for a, _ in pairs], shape), _stacked([e for _, e in pairs], shape))
             for name, pairs in columns.items()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.sensitivity.answer import Answer
@@ -13,7 +15,9 @@ from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
 from handlcp.grasp.sensitivity.quantities import QUANTITIES
 from handlcp.grasp.sensitivity.respond import Response
+from handlcp.grasp.sensitivity.table import what_matters
 from handlcp.tolerances import ACTIVE
+from handlcp.views import view
 
 __all__ = ["Along", "Sensitivity", "sensitivity_of"]
 
@@ -114,6 +118,27 @@ class Sensitivity:
             known = self._rates[parameter] = self._response.to(change), change
         return known
 
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data, by name: nested lists, SI, None for what is not a finite number; and the kinks."""
+        found: dict[str, Any] = {"kinks": [str(k) for k in self.kinks], "free_directions": self.free}
+        found |= {f"{q}_by_{p}": _plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
+        return found
+
+    def to_frame(self, quantity: str, parameter: str) -> Any:
+        """A pandas table of one derivative: a row for each entry of the quantity, a column for each of the parameter,
+        both named by their numbers, such as "0.2". Raises UnknownName, and Unsupported without pandas.
+        """
+        value = self.of(quantity, parameter)
+        of = PARAMETERS[parameter].shape(self._answer)
+        rows, columns = value.shape[: value.ndim - len(of)], [".".join(map(str, k)) for k in np.ndindex(*of)]
+        flat = value.reshape(-1, len(columns))
+        index = [".".join(map(str, k)) for k in np.ndindex(*rows)]
+        return view("data_frame")({name: flat[:, k] for k, name in enumerate(columns)}, index)
+
+    def __str__(self) -> str:
+        """What a tenth more of each parameter does to the largest force, torque, motion and the least margin."""
+        return what_matters(self, self._answer)
+
     def __getattr__(self, name: str) -> Array:
         """`<quantity>_by_<parameter>`."""
         quantity, by, parameter = name.partition("_by_")
@@ -125,6 +150,13 @@ class Sensitivity:
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
+
+
+def _plain(value: Array) -> Any:
+    """Nested lists."""
+    if value.ndim:
+        return [_plain(part) for part in value]
+    return float(value) if np.isfinite(value) else None
 
 
 def sensitivity_of(solution: Any) -> Sensitivity:

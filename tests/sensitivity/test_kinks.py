@@ -1,0 +1,98 @@
+"""Where a contact's next state depends on the direction of a change: both sides, against closed forms and solves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+PAD, SQUEEZE = 1e-4, 1e-3
+
+
+def pair(axis, mu, name, x=0.0):
+    """Two fingers that squeeze along an axis, at x."""
+    e, at = np.eye(3)[axis], np.array([x, 0.0, 0.0])
+    return [hl.Contact(at - a * e, a * e, hl.Coulomb(mu), tangent=(0, 0, 1), name=f"{name} {a:+}") for a in (1.0, -1.0)]
+
+
+def touched():
+    """A pinch, and a pad below that just touches."""
+    contacts = [*pair(0, 0.8, "pinch"), hl.Contact((0, 0, -1.0), (0, 0, 1), hl.Coulomb(0.5), name="below")]
+    return lambda load: hl.Grasp(contacts, load, flexibility=PAD, preload=[SQUEEZE, SQUEEZE, 0.0])
+
+
+def at_the_limit(mu):
+    """Three pinches that share the load; the first is at the limit of its friction under 60 mu newtons."""
+    contacts = [*pair(0, mu, "weak"), *pair(1, 0.9, "strong", 0.5), *pair(1, 0.9, "strong", -0.5)]
+    return lambda load: hl.Grasp(contacts, load, flexibility=PAD, preload=SQUEEZE)
+
+
+def one_sided(make, load, direction, faces, step):
+    """(ahead, behind) of forces and motion, by one-sided differences of solves of a piecewise linear answer."""
+    here, sides = make(load).solve(faces), []
+    for h in (step, -step):
+        there = make(load + h * direction).solve(faces, start=here)
+        sides.append({
+            "forces": (there.forces - here.forces) / h,
+            "displacement": (there.object_displacement - here.object_displacement) / h,
+            "slip": (there.slip - here.slip) / h, "gap": (there.gap - here.gap) / h,
+        })  # fmt: skip
+    return sides
+
+
+def compare(make, load, direction, faces, step=1e-3):
+    found = make(load).solve(faces).sensitivity()
+    along = found.along("wrench", direction)
+    for side, truth in zip((along.ahead, along.behind), one_sided(make, load, direction, faces, step), strict=True):
+        for name, value in truth.items():
+            size = abs(truth["forces"]).max() if name == "forces" else abs(truth["displacement"]).max()
+            assert abs(side[name] - value).max() <= 1e-6 * size, name
+    return found, along
+
+
+@pytest.mark.parametrize("faces", ["cone", 8, 4])
+def test_a_contact_that_just_touches_pushes_or_opens(faces):
+    found, along = compare(touched(), np.zeros(6), np.array([0, 0, -1.0, 0, 0, 0]), faces)
+    assert [str(k) for k in found.kinks] == ["below touches without force"]
+    assert along.ahead["displacement"][2] == pytest.approx(-PAD / 3, rel=1e-9)  # three pads
+    assert along.behind["displacement"][2] == pytest.approx(-PAD / 2, rel=1e-9)  # two
+    assert along.behind["gap"][2] == pytest.approx(-PAD / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize(("faces", "mu"), [("cone", 0.25), (8, 0.25), (4, 0.25)])
+def test_a_contact_at_its_limit_slides_or_sticks(faces, mu):
+    """Weak fingers bear mu · 10 N each along z, where a face of an inscribed pyramid is cos(π/m) of that away."""
+    share = 1.0 if faces == "cone" else np.cos(np.pi / faces)
+    load = np.array([0, 0, -60.0 * mu * share, 0, 0, 0])
+    found, along = compare(at_the_limit(mu), load, np.array([0, 0, -1.0, 0, 0, 0]), faces)
+    assert [k.who for k in found.kinks] == ["weak +1.0", "weak -1.0"]
+    assert along.ahead["displacement"][2] == pytest.approx(-PAD / 4, rel=1e-7)
+    assert along.behind["displacement"][2] == pytest.approx(-PAD / 6, rel=1e-7)
+
+
+def test_entries_are_those_of_a_parameter_that_grows():
+    make, load = touched(), np.zeros(6)
+    found = make(load).solve().sensitivity()
+    up = found.along("wrench", np.array([0, 0, 1.0, 0, 0, 0]))
+    assert found.displacement_by_wrench[:, 2] == pytest.approx(up.ahead["displacement"], abs=1e-15)
+    assert found.displacement_by_wrench[2, 2] == pytest.approx(PAD / 2, rel=1e-9)
+
+
+def test_no_answer_on_one_side_is_no_number():
+    """A pinch at its limit: more load is not held, less is."""
+    make = lambda load: hl.Grasp(pair(0, 0.25, "pinch"), load, flexibility=PAD, preload=SQUEEZE)  # noqa: E731
+    load = np.array([0, 0, -5.0, 0, 0, 0])
+    along = make(load).solve().sensitivity().along("wrench", np.array([0, 0, -1.0, 0, 0, 0]))
+    assert np.isnan(along.ahead["displacement"]).all()
+    assert along.behind["displacement"][2] == pytest.approx(-PAD / 2, rel=1e-9)
+
+
+def test_away_from_kinks_both_sides_are_the_same():
+    found = at_the_limit(0.25)(np.array([1.0, 0, -3.0, 0, 0, 0])).solve().sensitivity()
+    assert found.kinks == ()
+    along = found.along("wrench", np.array([0.3, 0.1, 1.0, 0, 0.2, 0]))
+    for name in along.ahead:
+        assert along.ahead[name] == pytest.approx(along.behind[name], rel=1e-9, abs=1e-15, nan_ok=True)
+    direct = found.forces_by_wrench @ np.array([0.3, 0.1, 1.0, 0, 0.2, 0])
+    assert along.ahead["forces"] == pytest.approx(direct, rel=1e-12, abs=1e-12)

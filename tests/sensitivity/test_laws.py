@@ -1,0 +1,89 @@
+"""Derivatives of grasps without a hand: every friction law, on the cone and on pyramids, in space and in a plane."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.grasp.scenes import ring
+from tests.support.sensitivity import misses
+
+LAWS = {
+    "Coulomb": hl.Coulomb(0.5), "soft": hl.SoftFinger(0.5, 0.005, 2.0), "anisotropic": hl.AnisotropicCoulomb(0.6, 0.3),
+    "frictionless": hl.Frictionless(),
+}  # fmt: skip
+SEEDS = {"Coulomb": (0, 3), "soft": (0, 3), "anisotropic": (0, 3), "frictionless": (1, 4)}
+
+
+def grasp(law, seed):
+    contacts, args = ring(np.random.default_rng(seed), preload=0.003 if law != "frictionless" else 0.02)
+    made = [hl.Contact(c.position, c.rotation[:, 2], LAWS[law]) for c in contacts]
+    return hl.Grasp(made, **args)
+
+
+@pytest.mark.parametrize("faces", ["cone", 8])
+@pytest.mark.parametrize(("law", "seed"), [(law, seed) for law in LAWS for seed in SEEDS[law]])
+def test_derivatives_are_those_of_whole_solves(law, seed, faces):
+    g = grasp(law, seed)
+    s = g.solve(faces, throw=False)
+    if not s.held:
+        pytest.skip("no answer to differentiate")
+    found = s.sensitivity()
+    assert not found.kinks
+    entries = {
+        "wrench": [(2,), (4,)], "squeeze": [(1,)], "pads": [(0,)], "positions": [(1, 0), (2, 2)],
+        "normals": [(0, 0), (3, 1), (3, 2)],
+    }  # fmt: skip
+    if law != "frictionless":
+        entries["friction"] = [(0,), (3,)]
+    for parameter, indices in entries.items():
+        for index in indices:
+            missed = misses(g, s, faces, parameter, index)
+            assert max(missed.values()) < 1e-6, (parameter, index, missed)
+
+
+def test_a_pinch_follows_its_closed_forms():
+    """Two pads c, squeezed by s each: normal force s/c. The load is shared, and moves the object by c/2 each."""
+    c, mu, squeeze = 1e-4, 0.5, 1e-3
+    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for x in (-1.0, 1.0)]
+    s = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=c, preload=squeeze).solve().sensitivity()
+    assert s.forces_by_squeeze[:, 2] == pytest.approx(np.full((2, 2), 0.5 / c), rel=1e-9)
+    assert s.displacement_by_wrench[2, 2] == pytest.approx(c / 2, rel=1e-9)
+    assert s.forces_by_wrench[:, 0, 2] == pytest.approx([-0.5, -0.5], rel=1e-9)
+    assert s.friction_margin_by_friction.diagonal() == pytest.approx([squeeze / c] * 2, rel=1e-9)
+    assert s.friction_margin_by_pads == pytest.approx(np.full((2, 2), -mu * squeeze / c**2 / 2), rel=1e-9)
+
+
+def test_what_the_answer_leaves_free_is_no_number():
+    """Two points do not resist turning about the line between them, and bear no moment about it."""
+    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.Coulomb(0.5)) for x in (-1.0, 1.0)]
+    s = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve().sensitivity()
+    assert s.free == 1
+    assert np.isnan(s.displacement_by_wrench[3]).all()
+    assert np.isnan(s.forces_by_wrench[..., 3]).all()
+    assert np.isfinite(np.delete(s.forces_by_wrench, 3, axis=2)).all()
+
+
+def test_derivatives_of_a_frictionless_grasp_are_reciprocal():
+    """Monotone laws have a symmetric tangent: the motion by the load is a symmetric matrix (Maxwell and Betti)."""
+    found = [grasp("Coulomb", seed).solve(throw=False) for seed in range(6)]
+    sticking = [s for s in found if s.held and "sliding" not in s.contact_state]
+    for s in sticking:
+        D = s.sensitivity().displacement_by_wrench
+        assert abs(D - D.T).max() <= 1e-9 * abs(D).max()
+
+
+def test_only_answers_have_derivatives():
+    none = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), hl.Coulomb(0.5))], (0, 0, 5, 0, 0, 0)).solve(throw=False)
+    with pytest.raises(hl.HandLCPError, match="held"):
+        none.sensitivity()
+
+
+def test_names_are_checked():
+    s = grasp("Coulomb", 0).solve().sensitivity()
+    with pytest.raises(hl.HandLCPError, match="a parameter among"):
+        s.of("forces", "stiffness")
+    with pytest.raises(AttributeError):
+        _ = s.forces_by_weather
+    assert "forces_by_wrench" in dir(s)
