@@ -1,4 +1,4 @@
-"""A designer's eight tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
+"""A designer's tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
     assert not [n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr.startswith("_")]
 
 
-def test_there_are_eight_tasks():
-    assert len(TASKS) == 8
+def test_there_are_nine_tasks():
+    assert len(TASKS) == 9
 
 
 def test_the_motors_that_lift_the_bottle_are_the_least_that_do():
@@ -99,3 +99,13 @@ def test_contacts_given_by_hand_bear_the_moment_in_equal_parts():
     np.testing.assert_allclose(s.forces_world[:, 2], 0.5, rtol=1e-9)
     np.testing.assert_allclose(abs(s.torsion), 0.0025, rtol=1e-9)
     assert task["grasp"].required_friction().value == pytest.approx(0.5 * np.sqrt(0.01 + 0.025**2), rel=1e-3)
+
+
+def test_the_chance_that_the_cube_is_held_is_less_than_certain_and_friction_decides():
+    task = ran("how_sure")
+    sure, worst = task["sure"], task["sure"].worst
+    assert sure.chance_held.value == pytest.approx(0.995, abs=2e-3)
+    assert sure.chance_held.low < sure.chance_held.value < sure.chance_held.high <= 1.0
+    assert sure.influences[0].name == "friction"
+    assert sure.influences[0].share > 0.7
+    assert not task["grasp"].replace(friction=worst.values["friction"], mass=worst.values["mass"]).check().ok
