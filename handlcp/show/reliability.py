@@ -96,7 +96,7 @@ def _influences(ax: Any, found: Reliability) -> None:
     ax.grid(visible=False, axis="y")
     ax.set_ylim(-0.6, len(rows) - 0.4)
     ax.set_xlim(0.0, None)
-    for k, (name, colour) in enumerate((("by the samples", BLUE), ("by derivatives at the middle", ORANGE))):
+    for k, (name, colour) in enumerate((("by the samples", BLUE), ("by derivatives at the means", ORANGE))):
         ax.text(
             0.98, 0.03 + 0.075 * (1 - k), name, transform=ax.transAxes, ha="right", fontsize=SMALL, color=_dark(colour)
         )

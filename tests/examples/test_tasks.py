@@ -128,3 +128,13 @@ def test_the_cube_is_held_where_the_envelope_says_and_lost_beyond():
     assert grasp.follow((*(0.98 * pull.weakest.factor * d), 0, 0, 0), geometry="fixed").reached
     assert not grasp.follow((*(1.02 * pull.weakest.factor * d), 0, 0, 0), geometry="fixed").reached
     assert task["page"].stat().st_size > 100_000
+
+
+def test_the_chance_that_the_cube_is_held_is_less_than_certain_and_friction_decides():
+    task = ran("how_sure")
+    sure, worst = task["sure"], task["sure"].worst
+    assert sure.chance_held.value == pytest.approx(0.995, abs=2e-3)
+    assert sure.chance_held.low < sure.chance_held.value < sure.chance_held.high <= 1.0
+    assert sure.influences[0].name == "friction"
+    assert sure.influences[0].share > 0.7
+    assert not task["grasp"].replace(friction=worst.values["friction"], mass=worst.values["mass"]).check().ok

@@ -152,3 +152,35 @@ def test_each_sample_may_be_checked_instead_of_solved(nominal):
     for k in (0, 17, 40):
         assert found.sample(k).grasp.check().word == found.sample(k).word
     assert found.sample(17).verdict.loading is not None
+
+
+def test_slopes_are_the_derivatives_of_the_solution(nominal):
+    """Where all contacts stick and friction binds: margin = Σ (μ N - |T|) / Σ μ N."""
+    firm = nominal.replace(friction=1.5, squeeze=2e-3, load=(0,) * 6)
+    s = firm.solve()
+    assert set(s.contact_state) == {"sticking"}
+    d, mu, N = s.sensitivity(), 1.5, s.normal_force
+    margin, limit = s.friction_margin, (mu * N).sum()
+
+    def slope(margins, normals, mus=0.0):
+        return margins.sum() / limit - margin.sum() / limit**2 * (mu * normals + mus * N).sum()
+
+    weight = np.array([0, 0, -9.81 * 0.2, 0, 0, 0])
+    command = firm.joint_offset
+    joint, K, along = HAND.joint_names[0], 6.0, firm.frames[1][:, 0]
+    expected = {
+        "friction": 0.15 * slope(d.friction_margin_by_friction.sum(axis=1), d.forces_by_friction[:, 2].sum(axis=1), 1),
+        "mass": 0.1 * slope(d.friction_margin_by_wrench @ weight, d.forces_by_wrench[:, 2] @ weight),
+        "squeeze": 0.1 * slope(d.friction_margin_by_joint_offset @ command, d.forces_by_joint_offset[:, 2] @ command),
+        f"stiffness {joint}": 0.1 * K * slope(d.friction_margin_by_stiffness[:, 0], d.forces_by_stiffness[:, 2, 0]),
+        "position finger_2_tip x": 1e-3
+        * slope(
+            d.friction_margin_by_positions[:, 1] @ along,
+            d.forces_by_positions[:, 2, 1] @ along,
+        ),
+    }
+    spread = {"friction": 0.1, "mass": 0.1, "squeeze": 0.1, "stiffness": {joint: 0.1},
+              "positions": {"finger_2_tip": 1e-3}}  # fmt: skip
+    found = {f.name: f.slope for f in hl.reliability(firm, spread, 64, workers=1).influences}
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=1e-4, abs=1e-7), name

@@ -1,4 +1,4 @@
-"""What matters most: how the margin of the samples hangs on each value, and what its derivative at the middle says.
+"""What matters most: how the margin of the samples hangs on each value, and what its derivative at the means says.
 
 From the samples, by ranks, so that a sample that is not held counts as lower than all that are:
 
@@ -7,7 +7,7 @@ From the samples, by ranks, so that a sample that is not held counts as lower th
                        pieces of as many samples each, corrected for chance (ε², Kelley 1935)
 
 From the derivative: what one standard deviation changes in the margin, and its square as a share of all squares. That
-is what a linear model says: it knows nothing of what happens far from the middle, nor of kinks.
+is what a linear model says: it knows nothing of what happens far from them, nor of kinks.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Influence:
 
     name, unit : of the value. sd : its standard deviation, in its unit. rank : rank correlation with the margin, -1 to
     1. share : of the variance of the margin's rank that it explains alone, 0 to 1. slope : change of the margin with
-    one standard deviation, from its derivative at the middle. linear : its share by these derivatives, 0 to 1.
+    one standard deviation, from its derivative at the means. linear : its share by these derivatives, 0 to 1.
     """
 
     name: str

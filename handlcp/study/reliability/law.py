@@ -25,11 +25,12 @@ _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apar
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """quantile : the values (m,) below which shares (m,) of all values lie. sd : standard deviation.
-    below : the chance of values below the least possible one; they are cut off.
+    """quantile : the values (m,) below which shares (m,) of all values lie. mean, sd : mean and
+    standard deviation. below : the chance of values below the least possible one; they are cut off.
     """
 
     quantile: Callable[[Array], Array]
+    mean: float
     sd: float
     below: float = 0.0
 
@@ -59,12 +60,12 @@ def law_of(argument: str, value: Any, mean: float | None, least: float) -> Law:
     spread = number(argument, value, above=0.0)
     if mean is None:
         frozen = stats.norm(0.0, spread)
-        return Law(frozen.ppf, spread)
+        return Law(frozen.ppf, 0.0, spread)
     if mean <= 0.0:
         raise InputError(argument, "a distribution: a share of zero is zero", value)
     width = math.sqrt(math.log1p(spread * spread))
     lognormal = stats.lognorm(width, scale=mean * math.exp(-0.5 * width * width))
-    return Law(lognormal.ppf, mean * spread)
+    return Law(lognormal.ppf, mean, mean * spread)
 
 
 def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least: float) -> Law:
@@ -79,4 +80,4 @@ def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least
         if below > CUT:
             expected = f"values of at least {least:g}; scipy.stats.lognorm and truncnorm have no others"
             raise InputError(argument, expected, f"values below it with a chance of {below:.2g}")
-    return Law(quantile, float(sd), below)
+    return Law(quantile, float(frozen.mean()), float(sd), below)

@@ -76,13 +76,14 @@ def values_at(dimensions: Sequence[Dimension], points: Array) -> Array:
 
 
 def slopes_of(placer: Placer, method: Method) -> Array:
-    """(d,) change of the margin with one standard deviation of each value, from central differences at the medians;
-    one-sided where only one side holds, NaN where none does.
+    """(d,) change of the margin with one standard deviation of each value, from central differences at the means;
+    one-sided where only one side holds, NaN where none does. Where `solution.sensitivity()` has the same derivative it
+    is the same number: this one is of whatever varies.
     """
-    d = len(placer.dimensions)
-    middle = values_at(placer.dimensions, np.full((1, d), 0.5))[0]
-    steps = _STEP * np.array([dim.law.sd for dim in placer.dimensions])
-    rows = np.concatenate([middle + np.diag(steps), middle - np.diag(steps), middle[None]])
+    laws = [d.law for d in placer.dimensions]
+    d, middle = len(laws), np.array([law.mean for law in laws])
+    steps = np.diag([_STEP * law.sd for law in laws])
+    rows = np.concatenate([middle + steps, middle - steps, middle[None]])
     margin = solved(placer.grasps(rows), method.faces, method.workers, 0).margin
     up, down, here = margin[:d], margin[d : 2 * d], margin[-1]
     central = (up - down) / (2.0 * _STEP)

@@ -1,0 +1,63 @@
+"""`handlcp reliability` from the outside."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+
+import pytest
+from typer.testing import CliRunner
+
+from handlcp.cli import app
+
+ROOT = pathlib.Path(__file__).parents[2]
+RING = str(ROOT / "examples" / "planar_ring.toml")
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+
+
+def run(*arguments):
+    words = [str(a) for a in ("reliability", *arguments)]
+    return CliRunner().invoke(app, words, env={"COLUMNS": "80", "NO_COLOR": "1"})
+
+
+def test_a_scene_prints_its_chances_the_worst_sample_and_what_matters(tmp_path):
+    done = run(CUBE, "--friction", "0.3", "--mass", "0.1", "--samples", "64", "--plot", tmp_path / "sure.png")
+    assert done.exit_code == 0, done.output
+    for word in ("holds: ", "64 samples", "worst: sample", "friction", "mass"):
+        assert word in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 80 + len(str(tmp_path))
+    assert done.stderr == "", "no bar without a terminal"
+    assert (tmp_path / "sure.png").stat().st_size > 20_000
+
+
+def test_json_is_one_object_and_a_run_that_is_kept_is_not_repeated(tmp_path):
+    file = tmp_path / "run.npz"
+    both = [run(CUBE, "--friction", "0.3", "--samples", "64", "--resume", file, "--json") for _ in range(2)]
+    one, two = (json.loads(done.stdout) for done in both)
+    assert one == two
+    assert one["samples"] == 64
+    assert sum(one["counts"].values()) == 64
+    assert one["chance_held"]["low"] <= one["chance_held"]["value"] <= one["chance_held"]["high"]
+    assert file.exists()
+    other = run(CUBE, "--friction", "0.2", "--samples", "64", "--resume", file)
+    assert other.exit_code == 2
+    assert "another spread" in " ".join(other.stderr.split())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (CUBE,),
+        ("nothing_here.toml", "--friction", "0.1"),
+        (CUBE, "--friction", "-1"),
+        (CUBE, "--friction", "0.1", "--samples", "3"),
+        (CUBE, "--friction", "0.1", "--plot", "sure.doc"),
+        (CUBE, "--friction", "0.1", "--resume", "nowhere/run.npz"),
+        (RING, "--mass", "0.1"),
+    ],
+)
+def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "rror" in done.stderr
