@@ -10,6 +10,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+import handlcp as hl
+
 TASKS = sorted((pathlib.Path(__file__).parents[2] / "examples" / "tasks").glob("*.py"))
 G = 9.81
 
@@ -70,6 +72,16 @@ def test_the_stiffness_and_the_squeeze_keep_the_cube_within_a_millimetre():
     assert loaded.reached
     assert np.linalg.norm(loaded.displacement[:3]) < 1e-3
     assert abs(loaded.solution.torques).max() == pytest.approx(task["torque"], rel=1e-3)
+
+
+def test_the_least_pull_that_is_too_much_is_held_up_to_its_limit_and_no_further():
+    task = ran("how_much_does_it_hold")
+    least, grasp = task["weakest"], task["grasp"]
+    assert least.wrench[0] == -1.0
+    stages = ["squeeze", hl.Stage("weight", weight=1.0)]
+    for share, held in ((0.99, True), (1.01, False)):
+        pull = hl.Stage("pull", load=share * least.load)
+        assert grasp.follow(order=[*stages, pull], geometry=least.geometry).reached == held
 
 
 def test_what_the_verdict_advises_holds():

@@ -138,8 +138,9 @@ def along(hand: str, what: str, make: Callable[[], Any], *left_out: str) -> list
 
 
 CASES = (
-    *along("three_finger", "ball", ball),
-    *along("three_finger", "can", can, "-x"),  # there its symmetry breaks: which finger slips first is chance
+    # Along -x symmetry breaks: which of two fingers slips is chance
+    *along("three_finger", "ball", ball, "-x"),
+    *along("three_finger", "can", can, "-x"),
     *along("five_finger", "ball", closed_five),
     *along("allegro", "ball", lambda: scene("allegro_pinch", 0.003)),
     *along("psyonic", "can", lambda: scene("psyonic_grasp", 0.003), "oblique, down"),  # it snaps on its way

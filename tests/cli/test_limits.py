@@ -1,0 +1,96 @@
+"""`handlcp limits` from the outside."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from handlcp import scene as scenes
+from handlcp.cli import app
+
+ROOT = pathlib.Path(__file__).parents[2]
+CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+FAST = ("--fixed", "--faces", "8")
+
+
+def run(*arguments, width="80"):
+    words = ["limits", *(str(a) for a in arguments)]
+    return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
+
+
+def limit(load, **more):
+    return scenes.load(CUBE).build().load_limit(load, geometry="fixed", faces=8, **more)
+
+
+def test_six_directions_are_a_table_within_80_columns():
+    done = run(CUBE, *FAST)
+    assert done.exit_code == 0, done.output
+    for way in ("+x", "-x", "+y", "-y", "+z", "-z"):
+        assert f"force {way}" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert "Least: 2.26 N, force -x" in done.stdout
+    assert done.stderr == ""
+
+
+def test_json_has_the_limits_of_the_directions_that_are_asked_for():
+    done = run(CUBE, *FAST, "--direction", "-z", "--direction", "1,1,0", "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    down, aside = found["limits"]
+    assert down["factor"] == pytest.approx(limit((0, 0, -1, 0, 0, 0)).factor, rel=1e-6)
+    assert aside["load_asked_N_Nm"] == pytest.approx([0.5**0.5, 0.5**0.5, 0, 0, 0, 0])
+    assert {b["kind"] for b in down["binds"]} == {"slips"}
+    assert down["events"][0]["factor"] < down["factor"]
+    assert {"bound", "some_equilibrium", "geometry", "why"} <= set(down)
+
+
+def test_a_wrench_and_a_tolerance_of_motion_reach_the_limit():
+    load = (0.0, 0.0, -1.0, 0.0, 0.0, 0.1)
+    done = run(CUBE, *FAST, "--wrench", *load, "--motion", "0.2", "--json")
+    (one,) = json.loads(done.stdout)["limits"]
+    assert one["factor"] == pytest.approx(limit(load, motion=2e-4).factor, rel=1e-6)
+    assert one["binds"] == [{"kind": "motion", "who": "the object"}]
+    np.testing.assert_allclose(one["load_held_N_Nm"], one["factor"] * np.array(load))
+
+
+def test_what_does_not_hold_its_weight_holds_no_load_and_exits_1(tmp_path):
+    file = tmp_path / "heavy.toml"
+    file.write_text(pathlib.Path(CUBE).read_text(encoding="utf-8").replace("mass_kg = 0.2", "mass_kg = 3.0"))
+    done = run(file, *FAST)
+    assert done.exit_code == 1
+    assert "NOT HELD" in done.stdout
+
+
+def test_the_picture_is_of_the_load_that_holds_least(tmp_path):
+    done = run(CUBE, *FAST, "--plot", tmp_path / "least.svg")
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "least.svg").stat().st_size > 10_000
+    assert "Picture: " in done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("nothing_here.toml",),
+        (CUBE, "--direction", "up"),
+        (CUBE, "--direction", "0,0,0"),
+        (CUBE, "--direction", "1,2"),
+        (CUBE, "--direction", "nan,0,1"),
+        (CUBE, "--wrench", "0", "0", "1"),
+        (CUBE, "--wrench", *"000000"),
+        (CUBE, "--wrench", *"100000", "--direction", "+x"),
+        (CUBE, "--motion", "-1"),
+        (CUBE, "--plot", "limits.doc"),
+        (CUBE, "--faces", "2"),
+        (),
+    ],
+)
+def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "rror" in done.stderr

@@ -1,0 +1,97 @@
+"""The figure of a load limit shows its path and says what gives out; a table has a row for each load."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+import handlcp as hl
+
+
+def three(law=None, **more):
+    """Three contacts around an object, without a hand."""
+    law = hl.Coulomb(0.5) if law is None else law
+    turns = np.radians([0, 120, 240])
+    ends = [hl.Contact(0.03 * np.array([np.cos(a), np.sin(a), 0]), (-np.cos(a), -np.sin(a), 0), law) for a in turns]
+    return hl.Grasp(ends, flexibility=1e-3, preload=2e-3, **more)
+
+
+@cache
+def found(name):
+    if name in ("hand", "heavy"):
+        hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+        cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=3.0 if name == "heavy" else 0.2)
+        held = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005)
+        return held.load_limit((1, 0, 0, 0, 0, 0), geometry="fixed")
+    if name == "soft":
+        return three(hl.SoftFinger(0.5, 0.005, 1.0)).load_limit((0, 0, -1, 0, 0, 0.001), faces=8)
+    if name == "without limit":
+        ends = [hl.Contact((x, 0, 0), (-np.sign(x), 0, 0), hl.Coulomb(0.5)) for x in (-0.03, 0.03)]
+        return hl.Grasp(ends, flexibility=1e-3, preload=2e-3).load_limit((1, 0, 0, 0, 0, 0), faces=8)
+    return three().load_limit((0, 0, 0, 0, 0, 1), faces=8)
+
+
+def axis(figure, title):
+    return next(ax for ax in figure.axes if ax.get_title("left").startswith(title))
+
+
+def words_of(figure):
+    return " ".join(text.get_text() for text in figure.texts)
+
+
+def curves(ax, count):
+    return [line for line in ax.lines if len(line.get_xdata()) == count and line.get_linewidth() > 1.0]
+
+
+@pytest.mark.parametrize("name", ["hand", "moment"])
+def test_curves_are_those_of_the_path_over_the_size_of_the_load(name):
+    limit = found(name)
+    figure = limit.plot()
+    forces = curves(axis(figure, "Normal force"), len(limit.path.factors))
+    assert len(forces) == 3
+    for i, line in enumerate(forces):
+        np.testing.assert_array_equal(line.get_ydata(), limit.path.forces[:, i, 2])
+        np.testing.assert_allclose(line.get_xdata(), limit.path.factors)
+
+
+def test_where_a_finger_slips_its_friction_is_100_percent():
+    limit = found("hand")
+    drawn = curves(axis(limit.plot(), "Friction"), len(limit.path.factors))
+    assert "slips" in [e.kind for e in limit.events]
+    assert max(line.get_ydata()[-1] for line in drawn) == pytest.approx(100.0, rel=1e-6)
+
+
+def test_the_limit_its_cause_and_the_load_are_named():
+    limit = found("hand")
+    figure = limit.plot(title="A cube")
+    said = words_of(figure)
+    assert limit.why.split(",")[0] in said
+    assert "finger_1_proximal reaches its torque limit" in said
+    assert "force +x" in said
+    assert "begin to slip" in said
+    assert "limit" in [text.get_text() for ax in figure.axes for text in ax.texts]
+
+
+def test_torque_at_its_limit_is_drawn_at_100_percent():
+    limit = found("hand")
+    ax = axis(limit.plot(), "Joint torque")
+    ends = [line.get_ydata()[-1] for line in curves(ax, len(limit.path.factors))]
+    assert max(ends) == pytest.approx(100.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["hand", "moment", "soft", "without limit"])
+def test_every_kind_of_limit_can_be_drawn(name, tmp_path):
+    figure = found(name).plot()
+    FigureCanvasAgg(figure).draw()
+    assert ("NO LIMIT" in words_of(figure)) == (name == "without limit")
+    assert found(name).plot(tmp_path / "limit.svg").stat().st_size > 5000
+
+
+def test_a_grasp_that_does_not_bear_its_weight_has_no_load_to_draw():
+    limit = found("heavy")
+    assert limit.factor == 0.0
+    with pytest.raises(hl.Unsupported, match="no load to draw"):
+        limit.plot()
