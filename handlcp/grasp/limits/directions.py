@@ -13,9 +13,9 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
 from handlcp.grasp.limits.fixed import watch_from
-from handlcp.grasp.limits.parts import none_known, update
 from handlcp.grasp.limits.followed.answers import followed_limits
 from handlcp.grasp.limits.followed.cause import events_of
+from handlcp.grasp.limits.parts import none_known, update
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.start import start_of
 from handlcp.grasp.limits.system import system_of

@@ -24,20 +24,11 @@ def load_limit(
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
     limit = followed_limit if is_followed(spec, geometry) else fixed_limit
-    most = (tolerance("motion", motion), tolerance("turn", turn))
-    return limit(spec, section, load_of(spec, wrench), most)
     asked, most = load_of(spec, wrench), (tolerance("motion", motion), tolerance("turn", turn))
-    found = _limit(spec, section, asked, geometry, most)
 
     def factor(varied: GraspSpec) -> dict[str, Array]:
         load = read_only(asked + varied.wrench - spec.wrench)
         own = varied.replace(wrench=spec.wrench, asked=varied.asked)
-        return {"factor": np.array(_limit(own, section, load, geometry, most).factor)}
+        return {"factor": np.array(limit(own, section, load, most).factor)}
 
-    return replace(found, differences=lambda: PathSensitivity(spec, factor))
-
-
-def _limit(spec: GraspSpec, section: Section, load: Array, geometry: Any, most: tuple[float, float]) -> LoadLimit:
-    """Of a load (6,) beside the weight; most : motion [m] and turn [rad] that are allowed."""
-    geometry_of(spec, geometry)
-    return fixed_limit(spec, section, load, most)
+    return replace(limit(spec, section, asked, most), differences=lambda: PathSensitivity(spec, factor))

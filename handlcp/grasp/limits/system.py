@@ -56,8 +56,6 @@ class System:
 
 
 def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
-    """The equations of a grasp on the way to a load. wrench (6,) : beside the weight; it sets the natural units where
-    there is neither squeeze nor weight. Raises Unsupported.
     """The arrays of a grasp. wrench (6,) : its load beside the weight, which sets the natural units where there is
     neither squeeze nor weight. Raises Unsupported.
     """

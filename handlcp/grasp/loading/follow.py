@@ -163,7 +163,20 @@ def follow(
     limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
     first, goals, stepper = begun(spec, section, body, limit, order, load)
     run = drive(stepper, first, goals, count, finest)
-    return _loading(run, goals, stepper, section)
+
+    def again(other: GraspSpec) -> Loading:
+        asked = beside_weight(spec, stepper) + other.wrench - spec.wrench if load is None else load
+        return follow(other, section, asked, order, geometry, steps, tolerance, finest)
+
+    return replace(_loading(run, goals, stepper, section), again=again)
+
+
+def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
+    """(6,) the grasp's own load besides the object's weight, about its reference."""
+    beside = spec.wrench.copy()
+    beside[:3] -= stepper.grasp.weight
+    beside[3:] -= cross_rows(stepper.first.weight_arm, stepper.grasp.weight)
+    return read_only(beside)
 
 
 def begun(
@@ -179,20 +192,10 @@ def begun(
     for e in spec.effects:
         if isinstance(e, JointOffset):
             command = e.command
-    beside = spec.wrench.copy()
-    beside[:3] -= weight
-    beside[3:] -= cross_rows(stepper.first.weight_arm, weight)
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
-    first, goals = read_stages(order, load, read_only(beside), before, command, squeezes)
+    first, goals = read_stages(order, load, beside_weight(spec, stepper), before, command, squeezes)
     return first, goals, stepper
-    run = drive(stepper, first, goals, count, finest)
-
-    def again(other: GraspSpec) -> Loading:
-        asked = beside + other.wrench - spec.wrench if load is None else load
-        return follow(other, section, asked, order, geometry, steps, tolerance, finest)
-
-    return replace(_loading(run, goals, stepper, section), again=again)
 
 
 def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
