@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from handlcp.cli import app
 
 ROOT = pathlib.Path(__file__).parents[2]
-RING = str(ROOT / "examples" / "planar_ring.toml")
+PAPER = str(ROOT / "examples" / "paper" / "total_bound.toml")  # without a hand
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 
 
@@ -53,7 +53,7 @@ def test_json_is_one_object_and_a_run_that_is_kept_is_not_repeated(tmp_path):
         (CUBE, "--friction", "0.1", "--samples", "3"),
         (CUBE, "--friction", "0.1", "--plot", "sure.doc"),
         (CUBE, "--friction", "0.1", "--resume", "nowhere/run.npz"),
-        (RING, "--mass", "0.1"),
+        (PAPER, "--mass", "0.1"),
     ],
 )
 def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
