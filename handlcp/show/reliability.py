@@ -70,13 +70,12 @@ def _margins(ax: Any, found: Reliability) -> None:
 
 
 def _edges(margin: Any) -> Any:
-    """Of bins as wide as each other, one of which begins at 0, where some margins are below it."""
+    """Of bins as wide as each other; one of them begins at 0 if some margins are below it."""
     low, high = (float(margin.min()), float(margin.max())) if len(margin) else (0.0, 100.0)
     low = 0.0 if 0.0 <= low < 25.0 else low
     high = max(high, low + 1.0, 1.0 if low < 0.0 else low)
     width = (high - low) / BINS
-    first = np.floor(low / width) if low < 0.0 < high else low / width
-    return (first + np.arange(BINS + 2)) * width
+    return (np.floor(low / width) + np.arange(BINS + 2)) * width
 
 
 def _influences(ax: Any, found: Reliability) -> None:
