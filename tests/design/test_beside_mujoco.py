@@ -1,0 +1,27 @@
+"""The motors that a brief takes, in MuJoCo: with the answer the object stays, with less grip it falls, and where."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("mujoco")
+
+from handlcp.simulator import compare
+from tests.design.hands import cube_grasp
+
+SAFETY = 1.5
+
+
+def test_a_simulated_hand_holds_the_cube_with_these_motors_and_loses_it_with_less_grip():
+    grasp = cube_grasp()
+    r = grasp.required_torque(safety=SAFETY)
+    heavy = grasp.replace(mass=SAFETY * grasp.target.mass)
+    held = compare(heavy.replace(grip_force=r.grip), steps=8, seconds=1.0)
+    assert held.simulation.held
+    assert (abs(held.simulation.torques) <= 1.01 * r.torque).all()
+    assert held.torque_error < 0.01
+    share = 0.85  # nearer to what is needed the simulated fingers slip so slowly that one waits for the fall
+    less = {name: share * force for name, force in r.grip.items()}
+    lost = compare(heavy.replace(grip_force=less), steps=8)
+    assert not lost.simulation.held
+    assert lost.simulation.lost_at == pytest.approx(share, rel=0.03)  # the load that this grip carries
