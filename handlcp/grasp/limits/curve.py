@@ -22,7 +22,7 @@ __all__ = ["follow_curve"]
 _ERROR = 1e-9  # of a step, relative to forces and motions
 _MOST = 3000  # steps
 _TIE = 1e-12
-_ROOTS = 60
+_ROOTS, _ROOT = 60, 3e-13
 _NO_MORE = 1e-10  # load by length of the path: less is none, and what comes until it ends is less than that
 _SHRINK, _GROW, _SAFE = 0.2, 6.0, 0.9
 _FAR = 1e9  # times the forces it began with: a path without an end
@@ -216,7 +216,7 @@ def _arrive(
             _step(p, at, w, kinds, index, y, share * h, tangent, slopes, ahead, turned)
             values, sizes = _values(p, s, watch, gap, slack, begun, ahead, turned, left, w)
             f = values[which] / sizes[which]
-            if abs(f) <= 1e-14 or high - low <= 1e-15:
+            if abs(f) <= _ROOT or high - low <= 1e-15:
                 break
             if f < 0.0:
                 high, f_high = share, f

@@ -9,14 +9,16 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects import Effect
+from handlcp.grasp.limits.happens import room_of
 from handlcp.grasp.limits.parts import CLOSED, Place
 from handlcp.grasp.limits.result import LimitPath
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.tolerances import CERTIFY
 
-__all__ = ["FollowedPath"]
+__all__ = ["TracedPath"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +34,7 @@ class _Moved(Effect):
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedPath:
+class TracedPath:
     """A path of a system under a load: points (k, 1 + m + dof + limits) as `trace` writes them, place at its end;
     None: squeeze or weight alone are not held, and there are no points.
     """
@@ -41,6 +43,23 @@ class FollowedPath:
     wrench: Array
     points: Array
     place: Place | None
+
+    @property
+    def sound(self) -> bool:
+        """Whether its end obeys balance, contact and friction as closely as a certifier asks."""
+        system, place = self.system, self.place
+        if place is None or not np.isfinite(self.points[-1]).all():
+            return False
+        p, r = system.parts, place.r
+        size = max(float(abs(r).max(initial=0.0)), 1e-300)
+        load = system.load(system.weight + float(self.points[-1, 0]) * self.wrench)
+        size = max(size, float(abs(load).max()))
+        if float(abs(p.G @ r + load).max()) > CERTIFY * size:
+            return False
+        closed = place.closed[p.owner] == CLOSED
+        room = min([room_of(p, r, f) for f in np.flatnonzero(closed).tolist()], default=0.0)
+        least = min([float(r[j]) for j in p.contacts[:, 0].tolist() if j >= 0], default=0.0)
+        return min(room, least) >= -CERTIFY * size
 
     def arrays(self) -> LimitPath:
         """In SI, for users."""

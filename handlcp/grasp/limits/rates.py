@@ -22,7 +22,7 @@ __all__ = ["Rates", "Solved", "decide", "face_of_force", "respond"]
 
 _NORMAL, _LIMIT = -1, -2
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
-_TURNS, _TURNED = 200, 1e-14
+_TURNS, _TURNED = 100, 1e-12
 _TINY = 1e-9
 _DRIVEN = 1e-9  # of the load: more of it along a motion that nothing resists is no balance
 
