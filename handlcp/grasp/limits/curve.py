@@ -66,6 +66,7 @@ def follow_curve(
         y[:], tangent[:], slopes[0] = ahead, turned, slopes[6]
         h *= min(_GROW, _SAFE * max(error, 1e-12) ** -0.2)
         if np.max(np.abs(y[:m])) > _FAR * largest or h > _FAR * largest:
+            _write(p, s, gap, slack, begun, begun)  # the last place that is a number
             return RAY, np.inf, -1
     return GIVES_UP, 0.0, -1
 
