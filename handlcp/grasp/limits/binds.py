@@ -6,9 +6,9 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.happens import RAY, REACHED, WATCHED
-from handlcp.grasp.limits.parts import CLOSED
-from handlcp.grasp.limits.parts import OPENS as TOUCHES_LAST
+from handlcp.grasp.limits.kernels.happens import RAY, REACHED, WATCHED
+from handlcp.grasp.limits.kernels.parts import CLOSED
+from handlcp.grasp.limits.kernels.parts import OPENS as TOUCHES_LAST
 from handlcp.grasp.limits.result import (
     EQUILIBRIUM,
     MOTION,

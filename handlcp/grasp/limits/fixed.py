@@ -8,14 +8,14 @@ from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, why_of
 from handlcp.grasp.limits.further import bound_beside, largest_held
-from handlcp.grasp.limits.happens import GIVES_UP, Watch
-from handlcp.grasp.limits.parts import Place, none_known
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
+from handlcp.grasp.limits.kernels.parts import Place, none_known
+from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.path import TracedPath
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LoadLimit
 from handlcp.grasp.limits.start import start_of
 from handlcp.grasp.limits.stepped import stepped_limit
 from handlcp.grasp.limits.system import System, system_of
-from handlcp.grasp.limits.trace import EVENTS, trace
 from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["fixed_limit", "watch_from"]

@@ -15,8 +15,8 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Cone, Section, limit_set
-from handlcp.grasp.limits.happens import Watch
-from handlcp.grasp.limits.parts import Parts
+from handlcp.grasp.limits.kernels.happens import Watch
+from handlcp.grasp.limits.kernels.parts import Parts
 from handlcp.grasp.loading.geometry import supports
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene

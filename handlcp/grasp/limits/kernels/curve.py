@@ -11,10 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.happens import CONTINUES, GIVES_UP, LOST, RAY, REACHED, Watch, conditions, settle_at
-from handlcp.grasp.limits.pairs import solved
-from handlcp.grasp.limits.parts import Parts, Place
-from handlcp.grasp.limits.rates import Rates, Solved, face_of_force, respond
+from handlcp.grasp.limits.kernels.happens import CONTINUES, GIVES_UP, LOST, RAY, REACHED, Watch, conditions, settle_at
+from handlcp.grasp.limits.kernels.pairs import solved
+from handlcp.grasp.limits.kernels.parts import Parts, Place
+from handlcp.grasp.limits.kernels.rates import Rates
+from handlcp.grasp.limits.kernels.slips import Solved, face_of_force, respond
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["follow_curve"]
