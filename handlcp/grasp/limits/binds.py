@@ -6,9 +6,9 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.happens import RAY, REACHED, WATCHED
-from handlcp.grasp.limits.parts import CLOSED
-from handlcp.grasp.limits.parts import OPENS as TOUCHES_LAST
+from handlcp.grasp.limits.kernels.happens import RAY, REACHED, WATCHED
+from handlcp.grasp.limits.kernels.parts import CLOSED
+from handlcp.grasp.limits.kernels.parts import OPENS as TOUCHES_LAST
 from handlcp.grasp.limits.result import (
     EQUILIBRIUM,
     MOTION,
@@ -21,10 +21,11 @@ from handlcp.grasp.limits.result import (
     LimitEvent,
 )  # fmt: skip
 from handlcp.grasp.limits.system import System
-from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["binds_of", "events_of", "why_of"]
 
+_MOST = 4  # names in a sentence
+_STRAIGHT = 1e-9  # of a load: less of it across an axis is none
 _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
@@ -56,14 +57,12 @@ def events_of(system: System, log: Array) -> tuple[LimitEvent, ...]:
     return tuple([LimitEvent(_KINDS[kind], who, factor) for factor, kind, who in called])
 
 
-def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...], spec: GraspSpec) -> str:
+def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...]) -> str:
     """One sentence."""
     if not binds:
         return "nothing binds, however large the load"
-    load = factor * wrench
-    size = float(np.linalg.norm(load[:3]))
-    amount = words.force(size) if size > 0.0 else words.torque(float(np.linalg.norm(load[3:])))
-    who, kind = words.listed([b.who for b in binds]), binds[0].kind
+    amount = _amount(factor * wrench)
+    who, kind = _listed([b.who for b in binds]), binds[0].kind
     many = len(binds) > 1
     said = {
         SLIPS: f"{who} {'slip' if many else 'slips'} through",
@@ -73,4 +72,24 @@ def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...], spec: GraspSpe
         EQUILIBRIUM: "the forces can no longer balance the load",
         MOTION: "the object has moved as far as was allowed",
     }[kind]
-    return f"at {factor:.4g} times the load, {amount}, {said}"
+    return f"at {factor:.4g} × the load{amount}: {said}"
+
+
+def _listed(names: list[str]) -> str:
+    """Such as "a, b and c"."""
+    told, more = (names, 0) if len(names) <= _MOST else (names[: _MOST - 1], len(names) - _MOST + 1)
+    if more:
+        return f"{', '.join(told)} and {more} more"
+    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+
+
+def _amount(load: Array) -> str:
+    """Such as ", 12.3 N along +x", ", 0.4 N·m about -z"."""
+    parts = []
+    for part, of, how in ((load[:3], words.force, "along"), (load[3:], words.torque, "about")):
+        if (size := float(np.linalg.norm(part))) > 0.0:
+            axis = int(abs(part).argmax())
+            straight = abs(part[axis]) >= (1.0 - _STRAIGHT) * size
+            where = f" {how} {'+' if part[axis] > 0 else '-'}{'xyz'[axis]}" if straight else ""
+            parts.append(f"{of(size)}{where}")
+    return f", {' and '.join(parts)}" if parts else ""

@@ -15,11 +15,13 @@ from handlcp.grasp.limits.binds import binds_of
 from handlcp.grasp.limits.fixed import watch_from
 from handlcp.grasp.limits.followed.answers import followed_limits
 from handlcp.grasp.limits.followed.cause import events_of
-from handlcp.grasp.limits.parts import none_known, update
+from handlcp.grasp.limits.kernels.happens import GIVES_UP
+from handlcp.grasp.limits.kernels.parts import none_known, update
+from handlcp.grasp.limits.kernels.trace import trace_each
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.start import start_of
+from handlcp.grasp.limits.stepped import stepped_limit
 from handlcp.grasp.limits.system import system_of
-from handlcp.grasp.limits.trace import trace_each
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.lcp.compiler.when import at_once
 
@@ -92,4 +94,7 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
+    for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
+        slower = stepped_limit(spec, section, loads[a], most)
+        answers[a, 2:], binds[a] = (slower.factor, len(slower.events)), slower.binds
     return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")

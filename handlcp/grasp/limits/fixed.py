@@ -7,13 +7,15 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, why_of
-from handlcp.grasp.limits.happens import Watch
-from handlcp.grasp.limits.parts import Place, none_known
-from handlcp.grasp.limits.path import FollowedPath
+from handlcp.grasp.limits.further import bound_beside, largest_held
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
+from handlcp.grasp.limits.kernels.parts import Place, none_known
+from handlcp.grasp.limits.kernels.trace import EVENTS, trace
+from handlcp.grasp.limits.path import TracedPath
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LoadLimit
 from handlcp.grasp.limits.start import start_of
+from handlcp.grasp.limits.stepped import stepped_limit
 from handlcp.grasp.limits.system import System, system_of
-from handlcp.grasp.limits.trace import EVENTS, trace
 from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["fixed_limit", "watch_from"]
@@ -29,16 +31,29 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     system = system_of(spec, section, wrench)
     begun = start_of(system)
     if begun.place is None:
-        none = FollowedPath(system, wrench, np.zeros((0, 0)), None)
-        later = Later(none.arrays, none.solution, lambda: 0.0, lambda: np.inf)
-        return LoadLimit(0.0, wrench, (Bind(EQUILIBRIUM, OBJECT),), begun.why, (), "fixed", later)
+        none = TracedPath(system, wrench, np.zeros((0, 0)), None)
+        binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
+        return LoadLimit(0.0, wrench, binds, begun.why, (), "fixed", _later(none, 0.0))
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
     w, known = system.load(wrench), none_known(p)
     status, factor, which, events, count = trace(p, place, w, np.inf, watch, known, log, points)
-    path = FollowedPath(system, wrench, points[:count].copy(), place)
+    path = TracedPath(system, wrench, points[:count].copy(), place)
+    if status == GIVES_UP or not path.sound:
+        return stepped_limit(spec, section, wrench, most)
     binds = binds_of(system, status, which, place.closed, place.active)
-    later = Later(path.arrays, path.solution, lambda: factor, lambda: np.inf)
     happened = events_of(system, log[:events])
-    return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds, spec), happened, "fixed", later)
+    return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds), happened, "fixed", _later(path, factor))
+
+
+def _later(path: TracedPath, factor: float) -> Later:
+    spec, section, weight, wrench = path.system.spec, path.system.section, path.system.weight, path.wrench
+
+    def bound() -> float:
+        return bound_beside(spec, section, wrench)
+
+    def most() -> float:
+        return largest_held(spec, section, weight, wrench, factor, bound())
+
+    return Later(path.arrays, path.solution, most, bound)

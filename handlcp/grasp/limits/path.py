@@ -8,15 +8,20 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.limits.parts import CLOSED, Place
+from handlcp.grasp.limits.kernels.happens import room_of
+from handlcp.grasp.limits.kernels.parts import CLOSED, Place
 from handlcp.grasp.limits.result import LimitPath
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.solve.stages import certified
+from handlcp.tolerances import CERTIFY
 
-__all__ = ["FollowedPath"]
+__all__ = ["TracedPath"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +37,7 @@ class _Moved(Effect):
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedPath:
+class TracedPath:
     """A path of a system under a load: points (k, 1 + m + dof + limits) as `trace` writes them, place at its end;
     None: squeeze or weight alone are not held, and there are no points.
     """
@@ -41,6 +46,23 @@ class FollowedPath:
     wrench: Array
     points: Array
     place: Place | None
+
+    @property
+    def sound(self) -> bool:
+        """Whether its end obeys balance, contact and friction as closely as a certifier asks."""
+        system, place = self.system, self.place
+        if place is None or not np.isfinite(self.points[-1]).all():
+            return False
+        p, r = system.parts, place.r
+        size = max(float(abs(r).max(initial=0.0)), 1e-300)
+        load = system.load(system.weight + float(self.points[-1, 0]) * self.wrench)
+        size = max(size, float(abs(load).max()))
+        if float(abs(p.G @ r + load).max()) > CERTIFY * size:
+            return False
+        closed = place.closed[p.owner] == CLOSED
+        room = min([room_of(p, r, f) for f in np.flatnonzero(closed).tolist()], default=0.0)
+        least = min([float(r[j]) for j in p.contacts[:, 0].tolist() if j >= 0], default=0.0)
+        return min(room, least) >= -CERTIFY * size
 
     def arrays(self) -> LimitPath:
         """In SI, for users."""
@@ -86,10 +108,21 @@ class FollowedPath:
             wrench=read_only(system.weight + factor * self.wrench),
             effects=(*system.spec.effects, _Moved(scene.lawful(d))),
         )
-        components = self._components(self.points[-1, 1 : 1 + m])
-        twist = scene.twist(self.points[-1, 1 + m : 1 + m + dof])
-        start = read_only(np.concatenate([components, twist, scene.units.centre]))
-        return solve_spec(spec, system.section, start=start, proof=False)
+        point = self.points[-1]
+        candidate = Candidate(
+            self._components(point[1 : 1 + m]), scene.twist(point[1 + m : 1 + m + dof]),
+            self._extra(point[1 + m + dof :]), len(scene.soft),
+        )  # fmt: skip
+        return certified(spec, build(spec), system.section, candidate, "the end of a path")
+
+    def _extra(self, give: Array) -> dict[str, Array]:
+        """By name, SI, how far limits give way."""
+        found, at = dict[str, Array](), 0
+        for limit in self.system.limits:
+            s = give[at : at + len(limit.room)] * self.system.scene.units.motion
+            found[limit.name] = s if limit.levers is None else s / limit.levers
+            at += len(limit.room)
+        return found
 
     def _motions(self, point: Array) -> Array:
         """(m,) Gᵀu + E r + Aᵀ s."""

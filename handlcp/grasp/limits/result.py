@@ -25,6 +25,7 @@ __all__ = [
 # What binds
 SLIPS, OPENS, TORQUE, RANGE, EQUILIBRIUM, MOTION = "slips", "opens", "torque", "range", "equilibrium", "motion"
 OBJECT = "the object"
+_SAME = 1e-6  # factors that differ by less are the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +144,10 @@ class LoadLimit(Data):
         """The sentence, and what happens on the way."""
         lines = [wrapped(self.why, "  ")]
         lines += [wrapped(f"{e}", "    ", "  ") for e in self.events]
+        most = self.__dict__.get("some_equilibrium", self.factor)  # as far as anybody asked
+        if most > (1.0 + _SAME) * self.factor:
+            said = f"{most:.4g} × the load: an equilibrium exists, which a slowly growing load never reaches"
+            lines.append(wrapped(said, "    ", "  "))
         return "\n".join(lines)
 
     def __repr__(self) -> str:

@@ -13,11 +13,11 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.limits.happens import REACHED, room_of
-from handlcp.grasp.limits.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
-from handlcp.grasp.limits.rates import face_of_force
+from handlcp.grasp.limits.kernels.happens import REACHED, room_of
+from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
+from handlcp.grasp.limits.kernels.slips import face_of_force
+from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.system import System
-from handlcp.grasp.limits.trace import EVENTS, trace
 from handlcp.grasp.loading.follow import follow
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.solve.solve_spec import solve_spec

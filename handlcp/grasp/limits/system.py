@@ -15,8 +15,8 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Cone, Section, limit_set
-from handlcp.grasp.limits.happens import Watch
-from handlcp.grasp.limits.parts import Parts
+from handlcp.grasp.limits.kernels.happens import Watch
+from handlcp.grasp.limits.kernels.parts import Parts
 from handlcp.grasp.loading.geometry import supports
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
@@ -96,11 +96,16 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
         normals.append(faces)
         moving += [int(round_)] * len(faces)
     rows = np.concatenate([limit.natural_rows for limit in limits]) if limits else np.zeros((0, kind.components))
+    every = np.concatenate(normals) if normals else np.zeros((0, 3))
     return Parts(
-        np.ascontiguousarray(blocks.E), np.ascontiguousarray(blocks.G), np.ascontiguousarray(rows[:, kind.index]),
-        contacts, scene.limits(section), np.array(owner, dtype=np.int64),
-        np.concatenate(normals) if normals else np.zeros((0, 3)), np.array(moving, dtype=np.int64),
+        _own(blocks.E), _own(blocks.G), _own(rows[:, kind.index]), contacts, _own(scene.limits(section)),
+        np.array(owner, dtype=np.int64), _own(every), np.array(moving, dtype=np.int64),
     )  # fmt: skip
+
+
+def _own(a: Array) -> Array:
+    """A copy that compiled code takes as the same type whatever it was made of."""
+    return np.array(a, dtype=float, order="C")
 
 
 def _watch(

@@ -10,6 +10,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import why_of
 from handlcp.grasp.limits.followed.cause import events_of, way_to
 from handlcp.grasp.limits.followed.limit import Ended, ended, ready
+from handlcp.grasp.limits.further import bound_beside
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LimitPath, LoadLimit
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
@@ -29,7 +30,7 @@ def followed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple
         first = held.last
         later = Later(
             lambda: _path(stepper, [(0.0, first)]), lambda: _solution(stepper, section, first), lambda: 0.0,
-            lambda: np.inf,
+            lambda: bound_beside(spec, section, wrench),
         )  # fmt: skip
         return LoadLimit(0.0, wrench, _NOTHING, held.why, (), "followed", later)
     end = ended(held, wrench, most)
@@ -37,9 +38,9 @@ def followed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple
     way = [(p.factor, p.state) for p in way_to(end.at)]
     later = Later(
         lambda: _path(stepper, way), lambda: _solution(stepper, section, end.at.state), lambda: end.most,
-        lambda: np.inf,
+        lambda: bound_beside(spec, section, wrench),
     )  # fmt: skip
-    why = why_of(end.factor, wrench, end.binds, spec)
+    why = why_of(end.factor, wrench, end.binds)
     return LoadLimit(end.factor, wrench, end.binds, why, events, "followed", later)
 
 

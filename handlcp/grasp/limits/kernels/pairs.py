@@ -1,7 +1,7 @@
 """Small complementarity problems of rates: γ ≥ 0, y = M γ + q ≥ 0, γᵀ y = 0; matrices of any kind.
 
-First what continues the path, then pivots from there, then every choice of up to `_ALL` pairs; of more, those that
-differ from what continues the path by no more than `_NEAR` of the first `_FEW`.
+First what continues the path, then pivots from there, then Lemke's, then every choice of up to `_ALL` pairs; of more,
+those that differ from what continues the path in two pairs at most.
 """
 
 from __future__ import annotations
@@ -10,11 +10,13 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.lemke import SOLVED, lemke
+from handlcp.tolerances import PIVOT
 
 __all__ = ["solve_pairs", "solved"]
 
 _TINY, _SINGULAR = 1e-9, 1e-11
-_ALL, _FEW, _NEAR = 6, 12, 3
+_ALL, _PIVOTS = 6, 20
 
 
 @kernel
@@ -36,15 +38,27 @@ def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> bool:
         if worst == -2:  # singular
             break
         basis[worst] = 1 - basis[worst]
-    most = p if p <= _ALL else _NEAR
-    for choice in range(2 ** min(p, _FEW)):
-        changes = 0
+    ended, _, z = lemke(M, q, np.full(p, size), _PIVOTS * p, PIVOT)
+    if ended == SOLVED:
         for i in range(p):
-            change = choice >> i & 1
-            changes += change
-            basis[i] = change ^ first[i]
-        if changes <= most and _miss(M, q, basis, gamma, size) == -1:
+            basis[i] = 1 if z[i] > 0.0 else 0
+        if _miss(M, q, basis, gamma, size) == -1:
             return True
+    if p <= _ALL:
+        for choice in range(2**p):
+            for i in range(p):
+                basis[i] = (choice >> i & 1) ^ first[i]
+            if _miss(M, q, basis, gamma, size) == -1:
+                return True
+        return False
+    for i in range(p):
+        for j in range(i, p):
+            basis[:] = first
+            basis[i] = 1 - first[i]
+            if j > i:
+                basis[j] = 1 - first[j]
+            if _miss(M, q, basis, gamma, size) == -1:
+                return True
     return False
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.curve import follow_curve
-from handlcp.grasp.limits.happens import (
+from handlcp.grasp.limits.kernels.curve import follow_curve
+from handlcp.grasp.limits.kernels.happens import (
     CONTINUES,
     GIVES_UP,
     LOST,
@@ -24,8 +24,8 @@ from handlcp.grasp.limits.happens import (
     reached,
     settle_at,
 )  # fmt: skip
-from handlcp.grasp.limits.parts import OPEN, Inverse, Parts, Place
-from handlcp.grasp.limits.rates import Rates, decide
+from handlcp.grasp.limits.kernels.parts import OPEN, Inverse, Parts, Place
+from handlcp.grasp.limits.kernels.rates import Rates, decide
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "trace", "trace_each"]

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.limits.parts import CLOSED, CLOSES, OPEN, OPENS, Parts, Place
-from handlcp.grasp.limits.rates import Rates
+from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Parts, Place
+from handlcp.grasp.limits.kernels.rates import Rates
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = [

@@ -11,10 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.happens import CONTINUES, GIVES_UP, LOST, RAY, REACHED, Watch, conditions, settle_at
-from handlcp.grasp.limits.pairs import solved
-from handlcp.grasp.limits.parts import Parts, Place
-from handlcp.grasp.limits.rates import Rates, Solved, face_of_force, respond
+from handlcp.grasp.limits.kernels.happens import CONTINUES, GIVES_UP, LOST, RAY, REACHED, Watch, conditions, settle_at
+from handlcp.grasp.limits.kernels.pairs import solved
+from handlcp.grasp.limits.kernels.parts import Parts, Place
+from handlcp.grasp.limits.kernels.rates import Rates
+from handlcp.grasp.limits.kernels.slips import Solved, face_of_force, respond
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["follow_curve"]
@@ -22,7 +23,7 @@ __all__ = ["follow_curve"]
 _ERROR = 1e-9  # of a step, relative to forces and motions
 _MOST = 3000  # steps
 _TIE = 1e-12
-_ROOTS = 60
+_ROOTS, _ROOT = 60, 3e-13
 _NO_MORE = 1e-10  # load by length of the path: less is none, and what comes until it ends is less than that
 _SHRINK, _GROW, _SAFE = 0.2, 6.0, 0.9
 _FAR = 1e9  # times the forces it began with: a path without an end
@@ -66,6 +67,7 @@ def follow_curve(
         y[:], tangent[:], slopes[0] = ahead, turned, slopes[6]
         h *= min(_GROW, _SAFE * max(error, 1e-12) ** -0.2)
         if np.max(np.abs(y[:m])) > _FAR * largest or h > _FAR * largest:
+            _write(p, s, gap, slack, begun, begun)  # the last place that is a number
             return RAY, np.inf, -1
     return GIVES_UP, 0.0, -1
 
@@ -216,7 +218,7 @@ def _arrive(
             _step(p, at, w, kinds, index, y, share * h, tangent, slopes, ahead, turned)
             values, sizes = _values(p, s, watch, gap, slack, begun, ahead, turned, left, w)
             f = values[which] / sizes[which]
-            if abs(f) <= 1e-14 or high - low <= 1e-15:
+            if abs(f) <= _ROOT or high - low <= 1e-15:
                 break
             if f < 0.0:
                 high, f_high = share, f

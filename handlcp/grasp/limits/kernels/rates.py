@@ -14,15 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.pairs import solve_pairs
-from handlcp.grasp.limits.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
+from handlcp.grasp.limits.kernels.pairs import solve_pairs
+from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
+from handlcp.grasp.limits.kernels.slips import LIMIT, NORMAL, Solved, face_of_force, pairs_at, respond
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Rates", "Solved", "decide", "face_of_force", "respond"]
+__all__ = ["Rates", "decide"]
 
-_NORMAL, _LIMIT = -1, -2
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
-_TURNS, _TURNED = 200, 1e-14
+_TURNS, _TURNED = 100, 1e-12
 _TINY = 1e-9
 _DRIVEN = 1e-9  # of the load: more of it along a motion that nothing resists is no balance
 
@@ -35,95 +35,6 @@ class Rates(NamedTuple):
     give: Array
     gap: Array
     slack: Array
-
-
-class Solved(NamedTuple):
-    """The inverse at a place, and the response x0 (m + dof + k) to the load where nothing slips."""
-
-    W: Array
-    x0: Array
-
-
-@kernel
-def face_of_force(p: Parts, f: int, r: Array) -> None:
-    """Turn a moving face to where the force lies."""
-    i, size = p.owner[f], 0.0
-    for a in range(3):
-        j = p.contacts[i, a + 1]
-        if j >= 0:
-            size += r[j] * r[j]
-    size = np.sqrt(size)
-    if size > 0.0:
-        for a in range(3):
-            j = p.contacts[i, a + 1]
-            p.normals[f, a] = r[j] / size if j >= 0 else 0.0
-
-
-@kernel
-def respond(p: Parts, at: Solved, kinds: Ints, index: Ints) -> tuple[Array, Array, Array]:
-    """(X, M, q): responses (pairs, m + dof + k) to each γ in rows, and the complementarity problem of the pairs."""
-    m, count = len(p.E), len(kinds)
-    X, M, q = np.zeros((count, len(at.x0))), np.empty((count, count)), np.empty(count)
-    for c in range(count):
-        kind, own = kinds[c], index[c]
-        x = X[c]
-        if kind == _NORMAL:
-            x += at.W[p.contacts[own, 0]]
-        elif kind == _LIMIT:
-            for j in range(m):
-                if p.rows[own, j] != 0.0:
-                    x -= p.rows[own, j] * at.W[j]
-        else:
-            for a in range(3):
-                j = p.contacts[kind, a + 1]
-                if j >= 0 and p.normals[own, a] != 0.0:
-                    x -= p.normals[own, a] * at.W[j]
-    for c in range(count):
-        q[c] = _used(p, kinds[c], index[c], at.x0)
-        for b in range(count):
-            M[c, b] = _used(p, kinds[c], index[c], X[b])
-    return X, M, q
-
-
-@kernel
-def _used(p: Parts, kind: int, own: int, r: Array) -> float:
-    """-a·r of a face (kind ≥ 0: its contact), a normal or a limit."""
-    if kind == _NORMAL:
-        return float(r[p.contacts[own, 0]])
-    total = 0.0
-    if kind == _LIMIT:
-        for j in range(p.rows.shape[1]):
-            total -= p.rows[own, j] * r[j]
-        return float(total)
-    total = float(p.mu[kind] * r[p.contacts[kind, 0]])
-    for a in range(3):
-        j = p.contacts[kind, a + 1]
-        if j >= 0:
-            total -= p.normals[own, a] * r[j]
-    return total
-
-
-@kernel
-def _pairs_at(p: Parts, s: Place, closed: Ints) -> tuple[Ints, Ints, Ints]:
-    """(kinds, index, basis) of all pairs; `closed` with the contacts that touch decided."""
-    n, f, k = len(p.mu), len(p.owner), len(p.rows)
-    kinds, index = np.empty(f + n + k, np.int64), np.empty(f + n + k, np.int64)
-    basis, count = np.zeros(f + n + k, np.int64), 0
-    for j in range(f):
-        i = p.owner[j]
-        if closed[i] == CLOSED and (s.closed[i] != CLOSED or s.active[j] == 1):
-            kinds[count], index[count] = i, j
-            basis[count] = s.slides[j] if s.closed[i] == CLOSED else 0
-            count += 1
-    for i in range(n):
-        if closed[i] == CLOSED and s.closed[i] != CLOSED:
-            kinds[count], index[count] = _NORMAL, i
-            count += 1
-    for q in range(k):
-        if s.yields[q] == 2:
-            kinds[count], index[count], basis[count] = _LIMIT, q, 1
-            count += 1
-    return kinds[:count], index[:count], basis[:count]
 
 
 @kernel
@@ -179,13 +90,13 @@ def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[bool, Rates, S
             if w[a] != 0.0:
                 x0 -= w[a] * known.W[m + a]
         at = Solved(known.W, x0)
-        kinds, index, basis = _pairs_at(p, s, closed)
+        kinds, index, basis = pairs_at(p, s, closed)
         gamma = np.zeros(len(kinds))
         if not _slips(p, s, at, kinds, index, basis, gamma, x):
             continue
         give = np.zeros(k)
         for c in range(len(kinds)):
-            if kinds[c] == _LIMIT:
+            if kinds[c] == LIMIT:
                 give[index[c]] = gamma[c]
         found = _rates(p, x, give)
         if _penetrates(s, closed, found.gap):
@@ -260,9 +171,9 @@ def _settle(p: Parts, s: Place, closed: Ints, kinds: Ints, index: Ints, gamma: A
     begins = s.closed.copy()
     opened = np.zeros(len(closed), np.int64)
     for c in range(len(kinds)):
-        if kinds[c] == _NORMAL and gamma[c] > 0.0:
+        if kinds[c] == NORMAL and gamma[c] > 0.0:
             opened[index[c]] = 1
-        elif kinds[c] == _LIMIT:
+        elif kinds[c] == LIMIT:
             s.yields[index[c]] = 1 if gamma[c] > 0.0 else 0
     for i in range(len(closed)):
         s.closed[i] = OPEN if opened[i] == 1 else closed[i]

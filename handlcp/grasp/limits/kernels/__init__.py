@@ -1,0 +1,1 @@
+"""A path under a growing load, compiled: from event to event."""

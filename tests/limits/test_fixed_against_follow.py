@@ -1,0 +1,77 @@
+"""The path from event to event is the one that `follow` takes in small steps: random grasps in one posture."""
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.support.limits import limits_of_grasp
+
+LAWS = {
+    "coulomb": lambda rng: hl.Coulomb(rng.uniform(0.2, 0.4)),
+    "soft": lambda rng: hl.SoftFinger(rng.uniform(0.2, 0.4), rng.uniform(0.003, 0.01)),
+    "anisotropic": lambda rng: hl.AnisotropicCoulomb(rng.uniform(0.3, 0.5), rng.uniform(0.2, 0.3)),
+}
+TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3)
+
+
+def random_grasp(seed, law):
+    """Four fingers around a ball, whose springs are coupled; and a load."""
+    rng = np.random.default_rng(seed)
+    points = TETRAHEDRON + 0.1 * rng.normal(size=(4, 3))
+    normals = -points / np.linalg.norm(points, axis=1)[:, None]
+    contacts = [hl.Contact(0.05 * p, n, LAWS[law](rng)) for p, n in zip(points, normals, strict=True)]
+    A = rng.normal(size=(12, 12))
+    grasp = hl.Grasp(contacts, flexibility=2e-5 * A @ A.T + 2e-4 * np.eye(12), preload=rng.uniform(2e-3, 4e-3, 4))
+    return grasp, np.append(rng.normal(size=3), 0.02 * rng.normal(size=3))
+
+
+CASES = [(0, "coulomb", 6), (0, "coulomb", "cone")]
+ENDS = [(0, "coulomb", 6), (20, "coulomb", "cone"), (21, "soft", 6), (10, "coulomb", "cone")]
+
+
+@pytest.mark.parametrize(("seed", "law", "faces"), CASES)
+def test_follow_is_lost_where_the_path_ends(seed, law, faces):
+    grasp, w = random_grasp(seed, law)
+    limit = grasp.load_limit(w, faces=faces)
+    assert 0.0 < limit.factor < np.inf
+    assert limit.events
+    assert grasp.follow(0.995 * limit.factor * w, geometry="fixed", faces=faces).reached
+    beyond = grasp.follow(1.02 * limit.factor * w, geometry="fixed", faces=faces)
+    assert not beyond.reached
+    assert beyond.lost_at == pytest.approx(1.0 / 1.02, abs=0.01)
+
+
+@pytest.mark.parametrize(("seed", "law", "faces"), CASES)
+def test_the_forces_at_an_event_are_those_of_follow(seed, law, faces):
+    grasp, w = random_grasp(seed, law)
+    limit = grasp.load_limit(w, faces=faces)
+    path = limit.path
+    k = len(path.factors) - 2
+    steps = grasp.follow(path.factors[k] * w, geometry="fixed", faces=faces).steps
+    size = abs(path.forces[k]).max()
+    assert abs(steps.forces[-1] - path.forces[k]).max() < 0.005 * size
+
+
+@pytest.mark.parametrize(("seed", "law", "faces"), ENDS)
+def test_the_end_of_a_path_is_certified(seed, law, faces):
+    grasp, w = random_grasp(seed, law)
+    limit = grasp.load_limit(w, faces=faces)
+    there = limit.at_limit
+    assert there.held
+    assert abs(there.forces - limit.path.forces[-1]).max() < 1e-6 * abs(there.forces).max()
+
+
+def test_many_directions_are_those_one_by_one():
+    grasp, _ = random_grasp(3, "coulomb")
+    loads = np.random.default_rng(3).normal(size=(5, 6)) * [1, 1, 1, 0.02, 0.02, 0.02]
+    every = limits_of_grasp(grasp, loads, 6)
+    one = [grasp.load_limit(w, faces=6) for w in loads]
+    assert every.factors == pytest.approx([x.factor for x in one], rel=1e-9)
+    assert list(every.binds) == [x.binds for x in one]
+
+
+@pytest.mark.parametrize("faces", [6, "cone"])
+def test_a_load_is_measured_in_any_size(faces):
+    grasp, w = random_grasp(4, "coulomb")
+    one, many = (grasp.load_limit(s * w, faces=faces).factor for s in (1.0, 1e6))
+    assert one == pytest.approx(1e6 * many, rel=1e-9)
