@@ -6,6 +6,7 @@ import pytest
 import handlcp as hl
 from tests.limits.pinches import C, K, pinch
 from tests.loading.hands import ball, cube
+from tests.support.many_limits import many_limits
 
 EXACT = 1e-4  # the stated share to which a limit is located
 X, Z = np.eye(6)[0], np.eye(6)[2]
@@ -111,3 +112,13 @@ def test_a_load_in_other_units_has_the_same_limit():
     g = ball()
     one, thousand = g.load_limit(Z), g.load_limit(1e3 * Z)
     assert 1e3 * thousand.factor == pytest.approx(one.factor, rel=1e-9)
+
+
+def test_many_directions_have_each_the_limit_that_it_has_alone():
+    g, loads = ball(), np.array([X, Z, [0.0, 0.5, 0.0, 0.01, 0.0, 0.0]])
+    found = many_limits(g, loads)
+    alone = [g.load_limit(load) for load in loads]
+    assert found.geometry == "followed"
+    np.testing.assert_array_equal(found.factors, [limit.factor for limit in alone])
+    assert found.binds == tuple([limit.binds for limit in alone])
+    assert found.events.tolist() == [len(limit.events) for limit in alone]

@@ -7,12 +7,17 @@ from typing import Any
 import numpy as np
 
 from handlcp.grasp.friction import as_section
-from handlcp.grasp.limits.directions import limits_of as limits_of
+from handlcp.grasp.limits.directions import Limits, limits_of
 from handlcp.grasp.limits.followed import limit
 from handlcp.grasp.loading.state import Failure
 from handlcp.grasp.loading.step import Stepper
 
-__all__ = ["Counted", "limits_of"]
+__all__ = ["Counted", "many_limits"]
+
+
+def many_limits(grasp: Any, wrenches: Any, geometry: str = "followed") -> Limits:
+    """Of loads (m, 6), on the exact cone."""
+    return limits_of(grasp.spec, as_section("cone", planar=False), wrenches, geometry)
 
 
 class Counted:

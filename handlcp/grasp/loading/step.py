@@ -166,13 +166,13 @@ class Stepper:
     def _pushed(self, state: State, expected: Controls, look: Look, guess: Guess, push: Push) -> _Found | Failure:
         """The same, pushed on."""
         slipped, lead = self.geometry.slipped(state.look, look, state.carry), push.lead
-        plain = self.grasp.loads(look, slipped, expected, state.controls)
+        plain, led = self.grasp.loads(look, slipped, expected, state.controls), bool(lead.any())
         while True:
             loads = _led_by(plain, lead)
             answer, more = self.solver.pushed(look, loads, push, guess.start, guess.motion, state.kinds)
             if isinstance(answer, Failure):
                 return answer
-            stuck = [i for i, kind in enumerate(answer.kinds) if kind != SLIDES and lead[i].any()]
+            stuck = [i for i, kind in enumerate(answer.kinds) if kind != SLIDES and lead[i].any()] if led else []
             if not stuck:
                 break
             lead = lead.copy()

@@ -7,8 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import pairwise
 
-import numpy as np
-
 from handlcp.grasp.limits.followed.path import Point, PushedPath
 from handlcp.grasp.limits.followed.walk import WATCHED, Walk
 from handlcp.grasp.loading.state import Failure, State
@@ -40,7 +38,7 @@ def _level(path: PushedPath, low: Point, high: Point, beyond: Callable[[State], 
     for _ in range(_HALVINGS):
         if high.factor - low.factor <= LOCATED * abs(high.factor):
             break
-        size = (a * fb - b * fa) / (fb - fa) if fa > -1e300 else 0.5 * (a + b)
+        size = (a * fb - b * fa) / (fb - fa)
         size = min(max(size, a + 1e-3 * (b - a)), b - 1e-3 * (b - a))
         new = path.beyond(base, size)
         if isinstance(new, Failure):
@@ -87,31 +85,38 @@ def _peak(path: PushedPath, at: Point, after: Point) -> tuple[Point, Point]:
             way += [(x + p.size, p) for p in _event(path, low, high) if p is not low and p is not high]
     way.sort(key=lambda each: each[0])
     for _ in range(_TRIES):
-        k = max(range(len(way)), key=lambda i: way[i][1].factor)
-        if k == len(way) - 1:
-            break
-        (xb, b), (xc, c) = way[k : k + 2]
-        if k == 0:
-            place, most = 0.5 * (xb + xc), np.inf
-        else:
-            xa, a = way[k - 1]
-            if b.kinds != c.kinds and xc - xb <= 8.0 * LOCATED * way[-1][0]:
-                break  # a corner
-            up, down = (b.factor - a.factor) / (xb - xa), (b.factor - c.factor) / (xc - xb)
-            most = max(min(up, down) * max(xc - xb, xb - xa), 0.0)
-            bend = (up + down) / (xc - xa)
-            place = xb + 0.5 * (up * (xc - xb) - down * (xb - xa)) / (up + down) if up + down > 0.0 else xb
-            most = min(most, bend * (place - xb) ** 2 + LOCATED * 0.1 * b.factor) if a.kinds == c.kinds else most
-            near = 0.05 * (xc - xa)
-            if abs(place - xb) < near:
-                place = xb + near if xc - xb > xb - xa else xb - near
-            place = min(max(place, xa + 0.1 * (xb - xa)), xc - 0.1 * (xc - xb))
-        if most <= LOCATED * b.factor:
-            break
-        new = beyond(place)
-        if isinstance(new, Failure):
+        place = _between(way)
+        new = None if place is None else beyond(place)
+        if place is None or new is None or isinstance(new, Failure):
             break
         way.append((place, new))
         way.sort(key=lambda each: each[0])
     k = max(range(len(way)), key=lambda i: way[i][1].factor)
     return way[k][1], way[min(k + 1, len(way) - 1)][1]
+
+
+def _between(way: list[tuple[float, Point]]) -> float | None:
+    """Where on the way its largest load may be, by the parabola through three points; None: it is known well enough."""
+    k = max(range(len(way)), key=lambda i: way[i][1].factor)
+    if k == len(way) - 1:
+        return None
+    (xb, b), (xc, c) = way[k : k + 2]
+    if k == 0:
+        return 0.5 * (xb + xc)
+    xa, a = way[k - 1]
+    left, right = xb - xa, xc - xb
+    if b.kinds != c.kinds and right <= 8.0 * LOCATED * way[-1][0]:
+        return None  # a corner
+    up, down = (b.factor - a.factor) / left, (b.factor - c.factor) / right
+    if not up + down > 0.0:
+        return None
+    place = xb + 0.5 * (up * right - down * left) / (up + down)
+    most = min(up, down) * max(left, right)  # by how much it may be larger: on a path with corners, and on a smooth one
+    if a.kinds == c.kinds:
+        most = min(most, (up + down) / (left + right) * (place - xb) ** 2 + 0.1 * LOCATED * b.factor)
+    if most <= LOCATED * b.factor:
+        return None
+    near = 0.05 * (left + right)
+    if abs(place - xb) < near:
+        place = xb + near if right > left else xb - near
+    return float(min(max(place, xa + 0.1 * left), xc - 0.1 * right))

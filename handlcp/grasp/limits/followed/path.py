@@ -72,7 +72,7 @@ class PushedPath:
         found = self.stepper.step(point.state, controls, point.state.same, patient=True)
         if isinstance(found, Failure):
             return None
-        step = (self.moved(found) - self.moved(point.state)) ** 2 * self._squares
+        step = self._way(point.state, found) ** 2 * self._squares
         return Point(found, factor, float(np.sqrt(step.sum())), point)
 
     def stays(self, point: Point) -> bool:
@@ -104,17 +104,17 @@ class PushedPath:
         """Of the load in a state."""
         return float(self.load @ state.controls.load) / float(self.load @ self.load)
 
-    def moved(self, state: State) -> Array:
-        """(6,) motion of the object since the load began: of the reference point [m], and rotation vector [rad]."""
-        displacement = self.stepper.geometry.displacement
-        return np.asarray(displacement(state.where.pose) - displacement(self.start.state.where.pose))
-
     def _along(self, point: Point) -> Array:
         """(6,) the wrench whose work measures a step from there [m]: along the last step, at first along the load."""
         if point.before is None:
             return np.asarray(self.load / self.strength)
-        step = self._squares * (self.moved(point.state) - self.moved(point.before.state))
+        step = self._squares * self._way(point.before.state, point.state)
         return np.asarray(step / np.sqrt((step**2 / self._squares).sum()))
+
+    def _way(self, a: State, b: State) -> Array:
+        """(6,) motion of the object from one state to another: of the reference point [m], and of rotation vectors."""
+        displacement = self.stepper.geometry.displacement
+        return np.asarray(displacement(b.where.pose) - displacement(a.where.pose))
 
     def _further(self, before: State, now: State, share: float) -> Guess:
         """What goes on from `before` to `now` by this share of the way between them."""

@@ -26,7 +26,7 @@ _MORE = (1e-4, 1e-3)  # of the load: where the path turns, states are searched u
 _STEPS = 300
 _JUMP = 0.25  # of the forces there are: the load of a step, in the mean
 _SMOOTH, _BENDS = 1, 4  # looks that a step takes where the path is smooth, and where it bends
-_FALLS, _AFTER = 0.98, 6  # of the largest load, and steps: within these, an object that snaps comes to rest again
+_FALLS, _AFTER = 0.985, 4  # of the largest load, and steps: within these, an object that snaps comes to rest again
 
 
 @dataclass(frozen=True, slots=True)

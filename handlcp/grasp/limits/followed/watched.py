@@ -13,6 +13,7 @@ from handlcp.grasp.loading.step import Stepper
 __all__ = ["Watched"]
 
 _SAME = 1e-4  # of its level: what is as near to it as that binds, too
+_NONE = 1e-12  # [N·m]: a joint without torque has this
 
 
 class Watched:
@@ -24,8 +25,8 @@ class Watched:
         yields = any(isinstance(e, TorqueSaturation) for e in stepper.grasp.spec.effects)
         self._limits = np.full(len(watch.limits), np.inf) if yields else watch.limits
         self._lower, self._upper = watch.lower, watch.upper
-        self._middle, self._half = 0.5 * (watch.lower + watch.upper), 0.5 * (watch.upper - watch.lower)
-        self._middle = np.where(np.isfinite(self._half), self._middle, 0.0)
+        span = watch.upper - watch.lower
+        self._span = np.where(np.isfinite(span) & (span > 0.0), span, 1.0)
         joints = watch.joints
         self._who = (*[Bind(TORQUE, j) for j in joints], *[Bind(RANGE, j) for j in joints], *[Bind(MOTION, OBJECT)] * 2)
 
@@ -43,5 +44,6 @@ class Watched:
         """(2 nv + 2,) shares of the levels."""
         moved = self._displacement(state.where.pose) - self._begun
         sizes = np.array([np.sqrt(moved[:3] @ moved[:3]), np.sqrt(moved[3:] @ moved[3:])])
-        torque = abs(state.read.torque) / self._limits
-        return np.concatenate([torque, abs(state.where.q - self._middle) / self._half, sizes / self._most])
+        torque = abs(state.read.torque) / np.maximum(self._limits, _NONE)
+        outside = np.maximum(state.where.q - self._upper, self._lower - state.where.q) / self._span
+        return np.concatenate([torque, 1.0 + outside, sizes / self._most])
