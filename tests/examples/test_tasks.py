@@ -33,6 +33,9 @@ def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
 
 
 def test_there_are_a_dozen_tasks():
+
+
+def test_there_are_twelve_tasks():
     assert len(TASKS) == 12
 
 

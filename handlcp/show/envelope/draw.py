@@ -63,7 +63,8 @@ def figure(env: Envelope, title: str = "") -> Figure:
 
 def _hand(ax: Any, camera: Camera, shown: Content, inches: tuple[float, float]) -> None:
     """Hand and object."""
-    points = shown.grasp.scene.positions
+    # Where no object is known, one contact alone has no size
+    points = shown.reach() if shown.glass is None else shown.grasp.scene.positions
     view = frame(camera, shown.solids, shown.glass, points, inches, 0.12)
     paint(ax, camera, shown.solids, shown.glass, view, DPI)
     over = Overlay(ax, camera, view.inch)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from handlcp.study.envelope import Envelope
-from handlcp.study.envelope.causes import said
 from handlcp.study.envelope.result import Extreme
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
@@ -48,7 +47,8 @@ def columns(env: Envelope) -> dict[str, Any]:
     else:
         first = dict(zip("xyz", ways.T, strict=True))
     return first | {
-        held: env.factors, f"bound_{held}": env.bound, "binds": [said(b) for b in env.binds], "share": env.shares,
+        held: env.factors, f"bound_{held}": env.bound, "binds": [env.causes[k].says for k in env.cause],
+        "share": env.shares,
     }  # fmt: skip
 
 
@@ -56,7 +56,7 @@ def _extreme(env: Envelope, e: Extreme) -> dict[str, Any]:
     """One direction."""
     return {
         "number": e.number, "direction": e.direction, _NAMES[env.of]: e.factor, "binds": _binds(e.binds),
-        "says": said(e.binds),
+        "says": env.causes[env.cause[e.number]].says,
     }  # fmt: skip
 
 

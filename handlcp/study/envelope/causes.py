@@ -41,9 +41,11 @@ class Cause:
     median: float
 
 
-def causes_of(binds: Sequence[Binds], factors: Array, shares: Array) -> tuple[tuple[Cause, ...], Ints]:
+def causes_of(
+    binds: Sequence[Binds], factors: Array, shares: Array, contacts: Sequence[str]
+) -> tuple[tuple[Cause, ...], Ints]:
     """The causes, the most frequent first; and (m,) the number of each direction's cause. shares (m,) : what part of
-    all directions each stands for.
+    all directions each stands for. contacts : their names.
     """
     keys = [frozenset(some) for some in binds]
     first = dict[frozenset[Bind], int]()
@@ -60,20 +62,21 @@ def causes_of(binds: Sequence[Binds], factors: Array, shares: Array) -> tuple[tu
         here = own == k
         some = binds[int(np.flatnonzero(here)[0])]
         middle = _median(factors[here], shares[here])
-        found.append(Cause(some, said(some), float(part[k]), float(factors[here].min()), middle))
+        found.append(Cause(some, said(some, contacts), float(part[k]), float(factors[here].min()), middle))
     return tuple(found), rank[own]
 
 
-def said(binds: Binds) -> str:
-    """Such as "finger 1, finger 2 slip through", "finger_1_distal at its torque limit"."""
+def said(binds: Binds, contacts: Sequence[str]) -> str:
+    """Such as "all contacts slip through", "finger 1, finger 2 slip through", "finger_1_distal at its torque limit"."""
     if not binds:
         return NOTHING
     kinds = dict.fromkeys(b.kind for b in binds)
-    return "; ".join(_of_a_kind(kind, [b.who for b in binds if b.kind == kind]) for kind in kinds)
+    return "; ".join(_of_a_kind(kind, [b.who for b in binds if b.kind == kind], contacts) for kind in kinds)
 
 
-def _of_a_kind(kind: str, who: list[str]) -> str:
-    return (_ONE if len(who) == 1 else _SEVERAL)[kind].format(words.listed(who))
+def _of_a_kind(kind: str, who: list[str], contacts: Sequence[str]) -> str:
+    every = len(who) > 2 and sorted(who) == sorted(contacts)
+    return (_ONE if len(who) == 1 else _SEVERAL)[kind].format("all contacts" if every else words.listed(who))
 
 
 def _median(values: Array, shares: Array) -> float:

@@ -32,8 +32,8 @@ def headline(env: Any) -> str:
     if np.isinf(w.factor):
         return f"{NOTHING}, in no direction"
     if env.strongest.factor == 0.0:
-        return f"the grasp does not hold without a load: {said(w.binds)}"
-    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}; weakest {_way(env, w.number)}: {said(w.binds)}"
+        return f"the grasp does not hold without a load: {_what(env, w)}"
+    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}; weakest {_way(env, w.number)}: {_what(env, w)}"
 
 
 def amount(env: Any, factor: float) -> str:
@@ -56,6 +56,10 @@ def direction(d: Array) -> str:
     if abs(d[k]) > 1.0 - 1e-9:
         return f"{'+' if d[k] > 0 else '-'}{_AXES[k]}"
     return "(" + ",\N{NO-BREAK SPACE}".join(f"{round(x, 2) + 0.0:g}" for x in d.tolist()) + ")"
+
+
+def _what(env: Any, extreme: Any) -> str:
+    return said(extreme.binds, env.grasp.names)
 
 
 def _in_any(env: Any) -> str:
@@ -84,8 +88,8 @@ def _head(env: Any) -> str:
 def _extremes(env: Any) -> list[str]:
     w, s = env.weakest, env.strongest
     return [
-        f"weakest: {amount(env, w.factor)} {_way(env, w.number)}: {said(w.binds)}",
-        f"strongest: {amount(env, s.factor)} {_way(env, s.number)}: {said(s.binds)}",
+        f"weakest: {amount(env, w.factor)} {_way(env, w.number)}: {_what(env, w)}",
+        f"strongest: {amount(env, s.factor)} {_way(env, s.number)}: {_what(env, s)}",
     ]
 
 

@@ -129,7 +129,7 @@ class Envelope(Data):
 
     @lazy
     def _causes(self) -> tuple[tuple[Cause, ...], Ints]:
-        return causes_of(self.binds, self.factors, self.shares)
+        return causes_of(self.binds, self.factors, self.shares, self.grasp.names)
 
     @lazy
     def _bound(self) -> Array:
