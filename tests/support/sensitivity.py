@@ -11,7 +11,7 @@ import handlcp as hl
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.hand.robot.varied import longer
 
-__all__ = ["STEPS", "differences", "misses", "quantities", "varied"]
+__all__ = ["STEPS", "differences", "in_general", "misses", "quantities", "varied"]
 
 # Fourth-order differences over these leave about 1e-10 of truncation and of the solver's rounding
 STEPS = {
@@ -90,6 +90,13 @@ def quantities(solution):
         margin = solution.torque_margin
         found["torque_margin"] = np.where(np.isfinite(margin), margin, np.nan)
     return found
+
+
+def in_general(solution):
+    """Its derivatives, made without the compiled ones of the ordinary case."""
+    made = solution.sensitivity()
+    made._response.__dict__["ordinary"] = {}
+    return made
 
 
 def differences(grasp, solution, faces, parameter, index):

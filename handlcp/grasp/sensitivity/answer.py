@@ -160,6 +160,16 @@ class Answer:
         return friction_of(self.scene, self.section)
 
     @lazy
+    def friction_shares(self) -> Array:
+        """(n,) of each coefficient, how much its section bears [-]; NaN without friction, 0 where a force is prescribed
+        and no friction of the contact takes part.
+        """
+        mu = np.array([c.mu for c in self.spec.contacts])
+        rough = (mu > 0.0) & (np.array(self.scene.kind.tangents) > 0)
+        share = np.where(rough, self.friction.limits / np.where(rough, mu, 1.0), np.nan)
+        return np.where(self.governed, share, 0.0)
+
+    @lazy
     def opening(self) -> Array:
         """(c,) d with what yielding limits open, in the laws' coordinates."""
         offset = self.scene.offset
