@@ -8,10 +8,13 @@ import numpy as np
 import pinocchio as pin
 
 import handlcp as hl
+from handlcp.hand import library
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.hand.robot.varied import longer
 
-__all__ = ["STEPS", "differences", "in_general", "misses", "quantities", "varied"]
+__all__ = ["HANDS_OF_LIBRARY", "STEPS", "differences", "in_general", "misses", "quantities", "varied"]
+
+HANDS_OF_LIBRARY = tuple([name for name in library.HANDS if name != "planar_ring"])  # the ring lies in a plane
 
 # Fourth-order differences over these leave about 1e-10 of truncation and of the solver's rounding
 STEPS = {

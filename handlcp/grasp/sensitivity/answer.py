@@ -161,13 +161,9 @@ class Answer:
 
     @lazy
     def friction_shares(self) -> Array:
-        """(n,) of each coefficient, how much its section bears [-]; NaN without friction, 0 where a force is prescribed
-        and no friction of the contact takes part.
-        """
+        """(n,) of each coefficient, how much its section bears [-]; NaN without friction."""
         mu = np.array([c.mu for c in self.spec.contacts])
-        rough = (mu > 0.0) & (np.array(self.scene.kind.tangents) > 0)
-        share = np.where(rough, self.friction.limits / np.where(rough, mu, 1.0), np.nan)
-        return np.where(self.governed, share, 0.0)
+        return np.where(mu > 0.0, self.friction.limits / np.where(mu > 0.0, mu, 1.0), np.nan)
 
     @lazy
     def opening(self) -> Array:
