@@ -8,7 +8,6 @@ from typing import Any
 
 from rich.console import Console
 
-from handlcp.lcp.compiler.when import at_once
 from tests.benchmarks.real_time import Walk
 from tests.benchmarks.report import plain_table
 
@@ -18,12 +17,11 @@ PARAMETERS = ("wrench", "squeeze", "stiffness", "pads", "friction", "positions")
 READ = ("forces", "torques", "slip", "gap", "object_displacement", "friction_margin")
 
 
-@at_once()
 def measure(console: Console, rounds: int = 10) -> dict[str, float]:
     """Print and return the microseconds of a solve, of a solve whose arrays are read, and of derivatives of the forces
     by six parameters, of a ball in five fingers, of which some slide.
     """
-    walk = Walk(3.0)
+    walk = Walk(3.0)  # run with HANDLCP_KERNELS=compiled: interpreted kernels would be measured otherwise
     grasps = [g for g in map(walk.grasp, range(64)) if g.solve(throw=False).held]
     solutions = [g.solve() for g in grasps]
 
