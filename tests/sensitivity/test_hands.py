@@ -5,37 +5,59 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import handlcp as hl
 from tests.hand.composition import EFFECTS, HANDS, made
-from tests.support.sensitivity import misses
+from tests.support.sensitivity import HANDS_OF_LIBRARY, misses
 
-ON = ("cone", 8)
+# Every effect on the five-finger hand, which finds its contacts on a ball; some of them on others
+SOME = ("soft fingers", "anisotropic friction", "environment", "finger weight", "soft wrist", "geometric stiffness")
+CASES = [(name, effect) for name in HANDS for effect in ("none", *(EFFECTS if name == "five" else SOME))]
+FACES = [("five", effect) for effect in ("none", "soft fingers", "anisotropic friction", "torque saturation")]
 
 
-def indices(sensitivity, parameter):
-    """Some entries of a parameter, the same every time."""
+def entry(sensitivity, parameter, planar):
+    """One entry of a parameter, the same every time; of a planar grasp one that stays in the plane."""
     shape = sensitivity.of("displacement", parameter).shape[1:]
     rng = np.random.default_rng(len(parameter))
-    return {tuple(int(rng.integers(k)) for k in shape) for _ in range(2)}
+    found = tuple(int(rng.integers(k)) for k in shape)
+    within = {"wrench": (0,), "positions": (found[0], 0), "normals": (found[0], 1), "lengths": (found[0], 1)}
+    return within.get(parameter, found) if planar else found
 
 
-@pytest.mark.parametrize("faces", ON)
-@pytest.mark.parametrize("effect", ["none", *EFFECTS])
-@pytest.mark.parametrize("name", HANDS)
-def test_derivatives_are_those_of_whole_solves(name, effect, faces):
-    if name == "ring" and (faces == 8 or effect == "geometric stiffness"):
-        pytest.skip("a plane has no pyramids")
-    grasp = made(name, () if effect == "none" else (effect,)).grasp
-    solution = grasp.solve(faces, throw=False)
-    if not solution.held:
-        pytest.skip("no answer to differentiate")
+def check(grasp, faces, without=()):
+    solution = grasp.solve(faces)
     found = solution.sensitivity()
-    if found.kinks:
-        pytest.skip("at a kink")
+    assert not found.kinks
     for parameter in found.parameters:
-        if parameter == "stiffness" and effect in ("tendons", "synergies"):
+        if parameter in without or (parameter == "lengths" and grasp.spec.planar):
             continue
-        for index in indices(found, parameter):
-            if parameter == "friction" and not grasp.contacts[index[0]].mu > 0.0:
-                continue
-            missed = misses(grasp, solution, faces, parameter, index)
-            assert max(missed.values()) < 1e-6, (parameter, index, missed)
+        index = entry(found, parameter, grasp.spec.planar)
+        if parameter == "friction":
+            index = (max(i for i, c in enumerate(grasp.contacts) if c.mu > 0.0),)
+        missed = misses(grasp, solution, faces, parameter, index)
+        assert max(missed.values()) < 1e-6, (parameter, index, missed)
+
+
+@pytest.mark.parametrize(("name", "effect"), [c for c in CASES if c != ("ring", "geometric stiffness")])
+def test_derivatives_are_those_of_whole_solves(name, effect):
+    coupled = effect in ("tendons", "synergies")  # hands whose stiffness is not a matrix that a test could pass
+    check(made(name, () if effect == "none" else (effect,)).grasp, "cone", ("stiffness",) if coupled else ())
+
+
+@pytest.mark.parametrize(("name", "effect"), FACES)
+def test_derivatives_on_a_pyramid_are_those_of_whole_solves(name, effect):
+    check(made(name, () if effect == "none" else (effect,)).grasp, 8)
+
+
+@pytest.mark.parametrize("name", HANDS_OF_LIBRARY)
+def test_derivatives_of_every_example_hand(name):
+    """Contacts where the fingertips are, pointing at their middle, squeezed by 2 mm."""
+    hand = hl.example_hand(name, joint_stiffness=5.0, pad_flexibility=3e-4)
+    state = hand.at(hand.neutral + 0.3 * np.minimum(hand.upper - hand.neutral, 1.0))
+    tips = state.tip_positions
+    middle = tips.mean(axis=0)
+    contacts = [hl.Contact(p, (middle - p) / np.linalg.norm(middle - p), hl.SoftFinger(0.9, 0.01)) for p in tips]
+    grasp = state.grasp(contacts, wrench=(0.02, 0.01, -0.03, 0, 0, 0), preload=2e-3, reference=middle)
+    if not grasp.solve(throw=False).held:
+        pytest.skip("this posture holds nothing")
+    check(grasp, "cone", ("squeeze", "joint_offset", "torque_limits"))

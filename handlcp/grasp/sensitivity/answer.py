@@ -160,6 +160,12 @@ class Answer:
         return friction_of(self.scene, self.section)
 
     @lazy
+    def friction_shares(self) -> Array:
+        """(n,) of each coefficient, how much its section bears [-]; NaN without friction."""
+        mu = np.array([c.mu for c in self.spec.contacts])
+        return np.where(mu > 0.0, self.friction.limits / np.where(mu > 0.0, mu, 1.0), np.nan)
+
+    @lazy
     def opening(self) -> Array:
         """(c,) d with what yielding limits open, in the laws' coordinates."""
         offset = self.scene.offset

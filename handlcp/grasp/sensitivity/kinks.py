@@ -49,12 +49,14 @@ class Kink:
 
 def kinks_at(at: Stand) -> tuple[Kink, ...]:
     """Of contacts, then of limits in the order in which they are reached."""
+    reached = at.answer.yielding
+    if not (at.edge.any() or (at.states.against > 1).any() or len(reached.at)):
+        return ()
     names, found = at.answer.spec.names, []
     for i in range(at.answer.scene.n):
         if at.edge[i] or (at.states.kind[i] == SLIDING and _grazes(at, i)):
             rests = at.states.kind[i] == RESTING
             found.append(Kink(names[i], "touches without force" if rests else "is at the limit of its friction", i))
-    reached = at.answer.yielding
     of_limits = [limit.name for limit in reached.every for _ in range(len(limit.room))]
     return (*found, *(Kink(of_limits[k], "is just reached", None) for k in reached.at[reached.active :]))
 

@@ -7,9 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.effects.contact_compliance import ContactCompliance
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink, kinks_at, one_sided
+from handlcp.grasp.sensitivity.ordinary import ORDINARY, ordinary_changes, ordinary_rates
 from handlcp.grasp.sensitivity.rows import respond
 from handlcp.grasp.sensitivity.stand import Stand, solved
 from handlcp.grasp.verify.contact_states import States
@@ -18,6 +22,7 @@ from handlcp.tolerances import RANK
 
 __all__ = ["Response"]
 
+_AS_USUAL = (JointOffset, FingerWeight, ContactCompliance)  # effects that are data, and stay while contacts move
 _FREE = 1e-7  # what the free directions of a singular system move by less is determined
 
 
@@ -55,6 +60,37 @@ class Response:
         reached = self.at.answer.yielding
         A, _ = self.at.equations(self.at.states, reached.rows[: reached.active])
         return solved(A, np.zeros((len(A), 0)), RANK)[1]
+
+    @lazy
+    def ordinary(self) -> dict[str, tuple[Rates, Change]]:
+        """Rates and changes by the parameters in `ORDINARY`, made together; empty out of the ordinary case."""
+        at, answer = self.at, self.at.answer
+        spec, s, mechanism = answer.spec, answer.scene, answer.spec.mechanism
+        strange = any(not isinstance(e, _AS_USUAL) for e in spec.effects)
+        if strange or not self.regular or self.kinks or (mechanism is not None and not answer.elastic_joints):
+            return {}
+        nv = answer.rows.shape[1]
+        joints = answer.joints
+        moved = joints.deflection - answer.command
+        angular = np.zeros((s.n, 3, 0)) if mechanism is None else mechanism.angular()
+        v, b, tau = ordinary_changes(
+            spec.positions, spec.frames, answer.components, answer.twist[3:], answer.scale, answer.rows,
+            answer.compliance, joints.deflection, moved, angular, spec.planar,
+        )  # fmt: skip
+        share = answer.friction_shares
+        room = share * answer.lawful[2 : 3 * s.n : 3]
+        forces, motion, slip = ordinary_rates(
+            at.G, self.inverse, answer.tangent, s.given.freedom, answer.scale, room, v, b, answer.sizes,
+            s.twist_units, answer.balance_sizes,
+        )  # fmt: skip
+        found, first = dict[str, tuple[Rates, Change]](), 0
+        for name, count in zip(ORDINARY, (6, s.n, s.n, s.n, 3 * s.n, nv, nv), strict=True):
+            own = slice(first, first + count)
+            mu = np.diag(share) if name == "friction" else np.zeros((s.n, count))
+            change = Change(v[:, own], b[:, own], mu, tau[:, own], np.zeros((nv, count)))
+            found[name] = Rates(forces[:, own], motion[:, own], slip[:, own]), change
+            first += count
+        return found
 
     def to(self, change: Change) -> Rates:
         """The rates; at a kink those of a growing parameter, column by column."""

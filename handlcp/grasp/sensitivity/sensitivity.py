@@ -91,7 +91,7 @@ class Sensitivity:
         """The derivative, as the attribute `<quantity>_by_<parameter>`. Raises UnknownName, and Unsupported where a
         grasp has no such derivative.
         """
-        if quantity not in self.quantities:
+        if quantity not in QUANTITIES or (QUANTITIES[quantity].joints and self._answer.spec.mechanism is None):
             raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
         rates, change = self._by(parameter)
         found = QUANTITIES[quantity].rate(self._answer, rates, change)
@@ -112,6 +112,8 @@ class Sensitivity:
 
     def _by(self, parameter: str) -> tuple[Rates, Change]:
         if (known := self._rates.get(parameter)) is None:
+            known = self._response.ordinary.get(parameter)
+        if known is None:
             if parameter not in self.parameters:
                 raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
             change = PARAMETERS[parameter].change(self._answer)

@@ -72,11 +72,7 @@ def by_pads(answer: Answer) -> Change:
 def by_friction(answer: Answer) -> Change:
     """Of the coefficient of each contact (n,), the whole law growing with it; NaN for contacts without friction."""
     scene, change = answer.scene, no_change(answer, answer.scene.n)
-    mu = np.array([c.mu for c in answer.spec.contacts])
-    rough = (mu > 0.0) & (np.array(scene.kind.tangents) > 0)
-    share = np.where(rough, answer.friction.limits / np.where(rough, mu, 1.0), np.nan)
-    held = ~scene.governed_mask  # no friction of theirs takes part
-    change.friction[np.arange(scene.n), np.arange(scene.n)] = np.where(held, 0.0, share)
+    change.friction[np.arange(scene.n), np.arange(scene.n)] = answer.friction_shares
     return change
 
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import Unsupported
+from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.grasp_matrix import wrench_map
@@ -63,7 +63,11 @@ def _differences(answer: Answer, count: int, h: float, made: Callable[[int, floa
     """Of the laws of grasps made(k, ±h)."""
     change = no_change(answer, count)
     for k in range(count):
-        ahead, behind = _laws(answer, made(k, h)), _laws(answer, made(k, -h))
+        try:
+            ahead, behind = _laws(answer, made(k, h)), _laws(answer, made(k, -h))
+        except InputError:  # no such grasp, as where a link leaves the plane of a planar one
+            change.motion[:, k] = np.nan
+            continue
         for column, a, b in zip(
             (change.motion, change.balance, change.friction, change.torque), ahead, behind, strict=True
         ):
