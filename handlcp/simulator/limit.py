@@ -84,7 +84,7 @@ def _grown(run: Run, most: float, step: float) -> SimulatedLimit:
             continue
         waited += speed * run.period
         if waited > _LEFT * reach or not there:
-            return SimulatedLimit(factor, "", *_contacts(run, calm), first, run.seconds)
+            return SimulatedLimit(factor, "", *_leaving(run, calm, now), first, run.seconds)
     return SimulatedLimit(np.inf, "", (), (), first, run.seconds)
 
 
@@ -93,6 +93,13 @@ def _limits(run: Run) -> Array:
     limits = run.grasp.state.hand.torque_limits
     yields = any(isinstance(e, TorqueSaturation) for e in run.grasp.spec.effects)
     return np.where((limits > 0.0) & (not yields), limits, np.inf)
+
+
+def _leaving(run: Run, calm: Reading, now: Reading) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Contacts that slide, and that are gone, when the object was last calm or by when it has left."""
+    before, after = _contacts(run, calm), _contacts(run, now)
+    gone = tuple([name for name in run.probe.names if name in before[1] + after[1]])
+    return tuple([name for name in run.probe.names if name in before[0] + after[0] and name not in gone]), gone
 
 
 def _contacts(run: Run, reading: Reading) -> tuple[tuple[str, ...], tuple[str, ...]]:
