@@ -23,6 +23,7 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.asked.load import weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.followed.geometry import FollowedHand
@@ -121,10 +122,9 @@ class HandMechanism(Varied, Mechanism):
             placed = self.target.moved_to(pin.SE3(R, t) * self.target.placement)
         return type(self.posture)(self.posture.hand, q), placed
 
-    def weight_of_object(self) -> Array:
-        """Its mass times gravity."""
-        mass = 0.0 if self.target is None else self.target.mass
-        return read_only(mass * self.gravity)
+    def weight_of_object(self, point: Array) -> Array:
+        """Its mass times gravity, at its centre of mass."""
+        return read_only(weight_of(self.target, self.gravity, point))
 
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
         """The transmission."""

@@ -39,7 +39,7 @@ def test_with_vanishing_load_and_squeeze_it_tends_to_one_solve(grasp):
 
     def difference(share):
         small = g.replace(joint_offset=share * command, wrench=share * wrench)
-        weight = small.mechanism.weight_of_object()
+        weight = small.mechanism.weight_of_object(small.reference)[:3]
         load = share * wrench - np.append(weight, np.zeros(3))  # in all, the load is the share of the whole
         h = small.replace(wrench=share * wrench).follow(load, order="together", steps=4)
         one = small.solve("cone")

@@ -28,7 +28,7 @@ def load_of(spec: GraspSpec, wrench: Any) -> Array:
         return given
     own = spec.wrench.copy()
     if spec.mechanism is not None:
-        own[:3] -= spec.mechanism.weight_of_object()
+        own -= spec.mechanism.weight_of_object(spec.reference)
     if not abs(own).max() > 1e-12 * abs(spec.wrench).max():
         raise InputError("wrench", "a load: this grasp has none beside the object's weight", wrench)
     return read_only(own)

@@ -55,9 +55,7 @@ def stepped_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[
         for e in loading.events
         if e.kind in _NAMED and e.stage == "load" and e.share * goal <= factor
     ])  # fmt: skip
-    weight = np.zeros(6)
-    if spec.mechanism is not None:
-        weight[:3] = spec.mechanism.weight_of_object()
+    weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
 
     def bound() -> float:
         return bound_beside(spec, section, wrench)

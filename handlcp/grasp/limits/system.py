@@ -66,9 +66,7 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
         names = ", ".join(type(e).__name__ for e in foreign)
         raise Unsupported(f"a load limit knows no unknowns but forces and limits that give way ({names})")
     effects = tuple([e for e in spec.effects if not isinstance(e, GeometricStiffness)])
-    weight = np.zeros(6)
-    if spec.mechanism is not None:
-        weight[:3] = spec.mechanism.weight_of_object()
+    weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
     E = spec.flexibility.copy()
     E[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
     spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight))

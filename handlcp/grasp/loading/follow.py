@@ -186,8 +186,8 @@ def begun(
     if held := [e for e in spec.effects if e.prescribed()]:
         names = ", ".join(type(e).__name__ for e in held)
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
-    weight = np.zeros(3) if spec.mechanism is None else spec.mechanism.weight_of_object()
-    stepper = Stepper(spec, body, section, weight, tolerance)
+    weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
+    stepper = Stepper(spec, body, section, weight[:3], tolerance)
     command = np.zeros(len(body.posture))
     for e in spec.effects:
         if isinstance(e, JointOffset):

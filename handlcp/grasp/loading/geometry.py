@@ -147,7 +147,9 @@ class FixedGeometry(Geometry):
         self.apart = np.zeros((n, 3))
         self.apart[:, 2] = np.maximum(spec.offset[:, 2], 0.0)
         self._radius = read_only(np.full(n, np.inf))
-        self._none = read_only(np.zeros(3))
+        weighs = np.zeros(6) if mechanism is None else mechanism.weight_of_object(spec.reference)
+        size = float(weighs[:3] @ weighs[:3])  # any point on the line of the weight will do
+        self._arm = read_only(np.cross(weighs[:3], weighs[3:]) / size if size else np.zeros(3))
         self.posture = read_only(np.zeros(nv))
         self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))
 
@@ -160,7 +162,7 @@ class FixedGeometry(Geometry):
         slips = np.column_stack([along[:, :2], turned])
         gap = self.apart[:, 2] + along[:, 2]
         return Look(
-            at, spec.positions, R, gap, self._elastic, self._radius, spec.reference, self._none, slips,
+            at, spec.positions, R, gap, self._elastic, self._radius, spec.reference, self._arm, slips,
         )  # fmt: skip
 
     def mechanism(self, look: Look) -> Mechanism | None:

@@ -116,9 +116,11 @@ class Mechanism:
         """The posture with joints at q (nv,), and the object in this pose of `followed`; None for what is not known."""
         return None, None
 
-    def weight_of_object(self) -> Array:
-        """(3,) [N] of the object, in the load of the grasp; zero where it is not known apart from it."""
-        return read_only(np.zeros(3))
+    def weight_of_object(self, point: Array) -> Array:
+        """(6,) of the object about a point (3,) [N, N·m], in the load of the grasp; zero where it is not known apart
+        from it.
+        """
+        return read_only(np.zeros(6))
 
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
         """(title, equation, whether it is on, why) of what else it is made of, for `explain()`."""
