@@ -63,8 +63,9 @@ def figure(env: Envelope, title: str = "") -> Figure:
 
 def _hand(ax: Any, camera: Camera, shown: Content, inches: tuple[float, float]) -> None:
     """Hand and object."""
-    # Where no object is known, one contact alone has no size
-    points = shown.reach() if shown.glass is None else shown.grasp.scene.positions
+    points = shown.grasp.scene.positions
+    if shown.glass is None:  # one contact alone has no size
+        points = (points[:, None] + 0.5 * shown.size * np.concatenate([np.eye(3), -np.eye(3)])).reshape(-1, 3)
     view = frame(camera, shown.solids, shown.glass, points, inches, 0.12)
     paint(ax, camera, shown.solids, shown.glass, view, DPI)
     over = Overlay(ax, camera, view.inch)
