@@ -33,6 +33,7 @@ __all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", 
 # What happens on a path
 SLIPS, STICKS, OPENED, TOUCHES, YIELDS, HOLDS = 0, 1, 2, 3, 4, 5
 EVENTS = 400  # of one path; more than twice as many as were ever seen
+_FAR = 1e10  # times the load that changes forces by their own size
 _STUCK = 40  # events without a step between
 
 
@@ -163,10 +164,12 @@ def _slides_round(p: Parts, s: Place) -> bool:
 def _straight(p: Parts, s: Place, rates: Rates, left: float, watch: Watch) -> tuple[int, float, int]:
     """(status, step, what was watched): to the next event, with constant rates."""
     step, which = left, -1
+    rate = np.max(np.abs(rates.r))
+    far = _FAR * max(np.max(np.abs(s.r)), 1.0) / rate if rate > 0.0 else np.inf  # rates that lead there are rounding
     values, slopes, bends = conditions(p, s, watch, rates)
     for c in range(len(values)):
         h = _first_zero(values[c], slopes[c], bends[c])
-        if h < step:
+        if h < step and h < far:
             step, which = h, c
     if step == np.inf:
         return RAY, step, -1
