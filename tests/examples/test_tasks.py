@@ -32,9 +32,6 @@ def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
     assert not [n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr.startswith("_")]
 
 
-def test_there_are_a_dozen_tasks():
-
-
 def test_there_are_twelve_tasks():
     assert len(TASKS) == 12
 
