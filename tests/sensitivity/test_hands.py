@@ -56,7 +56,7 @@ def test_derivatives_of_every_example_hand(name):
     state = hand.at(hand.neutral + 0.3 * np.minimum(hand.upper - hand.neutral, 1.0))
     tips = state.tip_positions
     middle = tips.mean(axis=0)
-    contacts = [hl.Contact(p, (middle - p) / np.linalg.norm(middle - p), hl.SoftFinger(0.9, 0.01)) for p in tips]
+    contacts = [hl.Contact(p, (middle - p) / np.linalg.norm(middle - p), hl.SoftFinger(0.9, 0.01, 2.0)) for p in tips]
     grasp = state.grasp(contacts, wrench=(0.02, 0.01, -0.03, 0, 0, 0), preload=2e-3, reference=middle)
     if not grasp.solve(throw=False).held:
         pytest.skip("this posture holds nothing")

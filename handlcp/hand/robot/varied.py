@@ -100,8 +100,8 @@ class Varied:
     def replaced(self, spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
         """See `Mechanism.replaced`."""
         contacts = [
-            c.placed(p, R, c.friction, c.planar, c.name)
-            for c, p, R in zip(spec.contacts, positions, frames, strict=True)
+            c.placed(p, read_only(R @ before.T @ c.rotation), c.friction, c.planar, c.name)  # its own axes turn along
+            for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True)
         ]
         moved = spec.replace(contacts=tuple(contacts), positions=positions, frames=frames, asked=spec.asked)
         return _follow(self, moved, self.posture)

@@ -75,7 +75,8 @@ def moved(spec: GraspSpec, parameter: str, k: int, step: float) -> GraspSpec:
         made: GraspSpec = spec.mechanism.replaced(spec, positions, frames)
         return made
     contacts = tuple([
-        c.placed(p, R, c.friction, c.planar, c.name) for c, p, R in zip(spec.contacts, positions, frames, strict=True)
+        c.placed(p, read_only(R @ before.T @ c.rotation), c.friction, c.planar, c.name)  # its own axes turn along
+        for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True)
     ])  # fmt: skip
     return spec.replace(contacts=contacts, positions=positions, frames=frames)
 
