@@ -18,6 +18,7 @@ from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
 from handlcp.lcp.compiler.when import MANY
 from handlcp.study.catalogue import entries, trials
 from handlcp.study.convergence import convergence
+from handlcp.study.envelope import envelope
 from handlcp.study.nsngrk import AsPrinted, UniformRows, in_units
 
 __all__ = ["JOBS"]
@@ -91,6 +92,23 @@ def _loading() -> None:
     state.grasp(ball, friction=SoftFinger(0.6, 0.003), squeeze=1e-3).follow(steps=2)
 
 
+def _limits() -> None:
+    down, law = (0, 0, -1, 0, 0, 0), SoftFinger(0.6, 0.003)
+    tips = [Contact((x, 0, 0), (-x, 0, 0), law) for x in (-0.02, 0.02)]
+    soft = Grasp(tips, flexibility=1e-4, preload=1e-3)
+    for faces in ("cone", 8):
+        for grasp in (_held(), _pinch(1.0), soft):
+            grasp.load_limit(down, geometry="fixed", faces=faces)
+            envelope(grasp, np.eye(3), faces=faces, adaptive=0)
+    _held().load_limit(down)
+
+
+def _derivatives() -> None:
+    for faces in ("cone", 8):
+        for grasp in (_held(), _pinch(1.0)):
+            str(grasp.solve(faces).sensitivity())
+
+
 def _batches() -> None:
     solve_many([_pinch(1.0)] * MANY, workers=1)
 
@@ -111,6 +129,8 @@ JOBS: tuple[tuple[str, Callable[[], None]], ...] = (
     ("searches", _searches),
     ("streams", _streams),
     ("loading", _loading),
+    ("load limits", _limits),
+    ("derivatives", _derivatives),
     ("batches", _batches),
     ("studies", _studies),
 )
