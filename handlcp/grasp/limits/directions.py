@@ -69,7 +69,7 @@ def _followed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float
     if not ends:
         return _never(loads, "followed")
     factors, binds = [e.factor for e in ends], tuple([e.binds for e in ends])
-    events = np.array([len(events_of(e.path, e.at, e.snaps)) for e in ends], dtype=np.int64)
+    events = np.array([len(events_of(e.path, e.at)) for e in ends], dtype=np.int64)
     return Limits(loads, read_only(np.array(factors)), binds, events, "followed")
 
 

@@ -105,6 +105,14 @@ class Stepper:
 
         return self._iterated(state, guess, looked, patient)
 
+    def caught(self, state: State, controls: Controls) -> State | Failure:
+        """The state under other controls, as far away as an object may snap; None of the solver's searches."""
+
+        def looked(look: Look) -> _Found | Failure:
+            return self._looked(state, controls, look, state.same, False)
+
+        return self._iterated(state, state.same, looked, True)
+
     def pushed(self, state: State, push: Push, factor: float, guess: Guess) -> State | Failure:
         """The state in which the object has moved on as a push says, under as much of its load as that takes; the
         state's own load is a multiple of it. factor : about how much of it that will be.

@@ -34,7 +34,7 @@ def followed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple
         )  # fmt: skip
         return LoadLimit(0.0, wrench, _NOTHING, held.why, (), "followed", later)
     end = ended(held, wrench, most)
-    events = events_of(end.path, end.at, end.snaps)
+    events = events_of(end.path, end.at)
     way = [(p.factor, p.state) for p in way_to(end.at)]
     later = Later(
         lambda: _path(stepper, way), lambda: _solution(stepper, section, end.at.state), lambda: end.most,

@@ -16,7 +16,7 @@ __all__ = ["binds_of", "events_of", "way_to"]
 def binds_of(how: str, at: Point, after: Point | None, watched: Watched, names: tuple[str, ...]) -> tuple[Bind, ...]:
     """What is at its level; or contacts that open there; or all that slide; or balance itself."""
     if how == WATCHED:
-        return watched.binds(at.state)
+        return watched.binds(at.state if after is None or not after.snapped else after.state)
     kinds = at.kinds if after is None else after.kinds
     opened = [n for n, a, b in zip(names, at.kinds, kinds, strict=True) if b == OPEN != a]
     if opened:
@@ -33,13 +33,12 @@ def way_to(at: Point) -> list[Point]:
     return found[::-1]
 
 
-def events_of(path: PushedPath, at: Point, snaps: tuple[Point, ...]) -> tuple[LimitEvent, ...]:
+def events_of(path: PushedPath, at: Point) -> tuple[LimitEvent, ...]:
     """What happens up to a point. Where margins foresee when a contact slips or opens, that is the factor; else that
     of the step's end.
     """
     found, watch = list[LimitEvent](), path.stepper.watch
     names = {name: i for i, name in enumerate(path.stepper.grasp.spec.names)}
-    snapped = {id(p) for p in snaps}
     way = way_to(at)
     for a, b in pairwise(way):
         sizes = path.foreseen(a, a, 0.0, b)
@@ -47,6 +46,6 @@ def events_of(path: PushedPath, at: Point, snaps: tuple[Point, ...]) -> tuple[Li
             size = sizes[names[event.who]] if event.who in names else b.size
             share = min(max(float(size) / b.size, 0.0), 1.0) if event.kind in (SLIPS, OPENS) else 1.0
             found.append(LimitEvent(event.kind, event.who, a.factor + share * (b.factor - a.factor)))
-        if id(b) in snapped:
+        if b.snapped:
             found.append(LimitEvent("snaps", OBJECT, b.factor))
     return tuple(sorted(found, key=lambda e: e.factor))

@@ -14,7 +14,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.followed.cause import binds_of
 from handlcp.grasp.limits.followed.locate import located
 from handlcp.grasp.limits.followed.path import LoadedPath, Point, PushedPath
-from handlcp.grasp.limits.followed.walk import RAY, Size, walk
+from handlcp.grasp.limits.followed.walk import RAY, WATCHED, Size, snapped, walk
 from handlcp.grasp.limits.followed.watched import Watched
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.loading.drive import FINEST, drive
@@ -54,7 +54,6 @@ class Ended:
     at: Point
     most: float
     path: PushedPath
-    snaps: tuple[Point, ...]
 
 
 def ready(spec: GraspSpec, section: Section) -> Ready:
@@ -86,11 +85,14 @@ def ended(held: Ready, load: Array, most: tuple[float, float]) -> Ended:
         path = LoadedPath(stepper, held.state, load, size.force / (size.motion * path.strength))
     watched = Watched(stepper, held.state, most)
     if watched.over(held.state) > 0.0:
-        return Ended(0.0, watched.binds(held.state), path.start, 0.0, path, ())
-    way = walk(path, size, watched.over)
-    if way.how == RAY:
-        return Ended(np.inf, (), way.at, way.at.factor, path, tuple(way.snaps))
-    at, after = located(path, way, watched.over)
+        return Ended(0.0, watched.binds(held.state), path.start, 0.0, path)
+    first: Point | None = path.start
+    while first is not None:
+        way = walk(path, first, size, watched.over)
+        if way.how == RAY:
+            return Ended(np.inf, (), way.at, way.at.factor, path)
+        at, after = located(path, way, watched.over)
+        first = None if way.how == WATCHED else snapped(path, at, way.after, size)
     largest = max(at.factor, 0.0 if after is None else after.factor)
     binds = binds_of(way.how, at, after, watched, stepper.grasp.spec.names)
-    return Ended(at.factor, binds or (Bind(EQUILIBRIUM, OBJECT),), at, largest, path, tuple(way.snaps))
+    return Ended(at.factor, binds or (Bind(EQUILIBRIUM, OBJECT),), at, largest, path)

@@ -22,6 +22,8 @@ def located(path: PushedPath, ended: Walk, beyond: Callable[[State], float]) -> 
     at, after = ended.at, ended.after
     if after is None:
         return at, None
+    if after.snapped:
+        return at, after
     if ended.how == WATCHED:
         return _level(path, at, after, beyond)
     if after.before is not at:  # it snapped, and never came to rest

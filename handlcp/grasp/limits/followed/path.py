@@ -22,16 +22,20 @@ from handlcp.grasp.loading.step_answer import Push
 
 __all__ = ["LoadedPath", "Point", "PushedPath"]
 
+CAUGHT = 0.06  # of the farthest contact's distance: an object that comes to rest again within this motion is held
 _PROBE = 1e-4  # of the load: a state stays under so much more
 
 
 class Point(NamedTuple):
-    """state : of the grasp. factor : of the load there. size : of the step that led here [m], from `before`."""
+    """state : of the grasp. factor : of the load there. size : of the step that led here [m], from `before`.
+    snapped : whether the object snapped from there, and came to rest here.
+    """
 
     state: State
     factor: float
     size: float
     before: Point | None
+    snapped: bool = False
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -49,13 +53,15 @@ class PushedPath:
         length = float(stepper.first.radius.mean())
         self._squares = np.array([1.0, 1.0, 1.0, *[length**2] * 3])  # makes turns comparable with motions
         self.strength = float(np.sqrt((load**2 / self._squares).sum()))
+        first = stepper.first
+        self._caught = CAUGHT * float(np.sqrt(((first.positions - first.reference) ** 2).sum(axis=1).max()))
         self.start = Point(start, 0.0, 0.0, None)
 
     def beyond(self, point: Point, size: float) -> Point | Failure:
         """The point further on by so much [m]."""
         state, before = point.state, point.before
         guess, factor, lead = state.same, point.factor, np.zeros((len(state.kinds), 3))
-        if before is not None:
+        if before is not None and not point.snapped:
             ahead = size / point.size
             factor += ahead * (point.factor - before.factor)
             guess = self._further(before.state, state, ahead)
@@ -72,8 +78,22 @@ class PushedPath:
         found = self.stepper.step(point.state, controls, point.state.same, patient=True)
         if isinstance(found, Failure):
             return None
-        step = self._way(point.state, found) ** 2 * self._squares
-        return Point(found, factor, float(np.sqrt(step.sum())), point)
+        return Point(found, factor, self._size(point.state, found), point)
+
+    def near(self, a: Point, b: Point) -> bool:
+        """Whether an object that snaps from one to the other counts as held, as `CAUGHT` says."""
+        way = self._way(a.state, b.state)
+        length = self._caught / CAUGHT
+        return float(np.sqrt(way[:3] @ way[:3]) + length * np.sqrt(way[3:] @ way[3:])) <= self._caught
+
+    def caught(self, point: Point, factor: float) -> Point | None:
+        """Where the object comes to rest from a point when so much of the load is given; None: not near it."""
+        controls = point.state.controls._replace(load=factor * self.load)
+        found = self.stepper.caught(point.state, controls)
+        if isinstance(found, Failure) or not found.loaded:
+            return None
+        new = Point(found, factor, self._size(point.state, found), point, snapped=True)
+        return new if self.near(point, new) else None
 
     def stays(self, point: Point) -> bool:
         """Whether the state is also found when the load is given, and a little more of it."""
@@ -106,10 +126,14 @@ class PushedPath:
 
     def _along(self, point: Point) -> Array:
         """(6,) the wrench whose work measures a step from there [m]: along the last step, at first along the load."""
-        if point.before is None:
+        if point.before is None or point.snapped:
             return np.asarray(self.load / self.strength)
         step = self._squares * self._way(point.before.state, point.state)
         return np.asarray(step / np.sqrt((step**2 / self._squares).sum()))
+
+    def _size(self, a: State, b: State) -> float:
+        """[m] of a step between states."""
+        return float(np.sqrt((self._way(a, b) ** 2 * self._squares).sum()))
 
     def _way(self, a: State, b: State) -> Array:
         """(6,) motion of the object from one state to another: of the reference point [m], and of rotation vectors."""
@@ -135,13 +159,16 @@ class LoadedPath(PushedPath):
 
     def beyond(self, point: Point, size: float) -> Point | Failure:
         state, before, factor = point.state, point.before, point.factor + size * self._per
-        guess = state.same if before is None else self._further(before.state, state, size / point.size)
+        guess = state.same if before is None or point.snapped else self._further(before.state, state, size / point.size)
         controls = state.controls._replace(load=factor * self.load)
         found = self.stepper.step(state, controls, guess)
         return found if isinstance(found, Failure) else Point(found, factor, size, point)
 
     def stays(self, point: Point) -> bool:
         return True
+
+    def caught(self, point: Point, factor: float) -> Point | None:
+        return None
 
     def under(self, point: Point, factor: float) -> Point | None:
         return None

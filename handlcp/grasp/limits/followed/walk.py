@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from handlcp.grasp.limits.followed.path import Point, PushedPath
 from handlcp.grasp.loading.state import Failure, State
 
-__all__ = ["GIVES_UP", "LOST", "PEAK", "RAY", "WATCHED", "Size", "Walk", "walk"]
+__all__ = ["GIVES_UP", "LOST", "PEAK", "RAY", "WATCHED", "Size", "Walk", "snapped", "walk"]
 
 # How a walk ends: the load has had its largest value; no state follows; what is watched is beyond its level; the load
 # is beyond any that matters; too many steps
@@ -26,7 +26,7 @@ _MORE = (1e-4, 1e-3)  # of the load: where the path turns, states are searched u
 _STEPS = 300
 _JUMP = 0.25  # of the forces there are: the load of a step, in the mean
 _SMOOTH, _BENDS = 1, 4  # looks that a step takes where the path is smooth, and where it bends
-_FALLS, _AFTER = 0.985, 4  # of the largest load, and steps: within these, an object that snaps comes to rest again
+_FALLS = 0.9  # of the largest load: an object that snaps comes to rest again before no more than this is held
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,48 +40,64 @@ class Size:
 @dataclass(slots=True)
 class Walk:
     """how : it ends. at : the last point at which the load is held, as far as the walk knows; after : the point after
-    it, which is beyond the limit; None: there is none. snaps : points to which the object has snapped.
+    it, which is beyond the limit; None: there is none.
     """
 
     how: str
     at: Point
     after: Point | None
-    snaps: list[Point]
 
 
-def walk(path: PushedPath, size: Size, beyond: Callable[[State], float]) -> Walk:
-    """Until the walk ends. beyond : of a state, above 0 where something watched is beyond its level."""
-    last, top, after = path.start, path.start, None  # top : the last point that is held; after : the first after it
-    step, snaps, since = _FIRST * size.motion, list[Point](), 0
+def walk(path: PushedPath, first: Point, size: Size, beyond: Callable[[State], float]) -> Walk:
+    """From a point until the walk ends. beyond : of a state, above 0 where something watched is beyond its level."""
+    top, step = first, _FIRST * size.motion
+    if first.before is not None and beyond(first.state) > 0.0:
+        return Walk(WATCHED, first.before, first)
     for _ in range(_STEPS):
-        new = _next(path, last, step, size)
+        new = _next(path, top, step, size)
         if isinstance(new, Failure):
             step /= 4
             if step >= _LEAST * size.motion:
                 continue
-            if after is not None:
-                return Walk(PEAK, top, after, snaps)
-            if (other := _another(path, last)) is None:
-                return Walk(LOST, top, None, snaps)
+            if (other := _another(path, top)) is None:
+                return Walk(LOST, top, None)
             new = other
-        known = after is None and new.kinds == last.kinds  # what no contact has changed is found as before
-        if new.factor > top.factor and (known or path.stays(new)):
-            if after is not None:
-                snaps.append(new)
-            if beyond(new.state) > 0.0:
-                return Walk(WATCHED, top, new, snaps)
-            if new.factor * path.strength > RAY_AT * size.force:
-                return Walk(RAY, new, None, snaps)
-            top, after, since = new, None, 0
-        else:
-            after = after or new
-            since += 1
-            if since > _AFTER or new.factor < _FALLS * top.factor or not new.state.loaded:
-                return Walk(PEAK, top, after, snaps)
-        jump = abs(new.factor - last.factor) * path.strength
-        step = _sized(new, jump, _JUMP * max(size.force, new.factor * path.strength))
-        step, last = min(step, _MOST * size.motion), new
-    return Walk(GIVES_UP, top, None, snaps)
+        known = new.kinds == top.kinds  # what no contact has changed is found as before
+        if not (new.factor > top.factor and (known or path.stays(new))):
+            return Walk(PEAK, top, new)
+        if beyond(new.state) > 0.0:
+            return Walk(WATCHED, top, new)
+        if new.factor * path.strength > RAY_AT * size.force:
+            return Walk(RAY, new, None)
+        step, top = _step(path, top, new, size), new
+    return Walk(GIVES_UP, top, None)
+
+
+def snapped(path: PushedPath, at: Point, after: Point | None, size: Size) -> Point | None:
+    """Where the object comes to rest under a little more load than the largest at a point; None: not near it. It is led
+    on from the point after until the load has grown past that again; or the load is given.
+    """
+    if (caught := path.caught(at, (1.0 + _MORE[1]) * at.factor)) is not None:
+        return caught
+    last, step = after, 0.0 if after is None else after.size
+    while last is not None and path.near(at, last) and last.factor >= _FALLS * at.factor and last.state.loaded:
+        if last.factor > (1.0 + _MORE[1]) * at.factor:
+            return last._replace(snapped=True)
+        new = _next(path, last, step, size)
+        if isinstance(new, Failure):
+            step /= 4
+            if step < _LEAST * size.motion:
+                break
+            continue
+        step, last = _step(path, last, new, size), new
+    return None
+
+
+def _step(path: PushedPath, last: Point, new: Point, size: Size) -> float:
+    """The next step [m], after one between these points."""
+    jump = abs(new.factor - last.factor) * path.strength
+    step = _sized(new, jump, _JUMP * max(size.force, new.factor * path.strength))
+    return min(step, _MOST * size.motion)
 
 
 def _next(path: PushedPath, last: Point, step: float, size: Size) -> Point | Failure:
