@@ -134,9 +134,10 @@ class Questions(ABC):
         the end of its range, balance is lost. With `TorqueSaturation` a joint at its limit yields, and the load grows
         on until something else gives out.
 
-        wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference; None: the grasp's own.
-        geometry : as in `follow`. faces : as in `problem`. motion, turn : how far the object may move [m] and turn
-        [rad] from where the load finds it; None: any distance. Raises InputError, Unsupported (known forces).
+        wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference, or (3,) of a planar grasp, as
+        in `Grasp`; None: the grasp's own. geometry : as in `follow`. faces : as in `problem`. motion, turn : how far
+        the object may move [m] and turn [rad] from where the load finds it; None: any distance. Raises InputError,
+        Unsupported (known forces).
         """
         return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn)
 

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.loading.follow import geometry_of
+from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["is_followed", "load_of", "tolerance"]
@@ -20,9 +21,10 @@ def is_followed(spec: GraspSpec, geometry: Any) -> bool:
 
 
 def load_of(spec: GraspSpec, wrench: Any) -> Array:
-    """(6,) the load beside the weight; None: the grasp's own. Raises InputError."""
+    """(6,) the load beside the weight, given as `Grasp` takes it; None: the grasp's own. Raises InputError."""
     if wrench is not None:
-        given = array("wrench", wrench, (6,))
+        height = validate.lift(spec.positions, spec.reference, spec.plane)
+        given = validate.wrench(wrench, spec.plane, height)
         if not given.any():
             raise InputError("wrench", "a load that is not zero", given.tolist())
         return given

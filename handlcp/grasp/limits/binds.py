@@ -6,6 +6,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Ints
+from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.limits.kernels.happens import RAY, REACHED, WATCHED
 from handlcp.grasp.limits.kernels.parts import CLOSED
 from handlcp.grasp.limits.kernels.parts import OPENS as TOUCHES_LAST
@@ -22,7 +23,7 @@ from handlcp.grasp.limits.result import (
 )  # fmt: skip
 from handlcp.grasp.limits.system import System
 
-__all__ = ["binds_of", "events_of", "why_of"]
+__all__ = ["binds_of", "events_of", "why_of", "with_joints"]
 
 _MOST = 4  # names in a sentence
 _STRAIGHT = 1e-9  # of a load: less of it across an axis is none
@@ -30,7 +31,11 @@ _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
 def binds_of(system: System, status: int, which: int, closed: Ints, active: Ints) -> tuple[Bind, ...]:
-    """status, which : as `trace` returns them; closed (n,), active (f,) : of the place where it ended."""
+    """status, which : as `trace` returns them; closed (n,), active (f,) : of the place where it ended.
+
+    Where no rates exist that balance more load: the contacts that open there; if there are none, all that slide; if
+    there are none either, balance itself.
+    """
     if status in (RAY, REACHED):
         return ()
     if status == WATCHED:
@@ -38,41 +43,65 @@ def binds_of(system: System, status: int, which: int, closed: Ints, active: Ints
             return (Bind(MOTION, OBJECT),)
         return (Bind(*system.watched[which]),)
     names, p = system.spec.names, system.parts
-    opened = [i for i in range(len(p.mu)) if closed[i] == TOUCHES_LAST]
-    if opened:
+    if opened := [i for i in range(len(p.mu)) if closed[i] == TOUCHES_LAST]:
         return tuple([Bind(OPENS, names[i]) for i in opened])
-    loaded = [i for i in range(len(p.mu)) if closed[i] == CLOSED]
-    sliding = sorted({int(i) for i, on in zip(p.owner, active, strict=True) if on})
-    slippery = [i for i in loaded if i in sliding or not (p.contacts[i, 1:] >= 0).any()]
-    if sliding and slippery == loaded:
-        return tuple([Bind(SLIPS, names[i]) for i in sliding])
-    return (Bind(EQUILIBRIUM, OBJECT),)
+    sliding = sorted({int(i) for i, on in zip(p.owner, active, strict=True) if on and closed[i] == CLOSED})
+    return tuple([Bind(SLIPS, names[i]) for i in sliding]) or (Bind(EQUILIBRIUM, OBJECT),)
 
 
 def events_of(system: System, log: Array) -> tuple[LimitEvent, ...]:
     """From the rows that `trace` writes."""
     names = system.spec.names
-    rows = [row for limit in system.limits for row in [limit.name] * len(limit.room)]
+    rows = _limited(system) if system.limits else ()
     called = [(factor, int(kind), (names if kind < 4 else rows)[int(who)]) for factor, kind, who in log.tolist()]
     return tuple([LimitEvent(_KINDS[kind], who, factor) for factor, kind, who in called])
+
+
+def with_joints(system: System, binds: tuple[Bind, ...], yields: Ints) -> tuple[Bind, ...]:
+    """The joints that yield, where no contact gives out. yields (k,) : as a `Place` has it."""
+    if not len(yields) or binds != (Bind(EQUILIBRIUM, OBJECT),) or system.spec.mechanism is None:
+        return binds
+    joints = system.spec.mechanism.names
+    rows = zip(_limited(system), yields.tolist(), strict=True)
+    return (
+        tuple([Bind(TORQUE, who) for who in dict.fromkeys([who for who, on in rows if on and who in joints])]) or binds
+    )
+
+
+def _limited(system: System) -> tuple[str, ...]:
+    """(k,) whom each limit is of: a joint, a finger, or the title of a bound on several."""
+    spec, scene, found = system.spec, system.scene, list[str]()
+    for e in spec.effects:
+        for limit in e.present(scene):
+            if isinstance(e, TorqueSaturation):
+                joints, _, limited = e.limited(scene)
+                found += [joints.names[j] for j in limited]
+                continue
+            for row in limit.rows[:, : 3 * scene.n]:
+                pressed = np.flatnonzero(row.reshape(-1, 3).any(axis=1))
+                found.append(spec.names[int(pressed[0])] if len(pressed) == 1 else f"the {e.title}")
+    return tuple(found)
 
 
 def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...]) -> str:
     """One sentence."""
     if not binds:
         return "nothing binds, however large the load"
-    amount = _amount(factor * wrench)
     who, kind = _listed([b.who for b in binds]), binds[0].kind
-    many = len(binds) > 1
+    many, more = len(binds) > 1, "more load" if factor > 0.0 else "it"
     said = {
-        SLIPS: f"{who} {'slip' if many else 'slips'} through",
-        OPENS: f"{who} {'let' if many else 'lets'} go, and nothing balances the load",
+        SLIPS: f"{who} {'slip' if many else 'slips'}, and nothing else balances {more}",
+        OPENS: f"{who} {'let' if many else 'lets'} go, and nothing else balances {more}",
         TORQUE: f"{who} {'reach their torque limits' if many else 'reaches its torque limit'}",
         RANGE: f"{who} {'reach the ends of their ranges' if many else 'reaches the end of its range'}",
-        EQUILIBRIUM: "the forces can no longer balance the load",
+        EQUILIBRIUM: f"no contact forces balance {more}",
         MOTION: "the object has moved as far as was allowed",
     }[kind]
-    return f"at {factor:.4g} × the load{amount}: {said}"
+    if factor > 0.0:
+        return f"at {factor:.4g} times the load{_amount(factor * wrench)}: {said}"
+    if kind in (TORQUE, RANGE):
+        return f"before there is any load, {said}"
+    return f"it holds nothing of this load: {said}"
 
 
 def _listed(names: list[str]) -> str:
@@ -91,5 +120,6 @@ def _amount(load: Array) -> str:
             axis = int(abs(part).argmax())
             straight = abs(part[axis]) >= (1.0 - _STRAIGHT) * size
             where = f" {how} {'+' if part[axis] > 0 else '-'}{'xyz'[axis]}" if straight else ""
-            parts.append(f"{of(size)}{where}")
+            if not (said := of(size)).startswith("0 "):  # beside the rest of the load
+                parts.append(f"{said}{where}")
     return f", {' and '.join(parts)}" if parts else ""

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.binds import binds_of, events_of, why_of
+from handlcp.grasp.limits.binds import binds_of, events_of, why_of, with_joints
 from handlcp.grasp.limits.further import bound_beside, largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
 from handlcp.grasp.limits.kernels.parts import Place, none_known
@@ -42,7 +42,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP or not path.sound:
         return stepped_limit(spec, section, wrench, most)
-    binds = binds_of(system, status, which, place.closed, place.active)
+    binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])
     return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds), happened, "fixed", _later(path, factor))
 

@@ -13,12 +13,15 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.limits.kernels.happens import REACHED, room_of
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, REACHED, room_of
 from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
 from handlcp.grasp.limits.kernels.slips import face_of_force
 from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.loading.follow import follow
+from handlcp.grasp.loading.stage import Stage
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.solve.solve_spec import solve_spec
 
@@ -45,8 +48,11 @@ def start_of(system: System) -> Start:
     free = watch._replace(rows=watch.rows[:0], level=watch.level[:0])
     log, path = np.empty((EVENTS, 3)), np.empty((EVENTS, width))
     status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, none_known(p), log, path)
+    if status == GIVES_UP:
+        return _followed(system, ("squeeze", Stage("weight", weight=1.0)))
     if status != REACHED:
-        return Start(None, f"the grasp holds {factor:.0%} of the object's own weight")
+        share = f"{factor:.0%}" if factor > 0.0 else "nothing"
+        return Start(None, f"the weight alone is not held: the grasp holds {share} of it")
     return squeezed
 
 
@@ -56,18 +62,30 @@ def _squeezed(system: System) -> Start:
     size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
     sags = any(isinstance(e, FingerWeight) and e.sags for e in spec.effects)
     alone = spec.replace(wrench=read_only(np.zeros(6)))
+    if not sags and not _pushes(spec):
+        return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
     if not sags and not (spec.offset[:, 2] > _NONE * size).any():
-        if not scene.offset.any():
-            return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
         found = solve_spec(alone, system.section, proof=False)
         if found.held and abs(found.forces).max() > _ON * scene.units.force:
             return Start(_from_solution(system, found), "")
-    loading = follow(spec, system.section, np.zeros(6), ("squeeze",), "fixed", 40, None)
+    return _followed(system, ("squeeze",))
+
+
+def _followed(system: System, order: tuple[str | Stage, ...]) -> Start:
+    """The place after stages that are followed in steps."""
+    scene = system.scene
+    loading = follow(system.spec, system.section, np.zeros(6), order, "fixed", 40, None)
     if not loading.reached:
-        return Start(None, f"the squeeze alone is not held: {loading.why}")
+        return Start(None, f"the {loading.lost_stage} alone is not held: {loading.why.partition(': ')[2]}")
     last = loading.last
     forces = np.concatenate([last.read.forces.reshape(-1), last.read.torsion[list(scene.soft)]])
     return Start(_place(system, scene.lawful(forces), last.where.pose, {}), "")
+
+
+def _pushes(spec: GraspSpec) -> bool:
+    """Whether anything squeezes the object: a preload, tips that are moved along it, joints that are commanded."""
+    commands = [e.command for e in spec.effects if isinstance(e, JointOffset)]
+    return bool(spec.offset[:, :2].any() or (spec.offset[:, 2] < 0.0).any() or any(c.any() for c in commands))
 
 
 def _from_solution(system: System, found: GraspSolution) -> Place:

@@ -12,6 +12,7 @@ from handlcp.grasp.limits.result import (
     EQUILIBRIUM,
     MOTION,
     OBJECT,
+    RANGE,
     SLIPS,
     TORQUE,
     Bind,
@@ -26,29 +27,29 @@ from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["stepped_limit"]
 
-_STEPS, _DOUBLED, _BEYOND = 60, 40, 1.02
+_STEPS, _DOUBLED, _BEYOND = 60, 14, 1.02  # doubled so often, the load is far larger than all forces before it
+_RANGE = 1e-9  # of a joint's motion: it may be so far beyond the end of its range
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
 def stepped_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float]) -> LoadLimit:
     """As `fixed_limit`; the factor is one that was reached, short of the limit by a small part of a step."""
-    reach, loading = 1.0, _loaded(spec, section, wrench, 1.0)
+    reach = _size(spec, section, wrench)
+    loading = _loaded(spec, section, wrench, reach)
     for _ in range(_DOUBLED):
-        if not loading.reached or _ends(loading, spec, most)[0] < len(loading.steps) - 1:
+        if not loading.reached or _ends(loading, spec, most)[1]:
             break
         reach *= 2.0
         loading = _loaded(spec, section, wrench, reach)
     last, binds = _ends(loading, spec, most)
-    if not loading.reached or last < len(loading.steps) - 1:
+    if binds:
         near = _BEYOND * max(_factor(loading, wrench, last), 1e-9 * reach)
         loading = _loaded(spec, section, wrench, near)
         last, binds = _ends(loading, spec, most)
-    factor = _factor(loading, wrench, last) if binds else np.inf
-    steps = loading.steps
-    factors = np.array([float(load @ wrench) / float(wrench @ wrench) for load in steps.load[: last + 1]])
-    path = LimitPath(
-        read_only(factors), steps.forces[: last + 1], steps.torques[: last + 1], steps.displacement[: last + 1]
-    )  # fmt: skip
+    factor = max(_factor(loading, wrench, last), 0.0) if binds else np.inf
+    steps, way = loading.steps, slice(_first(loading), last + 1)
+    factors = steps.load[way] @ wrench / float(wrench @ wrench)
+    path = LimitPath(read_only(factors), steps.forces[way], steps.torques[way], steps.displacement[way])
     goal = float(steps.load[-1] @ wrench) / float(wrench @ wrench) / (loading.lost_at or 1.0)
     happened = tuple([
         LimitEvent(e.kind, e.who, e.share * goal)
@@ -67,6 +68,15 @@ def stepped_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[
     return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds), happened, "fixed", later)
 
 
+def _size(spec: GraspSpec, section: Section, wrench: Array) -> float:
+    """The factor with which the load is as large as the forces before it; 1 where there are none."""
+    order = ("squeeze", Stage("weight", weight=1.0))
+    before = follow(spec, section, np.zeros(6), order, "fixed", _STEPS, None)
+    length = float(np.linalg.norm(spec.positions - spec.reference, axis=1).mean()) or 1.0
+    load = float(np.linalg.norm(np.append(wrench[:3], wrench[3:] / length)))
+    return float(np.linalg.norm(before.steps.forces[-1], axis=1).sum()) / load or 1.0
+
+
 def _loaded(spec: GraspSpec, section: Section, wrench: Array, factor: float) -> Loading:
     order = ("squeeze", Stage("weight", weight=1.0), "load")
     return follow(spec, section, factor * wrench, order, "fixed", _STEPS, None)
@@ -76,24 +86,39 @@ def _factor(loading: Loading, wrench: Array, last: int) -> float:
     return float(loading.steps.load[last] @ wrench) / float(wrench @ wrench)
 
 
+def _first(loading: Loading) -> int:
+    """The last step without any load."""
+    under = np.flatnonzero(loading.steps.load.any(axis=1))
+    return max(int(under[0]) - 1, 0) if len(under) else len(loading.steps) - 1
+
+
 def _ends(loading: Loading, spec: GraspSpec, most: tuple[float, float]) -> tuple[int, tuple[Bind, ...]]:
     """The last step within every limit, and what binds there."""
-    steps = loading.steps
-    under = np.flatnonzero(steps.load.any(axis=1))
-    first = int(under[0]) - 1 if len(under) else len(steps) - 1
-    for k in range(max(first, 0), len(steps)):
-        if spec.mechanism is not None:
-            over = np.flatnonzero(abs(steps.torques[k]) > (1.0 + 1e-9) * spec.mechanism.limits)
-            if len(over):
-                return k - 1, tuple([Bind(TORQUE, spec.mechanism.names[j]) for j in over])
-        moved = steps.displacement[k] - steps.displacement[max(first, 0)]
+    steps, first = loading.steps, _first(loading)
+    for k in range(first, len(steps)):
+        if over := _over(spec, steps.torques[k], steps.states[k].where.q):
+            return max(k - 1, first), over
+        moved = steps.displacement[k] - steps.displacement[first]
         if np.linalg.norm(moved[:3]) > most[0] or np.linalg.norm(moved[3:]) > most[1]:
-            return k - 1, (Bind(MOTION, OBJECT),)
+            return max(k - 1, first), (Bind(MOTION, OBJECT),)
     end = len(steps) - 1
     if loading.reached:
         return end, ()
     kinds = steps.contact_state[-1]
     sliding = [name for name, kind in zip(spec.names, kinds, strict=True) if kind == "sliding"]
-    if sliding and "sticking" not in kinds:
-        return end, tuple([Bind(SLIPS, name) for name in sliding])
-    return end, (Bind(EQUILIBRIUM, OBJECT),)
+    return end, tuple([Bind(SLIPS, name) for name in sliding]) or (Bind(EQUILIBRIUM, OBJECT),)
+
+
+def _over(spec: GraspSpec, torque: Array, q: Array) -> tuple[Bind, ...]:
+    """Joints beyond their torque limits or ranges; q (nv,) : from the posture [rad, m]."""
+    joints = spec.mechanism
+    if joints is None:
+        return ()
+    found = [Bind(TORQUE, joints.names[j]) for j in np.flatnonzero(abs(torque) > (1.0 + 1e-9) * joints.limits)]
+    if joints.stands is None or joints.ranges is None:
+        return tuple(found)
+    (lower, upper), at = joints.ranges, joints.stands + q
+    started = (joints.stands >= lower) & (joints.stands <= upper)
+    near = _RANGE * abs(q).max(initial=0.0)
+    beyond = np.flatnonzero(started & ((at > upper + near) | (at < lower - near)))
+    return tuple(found + [Bind(RANGE, joints.names[j]) for j in beyond])

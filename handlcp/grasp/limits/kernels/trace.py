@@ -34,6 +34,7 @@ __all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", 
 SLIPS, STICKS, OPENED, TOUCHES, YIELDS, HOLDS = 0, 1, 2, 3, 4, 5
 EVENTS = 400  # of one path; more than twice as many as were ever seen
 _FAR = 1e10  # times the load that changes forces by their own size
+_APEX = 1e-11  # of the largest force: a tangential force as small as that is none
 _STUCK = 40  # events without a step between
 
 
@@ -173,10 +174,31 @@ def _straight(p: Parts, s: Place, rates: Rates, left: float, watch: Watch) -> tu
             step, which = h, c
     if step == np.inf:
         return RAY, step, -1
+    which, step = _at_apex(p, s, rates, which, step)
     put(s, rates, step)
     if which < 0:
         return REACHED, step, -1
     return settle_at(p, s, watch, which, step)
+
+
+@kernel
+def _at_apex(p: Parts, s: Place, rates: Rates, which: int, step: float) -> tuple[int, float]:
+    """A force that shrinks to nothing along its contact's normal opens it. There its room on a round cone, a square,
+    has a double root, which rounding finds too early.
+    """
+    j = which - 2 * len(p.mu)
+    if j < 0 or j >= len(p.owner) or p.moving[j] == 0:
+        return which, step
+    i = p.owner[j]
+    c = p.contacts[i, 0]
+    if rates.r[c] >= 0.0:
+        return which, step
+    end, force = -s.r[c] / rates.r[c], np.max(np.abs(s.r))
+    for a in range(3):
+        t = p.contacts[i, a + 1]
+        if t >= 0 and abs(s.r[t] + end * rates.r[t]) > _APEX * force:
+            return which, step
+    return i, end
 
 
 @kernel
