@@ -17,7 +17,7 @@ __all__ = ["is_followed", "load_of", "tolerance"]
 
 def is_followed(spec: GraspSpec, geometry: Any) -> bool:
     """Whether contacts are followed: where hand and object are known, but for "fixed". Raises InputError."""
-    return geometry_of(spec, geometry).follows
+    return geometry != "fixed" and geometry_of(spec, geometry).follows
 
 
 def load_of(spec: GraspSpec, wrench: Any) -> Array:

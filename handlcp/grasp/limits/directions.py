@@ -19,9 +19,8 @@ from handlcp.grasp.limits.kernels.happens import GIVES_UP
 from handlcp.grasp.limits.kernels.parts import none_known, update
 from handlcp.grasp.limits.kernels.trace import trace_each
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
-from handlcp.grasp.limits.start import start_of
-from handlcp.grasp.limits.stepped import stepped_limit
-from handlcp.grasp.limits.system import system_of
+from handlcp.grasp.limits.start import begun_of
+from handlcp.grasp.limits.stepped import confirms, stepped_limit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.lcp.compiler.when import at_once
 
@@ -80,8 +79,8 @@ def _never(loads: Array, geometry: str) -> Limits:
 
 
 def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float]) -> Limits:
-    system = system_of(spec, section, loads[int(abs(loads).max(axis=1).argmax())])
-    begun, m = start_of(system), len(loads)
+    system, begun = begun_of(spec, section, loads[int(abs(loads).max(axis=1).argmax())])
+    m = len(loads)
     if begun.place is None:
         return _never(loads, "fixed")
     p, watch = system.parts, watch_from(system, begun.place, most)
@@ -89,12 +88,13 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
     update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
     with at_once(m):
-        trace_each(p, begun.place, system.loads(loads), watch, known, answers, ends)
+        trace_each(p, begun.place, system.load(system.weight), system.loads(loads), watch, known, answers, ends)
     binds = [
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
     for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
-        slower = stepped_limit(spec, section, loads[a], most)
-        answers[a, 2:], binds[a] = (slower.factor, len(slower.events)), slower.binds
+        slower = stepped_limit(spec, section, loads[a], most, float(answers[a, 2]))
+        if not confirms(slower, float(answers[a, 2])):
+            answers[a, 2:], binds[a] = (slower.factor, len(slower.events)), slower.binds
     return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")

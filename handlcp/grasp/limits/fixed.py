@@ -13,9 +13,9 @@ from handlcp.grasp.limits.kernels.parts import Place, none_known
 from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.path import TracedPath
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LoadLimit
-from handlcp.grasp.limits.start import start_of
-from handlcp.grasp.limits.stepped import stepped_limit
-from handlcp.grasp.limits.system import System, system_of
+from handlcp.grasp.limits.start import begun_of
+from handlcp.grasp.limits.stepped import confirms, stepped_limit
+from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["fixed_limit", "watch_from"]
@@ -28,8 +28,7 @@ def watch_from(system: System, place: Place, most: tuple[float, float]) -> Watch
 
 def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float]) -> LoadLimit:
     """Most : motion [m] and turn [rad] of the object that are allowed."""
-    system = system_of(spec, section, wrench)
-    begun = start_of(system)
+    system, begun = begun_of(spec, section, wrench)
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 0)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
@@ -41,7 +40,9 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     status, factor, which, events, count = trace(p, place, w, np.inf, watch, known, log, points)
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP or not path.sound:
-        return stepped_limit(spec, section, wrench, most)
+        slower = stepped_limit(spec, section, wrench, most, float(points[count - 1, 0]))
+        if status != GIVES_UP or not confirms(slower, factor):
+            return slower
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])
     return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds), happened, "fixed", _later(path, factor))

@@ -11,8 +11,8 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.limits.kernels.happens import room_of
 from handlcp.grasp.limits.kernels.parts import CLOSED, Place
+from handlcp.grasp.limits.kernels.standing import is_sound
 from handlcp.grasp.limits.result import LimitPath
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.placement import Placement
@@ -53,16 +53,8 @@ class TracedPath:
         system, place = self.system, self.place
         if place is None or not np.isfinite(self.points[-1]).all():
             return False
-        p, r = system.parts, place.r
-        size = max(float(abs(r).max(initial=0.0)), 1e-300)
         load = system.load(system.weight + float(self.points[-1, 0]) * self.wrench)
-        size = max(size, float(abs(load).max()))
-        if float(abs(p.G @ r + load).max()) > CERTIFY * size:
-            return False
-        closed = place.closed[p.owner] == CLOSED
-        room = min([room_of(p, r, f) for f in np.flatnonzero(closed).tolist()], default=0.0)
-        least = min([float(r[j]) for j in p.contacts[:, 0].tolist() if j >= 0], default=0.0)
-        return min(room, least) >= -CERTIFY * size
+        return is_sound(system.parts, place, load, CERTIFY)
 
     def arrays(self) -> LimitPath:
         """In SI, for users."""

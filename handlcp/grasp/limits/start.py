@@ -6,6 +6,8 @@ whole squeeze is the squeeze made slowly. Fingertips that are still apart, or sa
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -14,20 +16,22 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
-from handlcp.grasp.limits.kernels.happens import GIVES_UP, REACHED, room_of
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, REACHED
 from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
-from handlcp.grasp.limits.kernels.slips import face_of_force
+from handlcp.grasp.limits.kernels.standing import faces_reached
 from handlcp.grasp.limits.kernels.trace import EVENTS, trace
-from handlcp.grasp.limits.system import System
+from handlcp.grasp.limits.system import System, system_of
 from handlcp.grasp.loading.follow import follow
 from handlcp.grasp.loading.stage import Stage
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.solve.solve_spec import solve_spec
 
-__all__ = ["Start", "start_of"]
+__all__ = ["Start", "begun_of"]
 
 _NONE = 3e-5  # of the contacts' distances: fingertips no farther from the object touch, as in `StepGrasp`
+_KEPT = 8  # grasps
 _ON = 1e-9  # of the largest force or motion
 
 
@@ -38,8 +42,28 @@ class Start(NamedTuple):
     why: str
 
 
-def start_of(system: System) -> Start:
-    """The state that the load finds."""
+def begun_of(spec: GraspSpec, section: Section, wrench: Array) -> tuple[System, Start]:
+    """The arrays of a grasp, and the state that the load finds. Both are kept for the next load of the same grasp; what
+    paths change are copies. wrench (6,) : as in `system_of`. Raises Unsupported.
+    """
+    kept = _kept(spec, section)
+    if kept is None:
+        system = system_of(spec, section, wrench)
+        return system, _start_of(system)
+    system, start = kept
+    parts = system.parts._replace(normals=system.parts.normals.copy())
+    place = None if start.place is None else start.place.copy()
+    return replace(system, parts=parts), Start(place, start.why)
+
+
+@lru_cache(maxsize=_KEPT)
+def _kept(spec: GraspSpec, section: Section) -> tuple[System, Start] | None:
+    """None: neither squeeze nor weight, and the load sets the units."""
+    system = system_of(spec, section, None)
+    return None if system is None else (system, _start_of(system))
+
+
+def _start_of(system: System) -> Start:
     squeezed = _squeezed(system)
     if squeezed.place is None or not system.weight.any():
         return squeezed
@@ -122,9 +146,5 @@ def _place(system: System, components: Array, displacement: Array, extra: dict[s
     slack = room - p.rows @ r
     yields = np.where(give > _ON * motion, 1, np.where(slack <= _ON * force, 2, 0)) if len(give) else np.zeros(0)
     active = np.zeros(len(p.owner), dtype=np.int64)
-    for f, i in enumerate(p.owner.tolist()):
-        if closed[i] == CLOSED:
-            if p.moving[f]:
-                face_of_force(p, f, r)
-            active[f] = int(room_of(p, r, f) <= _ON * force)
+    faces_reached(p, r, closed, active, _ON * force)
     return Place(r, u, gap, give, slack, closed, yields.astype(np.int64), active, active.copy())

@@ -25,27 +25,35 @@ from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.loading.stage import Stage
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["stepped_limit"]
+__all__ = ["confirms", "stepped_limit"]
 
-_STEPS, _DOUBLED, _BEYOND = 60, 14, 1.02  # doubled so often, the load is far larger than all forces before it
+_STEPS, _MORE = 60, 1.5
+_GROWN, _GROWS, _BEYOND = 9, 4.0, 1.25  # a load 300,000 times larger is as good as any
+_SHORT, _PAST = 0.03, 1e-3  # of a factor: steps that end between these end where the path does
 _RANGE = 1e-9  # of a joint's motion: it may be so far beyond the end of its range
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
-def stepped_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float]) -> LoadLimit:
-    """As `fixed_limit`; the factor is one that was reached, short of the limit by a small part of a step."""
-    reach = _size(spec, section, wrench)
+def stepped_limit(
+    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], near: float = 0.0
+) -> LoadLimit:
+    """As `fixed_limit`; the factor is one that was reached, short of the limit by a small part of a step. near : a
+    factor that was reached otherwise; 0: none is known.
+    """
+    reach = _BEYOND * near if 0.0 < near < np.inf else _size(spec, section, wrench)
     loading = _loaded(spec, section, wrench, reach)
-    for _ in range(_DOUBLED):
-        if not loading.reached or _ends(loading, spec, most)[1]:
-            break
-        reach *= 2.0
-        loading = _loaded(spec, section, wrench, reach)
     last, binds = _ends(loading, spec, most)
-    if binds:
-        near = _BEYOND * max(_factor(loading, wrench, last), 1e-9 * reach)
-        loading = _loaded(spec, section, wrench, near)
+    for _ in range(_GROWN):
+        if binds:
+            break
+        reach *= _GROWS
+        loading = _loaded(spec, section, wrench, reach)
         last, binds = _ends(loading, spec, most)
+    held = _factor(loading, wrench, last)
+    if binds and held < reach / _GROWS:
+        closer = _loaded(spec, section, wrench, held + _MORE * reach / _STEPS)
+        if _ends(closer, spec, most)[1]:
+            loading, (last, binds) = closer, _ends(closer, spec, most)
     factor = max(_factor(loading, wrench, last), 0.0) if binds else np.inf
     steps, way = loading.steps, slice(_first(loading), last + 1)
     factors = steps.load[way] @ wrench / float(wrench @ wrench)
@@ -75,6 +83,11 @@ def _size(spec: GraspSpec, section: Section, wrench: Array) -> float:
     length = float(np.linalg.norm(spec.positions - spec.reference, axis=1).mean()) or 1.0
     load = float(np.linalg.norm(np.append(wrench[:3], wrench[3:] / length)))
     return float(np.linalg.norm(before.steps.forces[-1], axis=1).sum()) / load or 1.0
+
+
+def confirms(slower: LoadLimit, factor: float) -> bool:
+    """Whether loading in steps ends where a path did that was not seen to end, but not followed any further."""
+    return bool((1.0 - _SHORT) * factor <= slower.factor <= (1.0 + _PAST) * factor)
 
 
 def _loaded(spec: GraspSpec, section: Section, wrench: Array, factor: float) -> Loading:

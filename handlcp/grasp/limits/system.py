@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 
@@ -55,9 +56,13 @@ class System:
         return np.ascontiguousarray(about @ scene.freedom.T)
 
 
-def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
+@overload
+def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System: ...
+@overload
+def system_of(spec: GraspSpec, section: Section, wrench: None) -> System | None: ...
+def system_of(spec: GraspSpec, section: Section, wrench: Array | None) -> System | None:
     """The arrays of a grasp. wrench (6,) : its load beside the weight, which sets the natural units where there is
-    neither squeeze nor weight. Raises Unsupported.
+    neither squeeze nor weight; without any of these there is no system. Raises Unsupported.
     """
     if held := [e for e in spec.effects if e.prescribed()]:
         names = ", ".join(type(e).__name__ for e in held)
@@ -72,6 +77,8 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array) -> System:
     spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight))
     scene = build(spec)
     if not weight.any() and not scene.offset.any():  # nothing else has a size
+        if wrench is None:
+            return None
         spec = spec.replace(wrench=wrench)
         scene = build(spec)
     limits = tuple([limit for e in effects for limit in e.present(scene)])
@@ -89,7 +96,9 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
         if t == 0:
             continue
         round_ = isinstance(section, Cone) and t > 1
-        faces = np.zeros((1, 3)) if round_ else np.pad(limit_set(section, t).normals.T, ((0, 0), (0, 3 - t)))
+        faces = np.zeros((1 if round_ else len(limit_set(section, t).normals.T), 3))
+        if not round_:
+            faces[:, :t] = limit_set(section, t).normals.T
         owner += [i] * len(faces)
         normals.append(faces)
         moving += [int(round_)] * len(faces)
@@ -124,7 +133,8 @@ def _watch(
         if not any(isinstance(e, TorqueSaturation) for e in effects):
             held, most = scene.held_torque, joints.limits
             some = np.flatnonzero(np.isfinite(most) & (abs(T).max(axis=1, initial=0.0) > 0.0))
-            rows = np.concatenate([rows, *[np.pad(s * T[some], ((0, 0), (0, k))) for s in (1.0, -1.0)]])
+            own = np.hstack([T[some], np.zeros((len(some), k))])
+            rows = np.concatenate([rows, own, -own])
             level = np.concatenate([level, most[some] - held[some], most[some] + held[some]])
             watched += tuple([("torque", joints.names[j]) for j in some]) * 2
         stands = joints.stands

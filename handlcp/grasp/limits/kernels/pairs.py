@@ -1,7 +1,7 @@
 """Small complementarity problems of rates: γ ≥ 0, y = M γ + q ≥ 0, γᵀ y = 0; matrices of any kind.
 
-First what continues the path, then pivots from there, then Lemke's, then every choice of up to `_ALL` pairs; of more,
-those that differ from what continues the path in two pairs at most.
+First what continues the path, then pivots from there, then Lemke's, then every choice of up to `_ALL` pairs, which
+proves that there is none; of more, Lemke's from several sides, which proves nothing.
 """
 
 from __future__ import annotations
@@ -13,53 +13,61 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.lemke import SOLVED, lemke
 from handlcp.tolerances import PIVOT
 
-__all__ = ["solve_pairs", "solved"]
+__all__ = ["NONE", "SOME", "UNKNOWN", "solve_pairs", "solved"]
+
+NONE, SOME, UNKNOWN = 0, 1, 2  # of solutions
 
 _TINY, _SINGULAR = 1e-9, 1e-11
-_ALL, _PIVOTS = 6, 20
+_ALL, _PIVOTS, _SIDES = 10, 20, 24
 
 
 @kernel
-def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> bool:
-    """Write γ (p,); whether there is one. basis (p,) : 1 where γ > 0 is expected; overwritten with what is."""
+def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> int:
+    """Write γ (p,); whether there is one: NONE, SOME or UNKNOWN. basis (p,) : 1 where γ > 0 is expected; overwritten
+    with what is.
+    """
     p = len(q)
     if p == 0:
-        return True
+        return SOME
     size = np.max(np.abs(q))
     if size == 0.0:
         gamma[:] = 0.0
         basis[:] = 0
-        return True
+        return SOME
     first = basis.copy()
     for _ in range(3 * p):
         worst = _miss(M, q, basis, gamma, size)
         if worst == -1:
-            return True
+            return SOME
         if worst == -2:  # singular
             break
         basis[worst] = 1 - basis[worst]
-    ended, _, z = lemke(M, q, np.full(p, size), _PIVOTS * p, PIVOT)
-    if ended == SOLVED:
-        for i in range(p):
-            basis[i] = 1 if z[i] > 0.0 else 0
-        if _miss(M, q, basis, gamma, size) == -1:
-            return True
+    if _by_lemke(M, q, np.full(p, size), basis, gamma, size):
+        return SOME
     if p <= _ALL:
         for choice in range(2**p):
             for i in range(p):
                 basis[i] = (choice >> i & 1) ^ first[i]
             if _miss(M, q, basis, gamma, size) == -1:
-                return True
+                return SOME
+        return NONE
+    cover = np.empty(p)
+    for side in range(_SIDES):
+        for i in range(p):
+            cover[i] = size * (1.0 + 0.95 * np.sin(1.0 + (side + 1.0) * (i + 1.0)))
+        if _by_lemke(M, q, cover, basis, gamma, size):
+            return SOME
+    return UNKNOWN
+
+
+@kernel
+def _by_lemke(M: Array, q: Array, cover: Array, basis: Ints, gamma: Array, size: float) -> bool:
+    ended, _, z = lemke(M, q, cover, _PIVOTS * len(q), PIVOT)
+    if ended != SOLVED:
         return False
-    for i in range(p):
-        for j in range(i, p):
-            basis[:] = first
-            basis[i] = 1 - first[i]
-            if j > i:
-                basis[j] = 1 - first[j]
-            if _miss(M, q, basis, gamma, size) == -1:
-                return True
-    return False
+    for i in range(len(q)):
+        basis[i] = 1 if z[i] > 0.0 else 0
+    return bool(_miss(M, q, basis, gamma, size) == -1)
 
 
 @kernel

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.kernels.pairs import solve_pairs
+from handlcp.grasp.limits.kernels.pairs import NONE, SOME, UNKNOWN, solve_pairs
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
 from handlcp.grasp.limits.kernels.slips import LIMIT, NORMAL, Solved, face_of_force, pairs_at, respond
 from handlcp.lcp.kernels.compile import kernel
@@ -61,8 +61,10 @@ def _rates(p: Parts, x: Array, give: Array) -> Rates:
 
 
 @kernel
-def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[bool, Rates, Solved]:
-    """The rates under the load w (dof,), and what contacts and limits do: written into s. False: there are none."""
+def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[int, Rates, Solved]:
+    """The rates under the load w (dof,), and what contacts and limits do, written into s; whether there are SOME, NONE
+    or it is UNKNOWN.
+    """
     n, k, m, dof = len(p.mu), len(p.rows), len(p.E), len(w)
     touching, many = np.empty(n, np.int64), 0
     for i in range(n):
@@ -75,7 +77,7 @@ def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[bool, Rates, S
     given = np.zeros(k, np.int64)
     for q in range(k):
         given[q] = 1 if s.yields[q] == 1 else 0
-    closed = s.closed.copy()
+    closed, none = s.closed.copy(), UNKNOWN if many > _MOST else NONE
     x, x0 = np.zeros(m + dof + k), np.zeros(m + dof + k)
     for choice in range(2 ** min(many, _MOST)):
         for t in range(many):
@@ -92,7 +94,9 @@ def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[bool, Rates, S
         at = Solved(known.W, x0)
         kinds, index, basis = pairs_at(p, s, closed)
         gamma = np.zeros(len(kinds))
-        if not _slips(p, s, at, kinds, index, basis, gamma, x):
+        some = _slips(p, s, at, kinds, index, basis, gamma, x)
+        if some != SOME:
+            none = some if many == 0 else none  # contacts without force bring many pairs; Lemke's is believed there
             continue
         give = np.zeros(k)
         for c in range(len(kinds)):
@@ -102,8 +106,8 @@ def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[bool, Rates, S
         if _penetrates(s, closed, found.gap):
             continue
         _settle(p, s, closed, kinds, index, gamma, found)
-        return True, found, at
-    return False, _rates(p, x, np.zeros(k)), Solved(known.W, x0)
+        return SOME, found, at
+    return none, _rates(p, x, np.zeros(k)), Solved(known.W, x0)
 
 
 @kernel
@@ -134,8 +138,10 @@ def _penetrates(s: Place, closed: Ints, gap: Array) -> bool:
 @kernel
 def _slips(
     p: Parts, s: Place, at: Solved, kinds: Ints, index: Ints, basis: Ints, gamma: Array, x: Array
-) -> bool:  # fmt: skip
-    """Write γ and the response x; moving faces of contacts that just touch are turned until they meet the force."""
+) -> int:  # fmt: skip
+    """Write γ and the response x; whether there are: NONE, SOME or UNKNOWN. Moving faces of contacts that just touch
+    are turned until they meet the force.
+    """
     turning = False
     for c in range(len(kinds)):
         if kinds[c] >= 0 and p.moving[index[c]] == 1 and s.closed[kinds[c]] != CLOSED:
@@ -146,14 +152,15 @@ def _slips(
                 face_of_force(p, index[c], at.x0)
     for _ in range(_TURNS):
         X, M, q = respond(p, at, kinds, index)
-        if not solve_pairs(M, q, basis, gamma):
-            return False
+        some = solve_pairs(M, q, basis, gamma)
+        if some != SOME:
+            return some
         x[:] = at.x0
         for c in range(len(kinds)):
             if gamma[c] != 0.0:
                 x += gamma[c] * X[c]
         if not turning:
-            return True
+            return SOME
         change = 0.0
         for c in range(len(kinds)):
             if kinds[c] >= 0 and p.moving[index[c]] == 1 and s.closed[kinds[c]] != CLOSED and gamma[c] > 0.0:
@@ -161,8 +168,8 @@ def _slips(
                 face_of_force(p, index[c], x)
                 change = max(change, np.max(np.abs(before - p.normals[index[c]])))
         if change <= _TURNED:
-            return True
-    return False
+            return SOME
+    return UNKNOWN
 
 
 @kernel

@@ -24,9 +24,12 @@ from handlcp.grasp.limits.kernels.happens import (
     reached,
     settle_at,
 )  # fmt: skip
+from handlcp.grasp.limits.kernels.pairs import NONE, SOME
 from handlcp.grasp.limits.kernels.parts import OPEN, Inverse, Parts, Place
 from handlcp.grasp.limits.kernels.rates import Rates, decide
+from handlcp.grasp.limits.kernels.standing import is_sound
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.tolerances import CERTIFY
 
 __all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "trace", "trace_each"]
 
@@ -57,8 +60,8 @@ def trace(
         return REACHED, factor, -1, events, points
     while points < EVENTS - 1 and events < EVENTS - len(before):
         found, rates, at = decide(p, s, w, known)
-        if not found:
-            return LOST, factor, -1, events, points
+        if found != SOME:
+            return (LOST if found == NONE else GIVES_UP), factor, -1, events, points
         now = kinds_of(p, s)
         events = _logged(before, now, len(p.mu), factor, log, events)
         before = now
@@ -80,9 +83,12 @@ def trace(
 
 
 @kernel
-def trace_each(p: Parts, begun: Place, loads: Array, watch: Watch, known: Inverse, answers: Array, ends: Ints) -> None:
-    """The paths under each of loads (m, dof), all from the same place. answers (m, 4) : its status, what was
-    watched, its factor, how many events. ends (m, n + f) : `closed` and `active` there.
+def trace_each(
+    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, known: Inverse, answers: Array, ends: Ints
+) -> None:  # fmt: skip
+    """The paths under each of loads (m, dof), all from the same place, where the load is `carried` (dof,). answers
+    (m, 4) : its status (GIVES_UP, too, where its end is not sound), what was watched, its factor, how many events.
+    ends (m, n + f) : `closed` and `active` there.
     """
     log = np.empty((EVENTS, 3))
     path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
@@ -95,7 +101,9 @@ def trace_each(p: Parts, begun: Place, loads: Array, watch: Watch, known: Invers
             begun.r.copy(), begun.u.copy(), begun.gap.copy(), begun.give.copy(), begun.slack.copy(),
             begun.closed.copy(), begun.yields.copy(), begun.active.copy(), begun.slides.copy(),
         )  # fmt: skip
-        status, factor, which, events, _ = trace(p, s, loads[a], np.inf, watch, known, log, path)
+        status, factor, which, events, points = trace(p, s, loads[a], np.inf, watch, known, log, path)
+        if not is_sound(p, s, carried + path[points - 1, 0] * loads[a], CERTIFY):
+            status, factor = GIVES_UP, path[points - 1, 0]
         answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
         ends[a, :n] = s.closed
         ends[a, n:] = s.active
