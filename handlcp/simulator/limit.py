@@ -21,7 +21,7 @@ from handlcp.simulator.under_way import PUSH, Run
 __all__ = ["SimulatedLimit", "simulate_limit"]
 
 _FAST = 0.05  # times the reach of the contacts, in a second: the load waits while the object moves faster
-_LEFT = 0.04  # times the reach: how far an object that has left moves while the load waits
+_LEFT = 0.06  # times the reach: how far an object that has left moves while the load waits
 _REST_AFTER = 0.5  # [s] that an object has to stay under the largest factor
 _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact slides; of the largest force, below
 # which it is gone

@@ -2,8 +2,10 @@
 
 A step grows where the path is smooth and shrinks where it bends. Where a contact changes what it does while the load
 grows, the new state is asked whether it is also found when the load is given: what only an object that is led can do
-is no equilibrium that a load reaches. A load that falls, and soon grows past its last largest value, has made the
-object snap to another place; otherwise that value is the limit.
+is no equilibrium that a load reaches.
+
+Behind the largest load of a path the object snaps. If it comes to rest again near there, as `path.CAUGHT` says, that is
+an event, and the path goes on from that place; otherwise that load is the limit.
 """
 
 from __future__ import annotations
