@@ -1,4 +1,4 @@
-"""The load in one direction at which MuJoCo's object leaves, or a joint reaches its torque limit.
+"""The load in one direction at which MuJoCo's object leaves, or a joint reaches its torque limit or its range's end.
 
 The load grows slowly, and waits while the object moves fast: a load that is held lets it come to rest. An object that
 goes on moving while the load waits has left.
@@ -21,7 +21,7 @@ from handlcp.simulator.under_way import PUSH, Run
 __all__ = ["SimulatedLimit", "simulate_limit"]
 
 _FAST = 0.05  # times the reach of the contacts, in a second: the load waits while the object moves faster
-_LEFT = 0.04  # times the reach: how far an object that has left moves while the load waits
+_LEFT = 0.06  # times the reach: how far an object that has left moves while the load waits
 _REST_AFTER = 0.5  # [s] that an object has to stay under the largest factor
 _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact slides; of the largest force, below
 # which it is gone
@@ -29,10 +29,10 @@ _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact 
 
 @dataclass(frozen=True)
 class SimulatedLimit:
-    """factor : of the load, when the object leaves or a joint reaches its torque limit; inf where neither happens up to
-    the largest factor; 0 where the object is lost before. joint : which one reaches its limit, "" where the object
-    leaves. slides, gone : the contacts that do when it leaves. first : the contact that slides or goes first while the
-    load grows; "" where none does. seconds : [s] of MuJoCo's steps.
+    """factor : of the load, when the object leaves or a joint reaches its torque limit or its range ends; inf where
+    none of it happens up to the largest factor; 0 where the object is lost before. joint : which one reaches that, ""
+    where the object leaves. slides, gone : the contacts that do when it leaves. first : the contact that slides or goes
+    first while the load grows; "" where none does. seconds : [s] of MuJoCo's steps.
     """
 
     factor: float
@@ -73,9 +73,9 @@ def _grown(run: Run, most: float, step: float) -> SimulatedLimit:
         now = run.track.readings[-1]
         slides, gone = _contacts(run, now)
         first = first or next(iter(slides + gone), "")
-        used = np.abs(now.torques) / limits
-        if used.max() >= 1.0:
-            joint = run.grasp.state.hand.joint_names[int(used.argmax())]
+        reached = np.flatnonzero(np.logical_or(np.abs(now.torques) >= limits, _outside(run)))
+        if len(reached):
+            joint = run.grasp.state.hand.joint_names[int(reached[0])]
             return SimulatedLimit(factor, joint, slides, gone, first, run.seconds)
         speed = run.track.fastest(1, reach)
         if speed <= _FAST * reach and there:
@@ -93,6 +93,12 @@ def _limits(run: Run) -> Array:
     limits = run.grasp.state.hand.torque_limits
     yields = any(isinstance(e, TorqueSaturation) for e in run.grasp.spec.effects)
     return np.where((limits > 0.0) & (not yields), limits, np.inf)
+
+
+def _outside(run: Run) -> Array:
+    """(nv,) whether joints are beyond an end of their ranges, which MuJoCo's joints do not have."""
+    hand, (q, _) = run.grasp.state.hand, run.probe.joints()
+    return np.asarray((q < hand.lower) | (q > hand.upper))
 
 
 def _leaving(run: Run, calm: Reading, now: Reading) -> tuple[tuple[str, ...], tuple[str, ...]]:

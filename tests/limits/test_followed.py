@@ -77,6 +77,15 @@ def test_following_the_load_holds_below_the_limit_and_not_above(direction):
     assert not reached(1.01)
 
 
+@pytest.mark.parametrize(("direction", "mujoco"), [((-0.897, -0.442, 0.029), 1.979), ((-0.878, -0.083, -0.471), 1.726)])
+def test_an_object_that_snaps_and_rests_again_near_there_is_held(direction, mujoco):
+    limit = cube().load_limit((*direction, 0.0, 0.0, 0.0))
+    snaps = [e.factor for e in limit.events if e.kind == "snaps"]
+    assert snaps
+    assert snaps[-1] < 0.8 * limit.factor
+    assert limit.factor == pytest.approx(mujoco, rel=0.01)  # of `simulate_limit`, in 8 s
+
+
 def test_the_state_at_the_limit_is_certified_and_balances_the_load():
     g = ball()
     limit = g.load_limit(Z)

@@ -1,4 +1,5 @@
-"""Load limits beside MuJoCo: a load that grows slowly until the object is lost, or a joint is at its torque limit.
+"""Load limits beside MuJoCo: a load that grows slowly until the object is lost, or a joint is at its torque limit
+or at an end of its range.
 
 `python -m tests.mujoco limits [word ...]` runs every case, or those whose hand or name holds a word; exit 1 for a miss.
 `python -m tests.mujoco limits --truth [word ...]` asks whether MuJoCo says the same twice as slowly.
@@ -53,7 +54,7 @@ def misses(ours: Any, theirs: SimulatedLimit) -> list[str]:
     wrong = []
     if not abs(apart(ours, theirs)) <= NEAR:
         wrong.append(f"factor {100 * apart(ours, theirs):+.1f} %")
-    joints = {b.who for b in ours.binds if b.kind == "torque"}
+    joints = {b.who for b in ours.binds if b.kind in ("torque", "range")}
     if joints != ({theirs.joint} if theirs.joint else set()):
         wrong.append(f"joints at their limits: {sorted(joints)} here, {theirs.joint or 'none'} in MuJoCo")
     fingers = {b.who for b in ours.binds if b.kind in OPEN}

@@ -14,7 +14,11 @@ __all__ = ["binds_of", "events_of", "way_to"]
 
 
 def binds_of(how: str, at: Point, after: Point | None, watched: Watched, names: tuple[str, ...]) -> tuple[Bind, ...]:
-    """What is at its level; or contacts that open there; or all that slide; or balance itself."""
+    """What is at its level; or contacts that open there; or all that slide; or balance itself.
+
+    after : the point after the limit, where it is an event: what happens at it counts. Where the load just turns, what
+    slides there does.
+    """
     if how == WATCHED:
         return watched.binds(at.state if after is None or not after.snapped else after.state)
     kinds = at.kinds if after is None else after.kinds

@@ -20,7 +20,7 @@ from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.loading.drive import FINEST, drive
 from handlcp.grasp.loading.follow import begun, geometry_of
 from handlcp.grasp.loading.stage import Stage
-from handlcp.grasp.loading.state import State
+from handlcp.grasp.loading.state import SLIDES, State
 from handlcp.grasp.loading.step import Stepper
 from handlcp.grasp.loading.why import why_lost
 from handlcp.grasp.model.spec import GraspSpec
@@ -29,6 +29,7 @@ __all__ = ["Ended", "Ready", "ended", "ready"]
 
 _TOLERANCE = 1e-3  # of the contacts' radii: how far a step may end from where its contacts were looked at
 _STEPS = 40  # of the squeeze, and of the weight
+_EVENT = 0.01  # of the motion that the forces before make: an event is located more exactly than that
 _TURNS = 1e-3  # of the contacts' radii: the least motion that steps are measured by
 
 
@@ -94,5 +95,7 @@ def ended(held: Ready, load: Array, most: tuple[float, float]) -> Ended:
         at, after = located(path, way, watched.over)
         first = None if way.how == WATCHED else snapped(path, at, way.after, size)
     largest = max(at.factor, 0.0 if after is None else after.factor)
-    binds = binds_of(way.how, at, after, watched, stepper.grasp.spec.names)
+    turns = after is not None and SLIDES in at.kinds and path.moved(at, after) > _EVENT * size.motion
+    event = None if turns and way.how != WATCHED else after
+    binds = binds_of(way.how, at, event, watched, stepper.grasp.spec.names)
     return Ended(at.factor, binds or (Bind(EQUILIBRIUM, OBJECT),), at, largest, path)

@@ -23,6 +23,7 @@ from handlcp.grasp.loading.step_answer import Push
 __all__ = ["LoadedPath", "Point", "PushedPath"]
 
 CAUGHT = 0.06  # of the farthest contact's distance: an object that comes to rest again within this motion is held
+_FAR = 3.0  # times its step: how far an object may move in it
 _PROBE = 1e-4  # of the load: a state stays under so much more
 
 
@@ -78,7 +79,8 @@ class PushedPath:
         found = self.stepper.step(point.state, controls, point.state.same, patient=True)
         if isinstance(found, Failure):
             return None
-        return Point(found, factor, self._size(point.state, found), point)
+        new = Point(found, factor, self._size(point.state, found), point)
+        return new if self.near(point, new) else None
 
     def near(self, a: Point, b: Point) -> bool:
         """Whether an object that snaps from one to the other counts as held, as `CAUGHT` says."""
@@ -131,8 +133,15 @@ class PushedPath:
         step = self._squares * self._way(point.before.state, point.state)
         return np.asarray(step / np.sqrt((step**2 / self._squares).sum()))
 
+    def strays(self, point: Point) -> bool:
+        """Whether the object has moved much further than the step that led here: it has come to another path."""
+        return point.before is not None and self.moved(point.before, point) > _FAR * point.size
+
+    def moved(self, a: Point, b: Point) -> float:
+        """How far the object moves between points [m], as steps are measured."""
+        return self._size(a.state, b.state)
+
     def _size(self, a: State, b: State) -> float:
-        """[m] of a step between states."""
         return float(np.sqrt((self._way(a, b) ** 2 * self._squares).sum()))
 
     def _way(self, a: State, b: State) -> Array:
@@ -166,6 +175,9 @@ class LoadedPath(PushedPath):
 
     def stays(self, point: Point) -> bool:
         return True
+
+    def strays(self, point: Point) -> bool:
+        return False
 
     def caught(self, point: Point, factor: float) -> Point | None:
         return None

@@ -2,8 +2,10 @@
 
 A step grows where the path is smooth and shrinks where it bends. Where a contact changes what it does while the load
 grows, the new state is asked whether it is also found when the load is given: what only an object that is led can do
-is no equilibrium that a load reaches. A load that falls, and soon grows past its last largest value, has made the
-object snap to another place; otherwise that value is the limit.
+is no equilibrium that a load reaches.
+
+Behind the largest load of a path the object snaps. If it comes to rest again near there, as `path.CAUGHT` says, that is
+an event, and the path goes on from that place; otherwise that load is the limit.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ _MORE = (1e-4, 1e-3)  # of the load: where the path turns, states are searched u
 _STEPS = 300
 _JUMP = 0.25  # of the forces there are: the load of a step, in the mean
 _SMOOTH, _BENDS = 1, 4  # looks that a step takes where the path is smooth, and where it bends
+_BRIEF = 0.02  # of the motion that the forces before make: so short a motion is no such jump
 _FALLS = 0.9  # of the largest load: an object that snaps comes to rest again before no more than this is held
 
 
@@ -77,8 +80,6 @@ def snapped(path: PushedPath, at: Point, after: Point | None, size: Size) -> Poi
     """Where the object comes to rest under a little more load than the largest at a point; None: not near it. It is led
     on from the point after until the load has grown past that again; or the load is given.
     """
-    if (caught := path.caught(at, (1.0 + _MORE[1]) * at.factor)) is not None:
-        return caught
     last, step = after, 0.0 if after is None else after.size
     while last is not None and path.near(at, last) and last.factor >= _FALLS * at.factor and last.state.loaded:
         if last.factor > (1.0 + _MORE[1]) * at.factor:
@@ -90,7 +91,7 @@ def snapped(path: PushedPath, at: Point, after: Point | None, size: Size) -> Poi
                 break
             continue
         step, last = _step(path, last, new, size), new
-    return None
+    return path.caught(at, (1.0 + _MORE[1]) * at.factor)
 
 
 def _step(path: PushedPath, last: Point, new: Point, size: Size) -> float:
@@ -101,16 +102,21 @@ def _step(path: PushedPath, last: Point, new: Point, size: Size) -> float:
 
 
 def _next(path: PushedPath, last: Point, step: float, size: Size) -> Point | Failure:
-    """The point after a step that is as long as asked for, or so short that the load does not jump."""
+    """The point after a step that is as long as asked for, or so short that neither load nor object jump."""
     while True:
         new = path.beyond(last, step)
         if isinstance(new, Failure):
             return new
         jump = abs(new.factor - last.factor) * path.strength
         most = 2.0 * _JUMP * max(size.force, last.factor * path.strength)
-        if jump <= 2.0 * most:
+        if jump > 2.0 * most:
+            step *= max(most / jump, 1e-3)
+        elif not path.strays(new) or path.moved(last, new) <= _BRIEF * size.motion:
             return new
-        step *= max(most / jump, 1e-3)
+        elif step > _LEAST * size.motion:
+            step /= 4
+        else:
+            return Failure("jumps")
 
 
 def _another(path: PushedPath, last: Point) -> Point | None:
