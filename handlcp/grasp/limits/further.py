@@ -37,7 +37,7 @@ def largest_held(spec: GraspSpec, section: Section, weight: Array, wrench: Array
         return factor
     end = min(most, _FAR * factor) if factor > 0.0 else min(most, _FAR)
     holds = _asker(spec, section, weight, wrench)
-    tried = np.linspace(factor, end, _TRIED + 1)[1:]
+    tried = factor + (end - factor) * np.linspace(0.0, 1.0, _TRIED + 1)[1:] ** 3  # most of them near the limit
     held = [k for k, f in enumerate(tried) if holds(float(f))]
     low = float(tried[held[-1]]) if held else factor
     high = float(tried[held[-1] + 1]) if held and held[-1] + 1 < len(tried) else end if held else float(tried[0])

@@ -30,7 +30,7 @@ _SAME = 1e-6  # factors that differ by less are the same
 
 @dataclass(frozen=True, slots=True)
 class Bind:
-    """What ends a load's growth. kind : "slips" (a finger that slips through), "opens" (a contact that lets go),
+    """What ends a load's growth. kind : "slips" (a finger that slips), "opens" (a contact that lets go),
     "torque" (a joint at its torque limit), "range" (a joint at the end of its range), "equilibrium" (forces can no
     longer balance the load), "motion" (the object moves farther than was allowed). who : the finger, the joint or
     "the object".
@@ -43,7 +43,8 @@ class Bind:
 @dataclass(frozen=True, slots=True)
 class LimitEvent:
     """What happens while the load grows. kind : "slips", "sticks", "opens", "touches" (a contact), "yields", "holds"
-    (what is limited, such as a joint with `TorqueSaturation`). who : its name. factor : on the load, when it happens.
+    (what is limited, such as a joint with `TorqueSaturation`), "snaps" (the object, to another place). who : its name.
+    factor : on the load, when it happens.
     """
 
     kind: str
@@ -51,7 +52,7 @@ class LimitEvent:
     factor: float
 
     def __str__(self) -> str:
-        return f"{self.factor:.4g} × the load: {self.who} {self.kind}"
+        return f"{self.factor:.4g} times the load: {self.who} {self.kind}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +147,9 @@ class LoadLimit(Data):
         lines += [wrapped(f"{e}", "    ", "  ") for e in self.events]
         most = self.__dict__.get("some_equilibrium", self.factor)  # as far as anybody asked
         if most > (1.0 + _SAME) * self.factor:
-            said = f"{most:.4g} × the load: an equilibrium exists, which a slowly growing load never reaches"
+            said = (
+                f"an equilibrium was found up to {most:.4g} times the load; a load that grows slowly never reaches it"
+            )
             lines.append(wrapped(said, "    ", "  "))
         return "\n".join(lines)
 
