@@ -30,7 +30,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     """Most : motion [m] and turn [rad] of the object that are allowed."""
     system, begun = begun_of(spec, section, wrench)
     if begun.place is None:
-        none = TracedPath(system, wrench, np.zeros((0, 0)), None)
+        none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
         return LoadLimit(0.0, wrench, binds, begun.why, (), "fixed", _later(none, 0.0))
     p, place = system.parts, begun.place

@@ -31,6 +31,7 @@ _STEPS, _MORE = 60, 1.5
 _GROWN, _GROWS, _BEYOND = 9, 4.0, 1.25  # a load 300,000 times larger is as good as any
 _SHORT, _PAST = 0.03, 1e-3  # of a factor: steps that end between these end where the path does
 _RANGE = 1e-9  # of a joint's motion: it may be so far beyond the end of its range
+_AT = 1e-3  # of its friction: a contact this close is about to slip
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
@@ -119,6 +120,9 @@ def _ends(loading: Loading, spec: GraspSpec, most: tuple[float, float]) -> tuple
         return end, ()
     kinds = steps.contact_state[-1]
     sliding = [name for name, kind in zip(spec.names, kinds, strict=True) if kind == "sliding"]
+    if not sliding:  # none slides yet where the last step ends just before it
+        used = loading.solution.friction_used
+        sliding = [spec.names[i] for i in np.flatnonzero(used >= 1.0 - _AT)]
     return end, tuple([Bind(SLIPS, name) for name in sliding]) or (Bind(EQUILIBRIUM, OBJECT),)
 
 
