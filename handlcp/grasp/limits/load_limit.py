@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +23,35 @@ def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
-    limit = followed_limit if is_followed(spec, geometry) else fixed_limit
-    asked, most = load_of(spec, wrench), (tolerance("motion", motion), tolerance("turn", turn))
+    follows, most = is_followed(spec, geometry), (tolerance("motion", motion), tolerance("turn", turn))
+    return _Question(spec, section, load_of(spec, wrench), follows, most).limit()
 
-    def factor(varied: GraspSpec) -> dict[str, Array]:
-        load = read_only(asked + varied.wrench - spec.wrench)
-        own = varied.replace(wrench=spec.wrench, asked=varied.asked)
-        return {"factor": np.array(limit(own, section, load, most).factor)}
 
-    return replace(limit(spec, section, asked, most), differences=lambda: PathSensitivity(spec, factor))
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """What was asked: a load (6,) beside the weight, whether the geometry is followed, motion [m] and turn [rad] that
+    are allowed. A load limit is pickled as this, and found again.
+    """
+
+    spec: GraspSpec
+    section: Section
+    wrench: Array
+    follows: bool
+    most: tuple[float, float]
+
+    def limit(self) -> LoadLimit:
+        """The answer."""
+        return replace(self.varied(self.spec, self.wrench), question=self)
+
+    def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
+        """The same of another grasp, or of another load."""
+        return (followed_limit if self.follows else fixed_limit)(spec, self.section, wrench, self.most)
+
+    def sensitivity(self) -> PathSensitivity:
+        """See `LoadLimit.sensitivity`."""
+        return PathSensitivity(self.spec, self._factor)
+
+    def _factor(self, varied: GraspSpec) -> dict[str, Array]:
+        load = read_only(self.wrench + varied.wrench - self.spec.wrench)
+        own = varied.replace(wrench=self.spec.wrench, asked=varied.asked)
+        return {"factor": np.array(self.varied(own, load).factor)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -76,7 +76,7 @@ class LoadLimit(Data):
     factor : times `wrench`; inf where nothing binds however large the load, 0 where squeeze or weight alone are not
     held. wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one
     or several. why : one sentence. events : on the way, in order. geometry : "fixed" or "followed".
-    made, differences : make what is only computed when it is asked for.
+    made : computes what is asked for later. question : what was asked, as which it is pickled.
     """
 
     factor: float
@@ -86,14 +86,14 @@ class LoadLimit(Data):
     events: tuple[LimitEvent, ...]
     geometry: str
     made: Later
-    differences: Callable[[], PathSensitivity] | None = None
+    question: Question | None = None
 
     def sensitivity(self) -> PathSensitivity:
         """Derivatives of the factor, by differences of whole load limits: `.factor_by_friction` (n,), and so on;
         `wrench` is that of this limit.
         """
-        assert self.differences is not None  # `load_limit` saw to it
-        return self.differences()
+        assert self.question is not None  # `load_limit` saw to it
+        return self.question.sensitivity()
 
     @property
     def load(self) -> Array:
@@ -153,6 +153,11 @@ class LoadLimit(Data):
             lines.append(wrapped(said, "    ", "  "))
         return "\n".join(lines)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what was asked."""
+        assert self.question is not None  # `load_limit` saw to it
+        return (self.question.limit, ())
+
     def __repr__(self) -> str:
         binds = words.listed([f"{b.kind}: {b.who}" for b in self.binds]) or "nothing"
         return f"LoadLimit(factor={self.factor:.6g}, binds={binds})"
@@ -170,3 +175,13 @@ class Later:
     at_limit: Callable[[], GraspSolution]
     some_equilibrium: Callable[[], float]
     bound: Callable[[], float]
+
+
+class Question(Protocol):
+    """What a load limit was asked."""
+
+    def limit(self) -> LoadLimit:
+        """The answer."""
+
+    def sensitivity(self) -> PathSensitivity:
+        """Its derivatives."""
