@@ -99,7 +99,7 @@ def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | No
     else:
         out.print(limit_table(found, "Load beside the weight"))
         amount = size(least.wrench, least.factor)
-        say(out, "Least", "bold", f"{amount}, {way(least.wrench)}: {cause(least.binds)}")
+        say(out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {cause(least.binds)}")
         for event in least.events:
             out.print(Text(f"  {size(least.wrench, event.factor)}: {event.who} {event.kind}"))
     if plot is not None:

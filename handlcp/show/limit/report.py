@@ -32,7 +32,7 @@ def cause(binds: Sequence[Bind]) -> str:
         return "nothing"
     kind = binds[0].kind
     if kind == EQUILIBRIUM:
-        return "nothing balances the load"
+        return "no contact forces balance the load"
     if kind == MOTION:
         return "the object has moved too far"
     who = words.listed([b.who for b in binds])
@@ -74,11 +74,11 @@ def share_of_bound(limit: LoadLimit) -> str:
 
 def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
     """A row for each load: how much is held, what gives out, and how much friction and torque limits alone allow."""
-    table = tables.empty(title, "alone: what friction and torque limits allow without compliance")
+    table = tables.empty(title, "at most: what friction and torque limits alone would allow, whatever the springs")
     table.add_column("load", no_wrap=True)
     tables.numbers(table, "held up to")
     table.add_column("what gives out", overflow="fold")
-    tables.numbers(table, "alone")
+    tables.numbers(table, "at most")
     for limit in limits:
         row = (Text(way(limit.wrench)), size(limit.wrench, limit.factor), Text(cause(limit.binds)))
         table.add_row(*row, size(limit.wrench, limit.bound), style="bold red" if limit.factor == 0.0 else None)
