@@ -22,7 +22,7 @@ from handlcp.lcp.kernels.compile import kernel
 __all__ = ["Rates", "decide"]
 
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
-_TURNS, _TURNED = 100, 1e-12
+_TURNS, _WHOLE, _TURNED = 100, 20, 1e-12
 _TINY = 1e-9
 _DRIVEN = 1e-9  # of the load: more of it along a motion that nothing resists is no balance
 
@@ -150,7 +150,7 @@ def _slips(
         for c in range(len(kinds)):
             if kinds[c] >= 0 and p.moving[index[c]] == 1 and s.closed[kinds[c]] != CLOSED:
                 face_of_force(p, index[c], at.x0)
-    for _ in range(_TURNS):
+    for turn in range(_TURNS):
         X, M, q = respond(p, at, kinds, index)
         some = solve_pairs(M, q, basis, gamma)
         if some != SOME:
@@ -167,6 +167,11 @@ def _slips(
                 before = p.normals[index[c]].copy()
                 face_of_force(p, index[c], x)
                 change = max(change, np.max(np.abs(before - p.normals[index[c]])))
+                if turn >= _WHOLE:  # turned whole, they may go back and forth between two places
+                    mean = before + p.normals[index[c]]
+                    size = np.sqrt(np.sum(mean * mean))
+                    if size > 0.0:
+                        p.normals[index[c]] = mean / size
         if change <= _TURNED:
             return SOME
     return UNKNOWN
