@@ -94,7 +94,7 @@ def _loading() -> None:
 
 def _limits() -> None:
     down, law = (0, 0, -1, 0, 0, 0), SoftFinger(0.6, 0.003)
-    tips = [Contact((x, 0, 0), (-x, 0, 0), law) for x in (-0.02, 0.02)]
+    tips = [Contact((-0.02 * x, 0, 0), (x, 0, 0), law) for x in (-1, 1)]
     soft = Grasp(tips, flexibility=1e-4, preload=1e-3)
     for faces in ("cone", 8):
         for grasp in (_held(), _pinch(1.0), soft):
