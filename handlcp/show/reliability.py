@@ -18,7 +18,7 @@ WIDTH, HEIGHT, DPI = 10.0, 4.6, 160  # inches, dots an inch
 ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
 ROWS = 8  # of what matters most
 LETTERS = 26  # of a name
-BINS = 40
+BINS = 12, 40  # the fewest and the most
 
 
 def save(found: Reliability, path: Any, title: str = "") -> Any:
@@ -33,24 +33,26 @@ def draw(found: Reliability, title: str = "") -> Figure:
     matplotlib.
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
-    if title:
-        figure.text(0.012, 0.975, textwrap.shorten(title, 95, placeholder=" …"), color=INK, **BOLD)
-    said = [f"Holds: {found.chance_held}"]
-    if found.chance_within_limits is not None:
-        said.append(f"within torque limits: {found.chance_within_limits}")
-    figure.text(0.012, 0.895 if title else 0.975, "; ".join(said) + ".", fontsize=TEXT, color=INK, va="top")
-    tall = 0.62 if title else 0.70
-    _margins(figure.add_axes((0.07, 0.13, 0.37, tall)), found)
-    _influences(figure.add_axes((0.69, 0.13, 0.29, tall)), found)
+    title = textwrap.shorten(title, 95, placeholder=" …") or "How sure it is that the object is held"
+    figure.text(0.012, 0.975, title, color=INK, **BOLD)
+    said = "; ".join(found.chances)
+    figure.text(0.012, 0.895, f"{said[:1].upper()}{said[1:]}.", fontsize=TEXT, color=INK, va="top")
+    _margins(figure.add_axes((0.07, 0.18, 0.37, 0.57)), found)
+    _influences(figure.add_axes((0.69, 0.18, 0.29, 0.57)), found)
     return figure
 
 
 def _margins(ax: Any, found: Reliability) -> None:
     """The histogram; samples without an answer are a bar of their own, left of all others."""
-    panel(ax, f"{found.samples:,} samples", "margin: friction and torque that are left [%]", "share of samples [%]")
+    panel(
+        ax,
+        f"{found.samples:,} samples",
+        "margin: friction or torque left, whichever is less [%]",
+        "share of samples [%]",
+    )
     margin = 100 * found.margin[np.isfinite(found.margin)]
     lost = 100 * (1.0 - len(margin) / found.samples)
-    edges = _edges(margin)
+    edges = _edges(margin, found.samples)
     low, width = float(edges[0]), float(edges[1] - edges[0])
     counts = 100 * np.histogram(margin, edges)[0] / found.samples
     colours = [BLUE if edge >= -1e-9 else RED for edge in edges[:-1]]
@@ -69,13 +71,16 @@ def _margins(ax: Any, found: Reliability) -> None:
     number_ticks(ax.xaxis, [x for x in ax.get_xticks() if low <= x <= edges[-1]])  # what is not held has no margin
 
 
-def _edges(margin: Any) -> Any:
-    """Of bins as wide as each other; one of them begins at 0 if some margins are below it."""
+def _edges(margin: Any, samples: int) -> Any:
+    """Of bins as wide as each other, so few that chance moves none of them far from its neighbours; one of them begins
+    at 0 if some margins are below it.
+    """
+    bins = int(np.clip(round(2.0 * samples ** (1 / 3)), *BINS))  # Rice's rule
     low, high = (float(margin.min()), float(margin.max())) if len(margin) else (0.0, 100.0)
     low = 0.0 if 0.0 <= low < 25.0 else low
     high = max(high, low + 1.0, 1.0 if low < 0.0 else low)
-    width = (high - low) / BINS
-    return (np.floor(low / width) + np.arange(BINS + 2)) * width
+    width = (high - low) / bins
+    return (np.floor(low / width) + np.arange(bins + 2)) * width
 
 
 def _influences(ax: Any, found: Reliability) -> None:
@@ -95,10 +100,9 @@ def _influences(ax: Any, found: Reliability) -> None:
     ax.grid(visible=False, axis="y")
     ax.set_ylim(-0.6, len(rows) - 0.4)
     ax.set_xlim(0.0, None)
-    for k, (name, colour) in enumerate((("by the samples", BLUE), ("by derivatives at the means", ORANGE))):
-        ax.text(
-            0.98, 0.03 + 0.075 * (1 - k), name, transform=ax.transAxes, ha="right", fontsize=SMALL, color=_dark(colour)
-        )
+    for x, name, colour in ((0.665, "by the samples", BLUE), (0.80, "by derivatives at the means", ORANGE)):
+        ax.figure.text(x, 0.035, "■", ha="right", va="center", fontsize=SMALL, color=colour)
+        ax.figure.text(x + 0.006, 0.035, name, va="center", fontsize=SMALL, color=_dark(colour))
     ax.tick_params(axis="y", colors=GREY)
 
 

@@ -63,6 +63,28 @@ def test_without_an_answer_the_contacts_still_have_their_measures():
     assert "no equilibrium was found" in str(m)
 
 
+def test_a_contact_that_slides_says_so_and_no_margin_is_minus_zero():
+    """Of two pairs, the smoother one bears all it can, and the other the rest."""
+    ways = [(np.array(d, dtype=float), m) for d, m in (((1, 0, 0), 0.2), ((0, 1, 0), 0.9))]
+    contacts = [hl.Contact(0.02 * s * d, -s * d, hl.Coulomb(m)) for d, m in ways for s in (-1.0, 1.0)]
+    m = hl.Grasp(contacts, (0, 0, -6.0, 0, 0, 0), flexibility=E, preload=PUSH * E).margins()
+    assert m.friction.amount == pytest.approx(0.0, abs=1e-6)
+    text = str(m)
+    row = next(line for line in text.splitlines() if line.startswith("friction"))
+    assert "slides already" in row
+    assert "-0" not in row
+
+
+def test_without_a_load_it_says_how_to_ask(cube):
+    assert "say one: grasp.load_limit(wrench)" in str(cube.margins())
+
+
+def test_vectors_stay_on_one_line(cube):
+    whole = [line.count("(") == line.count(")") for line in str(cube.margins()).splitlines() if "(-" in line]
+    assert whole
+    assert all(whole)
+
+
 def test_without_friction_there_is_no_friction_margin():
     axes = np.vstack([np.eye(3), -np.eye(3)])
     contacts = [hl.Contact(0.02 * a, -a, hl.Frictionless()) for a in axes]

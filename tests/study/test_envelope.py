@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -72,6 +73,28 @@ def test_what_nothing_ever_limits_is_infinite_everywhere_it_is_told():
     assert "nothing gives out" in str(env)
     assert "any load along +x" in str(env)
     assert env.to_dict()["force_N"] == [None, pytest.approx(2 * MU * N)]
+
+
+def test_no_direction_holds_any_load_where_torque_limits_alone_end_it(monkeypatch, tmp_path):
+    """A path that finds no limit is wrong there, and is not believed."""
+
+    def endless(spec, section, wrenches, *asked):
+        return SimpleNamespace(factors=np.full(len(wrenches), np.inf), binds=((),) * len(wrenches))
+
+    monkeypatch.setattr("handlcp.study.envelope.ask.limits_of", endless)
+    env = hl.envelope(cube(), 12, faces=8, adaptive=0)
+    assert np.isnan(env.factors).all()
+    assert {b.kind for binds in env.binds for b in binds} == {"undecided"}
+    assert "any load" not in str(env)
+    assert "undecided" in str(env)
+    assert np.isnan(env.compliance.median)
+    assert env.plot(tmp_path / "undecided.png").stat().st_size > 10_000
+    free = hl.envelope(pinch(), [(1, 0, 0)])
+    assert np.isinf(free.factors).all()  # pressed on a finger, nothing ever ends it
+
+
+def test_what_prints_says_what_stays_where_it_is():
+    assert 'geometry="followed"' in str(hl.envelope(pinch(), ("yz", 6)))
 
 
 def test_a_force_beside_the_centre_is_a_wrench():

@@ -31,6 +31,7 @@ _GIVES_OUT = {
     SLIPS: "{} slips", OPENS: "{} opens", TORQUE: "torque of {}", RANGE: "range of {}", EQUILIBRIUM: "balance is lost",
     MOTION: "motion",
 }  # fmt: skip
+_SEVERAL = {SLIPS: "{} slip", OPENS: "{} open"}
 
 
 class Means(NamedTuple):
@@ -184,12 +185,13 @@ def _gain(gain: float) -> str:
 
 
 def _bound(limit: LoadLimit) -> str:
-    """What gives out, the first of several."""
+    """What gives out: the first of several, and how many more."""
     if not limit.binds:
         return "nothing"
-    first = limit.binds[0]
-    said = _GIVES_OUT[first.kind].format(first.who)
-    return said if len(limit.binds) == 1 else f"{said} and {len(limit.binds) - 1} more"
+    first, others = limit.binds[0], len(limit.binds) - 1
+    if not others:
+        return _GIVES_OUT[first.kind].format(first.who)
+    return _SEVERAL.get(first.kind, _GIVES_OUT[first.kind]).format(f"{first.who} and {others} more")
 
 
 def _finite(x: float) -> float | None:

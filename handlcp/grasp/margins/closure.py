@@ -114,7 +114,10 @@ def _told(spec: GraspSpec, scene: Scene, kind: str, forces: Array | None, motion
     """In SI, and in words."""
     if forces is not None:
         own = scene.physical(forces)[: 3 * scene.n].reshape(-1, 3)
-        text = "friction balances any load, if the fingers press hard enough"
+        text = (
+            "friction balances any load, if the fingers press hard enough (by geometry alone, whatever squeeze and "
+            "motors)"
+        )
         if kind == "form":
             text = "the contacts leave no motion, even without friction"
         return Closure(kind, True, read_only(own), None, text)

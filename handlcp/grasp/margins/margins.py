@@ -5,6 +5,7 @@ The first three are about one answer, with its springs and its squeeze, the othe
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,6 +28,9 @@ from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 __all__ = ["Least", "Margins", "margins_of"]
+
+_SLIDES = 1e-5  # share of friction: with less left a contact slides, as far as a solution is exact
+_BROKEN = re.compile(r"(?<=\d), (?=-?\d)")  # within a vector, where a line might end
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +87,17 @@ class Margins(Data):
         """How far the load beside the weight may grow, as `Grasp.load_limit` says; None where there is no such load, or
         no path to it is known (forces that are known or prescribed).
         """
+        return None if isinstance(self._load, str) else self._load
+
+    @lazy
+    def _load(self) -> LoadLimit | str:
+        """The limit, or what the reader may do about there being none."""
         try:
             return load_limit(self.spec, self.section, None, None, None, None)
-        except (InputError, Unsupported):
-            return None
+        except InputError:
+            return "say one: grasp.load_limit(wrench)"
+        except Unsupported:
+            return "not known: forces are given"
 
     @property
     def safety(self) -> float | None:
@@ -162,19 +173,20 @@ class Margins(Data):
     def __str__(self) -> str:
         space, rows = self.wrench_space, list[tuple[str, ...]]()
         if self.friction is not None:
-            rows.append(("friction", words.force(self.friction.amount), words.percent(self.friction.share),
-                         self.friction.who))  # fmt: skip
+            rows.append(_friction(self.friction))
         if self.torque is not None:
             rows.append(("torque", words.torque(self.torque.amount), words.percent(self.torque.share),
                          self.torque.who))  # fmt: skip
-        if self.load is not None:
-            rows.append(("load", _times(self.load.factor), "", _what(self.load)))
-        lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))] if rows else []
+        if isinstance(self._load, str):
+            rows.append(("load", "–", "", self._load))
+        else:
+            rows.append(("load", _times(self._load.factor), "", _what(self._load)))
+        lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))]
         if not self.solution.held:
             lines.append("no margins of friction and torque: no equilibrium was found")
         for c in (self.force_closure, self.form_closure):
             word = {True: "yes", False: "no", None: "not told"}[c.closed]
-            lines.append(wrapped(f"{c.kind} closure: {word}, {c.sentence}", "  "))
+            lines.append(_whole(f"{c.kind} closure: {word}, {c.sentence}"))
         lines.append(wrapped(_space(space), "  "))
         return "\n".join(lines)
 
@@ -185,6 +197,18 @@ def margins_of(spec: GraspSpec, scene: Scene, section: Section, solution: Any, l
         raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
     L = None if length is None else number("length", length, above=0.0)
     return Margins(spec, section, solution, L, scene)
+
+
+def _friction(left: Least) -> tuple[str, ...]:
+    """A row; nothing is left where the contact slides."""
+    if left.share < _SLIDES:
+        return ("friction", words.force(0.0), words.percent(0.0), f"{left.who}: slides already")
+    return ("friction", words.force(left.amount), words.percent(left.share), left.who)
+
+
+def _whole(text: str) -> str:
+    """Wrapped, vectors in one piece."""
+    return wrapped(_BROKEN.sub(",\N{NO-BREAK SPACE}", text), "  ").replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _space(space: WrenchSpace) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp.check import Ints
 from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE
-from handlcp.study.envelope.causes import Cause
+from handlcp.study.envelope.causes import UNDECIDED, Cause
 
 __all__ = ["NOTHING", "OTHERS", "Key", "keys_of"]
 
@@ -23,6 +23,7 @@ _SHADES = {
     RANGE: ("#A0307A", "#D58ABB", "#6F1B54", "#EBBBDA", "#8B4C9E", "#C56AA5"),
     EQUILIBRIUM: ("#767B82", "#4A4E54", "#9A8F80", "#5E5346"),
     MOTION: ("#B8A000", "#E3CF4A", "#857300", "#F2E69B"),
+    UNDECIDED: ("#F4F0FA",),
 }
 
 
@@ -48,7 +49,10 @@ def keys_of(causes: Sequence[Cause]) -> tuple[tuple[Key, ...], Ints]:
         else:
             found.append(Key(colour, cause.says, cause.share, cause.least, (k,)))
     if rest:
-        share, least = sum(causes[k].share for k in rest), min(causes[k].least for k in rest)
+        share, least = (
+            sum(causes[k].share for k in rest),
+            min([causes[k].least for k in rest], key=lambda x: (np.isnan(x), x)),
+        )
         found.append(Key(OTHERS, f"{len(rest)} other causes" if len(rest) > 1 else causes[rest[0]].says, share, least,
                          tuple(rest)))  # fmt: skip
     number = np.zeros(len(causes), dtype=np.int64)

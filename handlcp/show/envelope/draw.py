@@ -87,8 +87,10 @@ def _surface(ax: Any, camera: Camera, env: Envelope, s: Surface, inches: tuple[f
     over = Overlay(ax, camera, inch)
     if s.bound_beyond and len(lines := wires(s)):
         hidden = before(lines.mean(axis=1))[:, 0] > 0.01 * s.reach
-        style: dict[str, Any] = {"colors": INK, "zorder": 3}
-        ax.add_collection(LineCollection(list(camera.project(lines[~hidden])), linewidths=0.6, alpha=0.75, **style))
+        cut = np.linalg.norm(lines, axis=2).min(axis=1) > 0.999 * s.reach
+        style: dict[str, Any] = {"colors": INK, "zorder": 3, "linewidths": 0.6}
+        for some, alpha in ((~hidden & ~cut, 0.75), (~hidden & cut, 0.3)):
+            ax.add_collection(LineCollection(list(camera.project(lines[some])), alpha=alpha, **style))
     _axes(ax, camera, s, before)
     _weakest(ax, camera, env, s, before)
     bar = nice(0.9 * inch)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from handlcp import words
 from handlcp.show.axes import SMALL
 from handlcp.show.envelope.colours import NOTHING
 from handlcp.show.envelope.surface import Surface
 from handlcp.show.style import BOLD, GREY, INK, title_lines, width, wrapped
 from handlcp.study.envelope import Envelope
-from handlcp.study.envelope.printed import given_away, headline
+from handlcp.study.envelope.printed import geometry, given_away, headline
 
 __all__ = ["Legend", "head", "lines_of"]
 
@@ -28,7 +30,7 @@ def head(figure: Any, env: Envelope, title: str) -> float:
         y += 0.30
     y += 0.06 if title else 0.0
     style: dict[str, Any] = {"fontsize": 10.5, "va": "top"}
-    for text, colour in ((headline(env), INK), (given_away(env), GREY)):
+    for text, colour in ((headline(env), INK), (given_away(env), GREY), (geometry(env), GREY)):
         for line in wrapped(figure, f"{text[:1].upper()}{text[1:]}.", 150, ACROSS, **style) if text else []:
             figure.text(LEFT, 1.0 - y / inches, line, color=colour, **style)
             y += LINE
@@ -41,6 +43,7 @@ def lines_of(env: Envelope, s: Surface, bound: str) -> list[tuple[str, str, str]
     found = []
     for key in s.keys:
         least = "" if key.colour == NOTHING else f", {key.least:.3g}{unit} and more"
+        least = ", drawn as far as the bound" if np.isnan(key.least) else least
         found.append(("patch", key.colour, f"{key.says}: {words.percent(key.share)}{least}"))
     if s.bound_beyond:
         found.append((bound, INK, "without compliance: friction and torque limits alone"))

@@ -22,7 +22,7 @@ from handlcp.show.page.snapshot import of_solution
 from handlcp.show.picture.bodies import HAND
 from handlcp.show.picture.content import Content
 from handlcp.study.envelope import Envelope, Extreme
-from handlcp.study.envelope.printed import amount, direction, given_away, headline
+from handlcp.study.envelope.printed import amount, direction, geometry, given_away, headline
 
 __all__ = ["save"]
 
@@ -50,7 +50,7 @@ def save(env: Envelope, path: Any, title: str = "") -> Path:
 
 def _said(env: Envelope) -> str:
     """Weakest direction, and what compliance gives away."""
-    lines = [headline(env), given_away(env)]
+    lines = [headline(env), given_away(env), geometry(env)]
     items = "".join(f"<li>{escape(f'{line[:1].upper()}{line[1:]}.')}</li>" for line in lines if line)
     return f'<ul class="reasons">{items}</ul>'
 
@@ -109,8 +109,8 @@ def _mark(env: Envelope, extreme: Extreme, points: Array) -> dict[str, Any]:
 
 
 def _short(env: Envelope, factor: float) -> str:
-    return "any" if np.isinf(factor) else f"{factor:.3g} {env.unit}"
+    return _number(factor) if not np.isfinite(factor) else f"{factor:.3g} {env.unit}"
 
 
 def _number(factor: float) -> str:
-    return "any" if np.isinf(factor) else f"{factor:.3g}"
+    return "any" if np.isinf(factor) else "undecided" if np.isnan(factor) else f"{factor:.3g}"

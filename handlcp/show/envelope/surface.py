@@ -21,9 +21,9 @@ _FAR = 4.0  # reaches up to which the bound is known to its section
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """reach : what is farther is cut there; cut : whether anything is. points (m, 3) : of the factors, cut. own, bound
-    (m, 3) : of the factors and of the bound, cut four times as far out. cells (k, 3) : triangles; (k, 2) : segments.
-    keys : the colours. key (k,) : number of the colour of each cell.
+    """reach : what is farther is cut there; cut : whether anything is. points (m, 3) : of the factors, cut; of the
+    bound in directions that are undecided. own, bound (m, 3) : of the factors and of the bound, cut four times as far
+    out. cells (k, 3) : triangles; (k, 2) : segments. keys : the colours. key (k,) : number of the colour of each cell.
     """
 
     reach: float
@@ -56,7 +56,8 @@ def surface_of(env: Envelope) -> Surface:
         return np.concatenate([known, known[corners].mean(axis=1)])
 
     far = _FAR * reach
-    points, own, bound = out(env.factors, reach), out(env.factors, far), out(env.bound, far)
+    factors = np.where(np.isnan(env.factors), env.bound, env.factors)
+    points, own, bound = out(factors, reach), out(factors, far), out(env.bound, far)
     return Surface(reach, cut, points, own, bound, cells, keys, key)
 
 
@@ -122,23 +123,25 @@ def section(points: Array, cells: Ints, normal: Array) -> tuple[Array, Ints]:
 
 
 def wires(s: Surface) -> Array:
-    """(s, 2, 3) lines on the bound, in nine planes through the origin, within the reach."""
+    """(s, 2, 3) lines on the bound, in nine planes through the origin; cut at the reach, as the surface is."""
     normals = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1),
                         (0, 1, -1)], dtype=float)  # fmt: skip
     lines = np.concatenate([section(s.bound, s.cells, n)[0] for n in normals])
-    return np.asarray(lines[np.linalg.norm(lines, axis=2).max(axis=1) <= 1.001 * s.reach])
+    long = np.linalg.norm(lines, axis=2, keepdims=True)
+    return np.asarray(lines * np.minimum(1.0, s.reach / np.maximum(long, 1e-300)))
 
 
 def _reach(env: Envelope) -> tuple[float, bool]:
     """How far the weaker half of the directions can still be seen well."""
-    finite = env.factors[np.isfinite(env.factors)]
+    known = np.where(np.isnan(env.factors), env.bound, env.factors)
+    finite = known[np.isfinite(known)]
     if not len(finite) or not finite.max() > 0.0:
-        return 1.0, bool(np.isinf(env.factors).any())
-    order = np.argsort(env.factors, kind="stable")
+        return 1.0, bool(np.isinf(known).any())
+    order = np.argsort(known, kind="stable")
     below = np.cumsum(env.shares[order])
-    middle = env.factors[order][np.searchsorted(below, 0.5 * below[-1])]
+    middle = known[order][np.searchsorted(below, 0.5 * below[-1])]
     most = _MANY * (middle if np.isfinite(middle) and middle > 0.0 else float(finite.max()))
-    largest = float(env.factors.max())
+    largest = float(known.max())
     cut = largest > 1.15 * most
     step = nice(most if cut else largest) / 5.0
     return float(np.ceil((most if cut else largest) / step - 1e-9) * step), cut

@@ -68,10 +68,11 @@ def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:
     """Title, the limit and what gives out; which load, and what friction and torque limits alone would allow."""
     held = np.isfinite(limit.factor)
     below = f"The load that grows: {way(limit.wrench)}."
-    if held and np.isfinite(limit.bound):
+    if held and np.isfinite(limit.bound) and limit.bound > limit.factor * (1.0 + 1e-6):
         below += f" Friction and torque limits alone would allow {size(limit.wrench, limit.bound)}."
-    if limit.some_equilibrium > limit.factor * (1.0 + 1e-6):
-        most = size(limit.wrench, limit.some_equilibrium)
+    beyond = limit.some_equilibrium
+    if beyond > limit.factor * (1.0 + 1e-6) and not np.isclose(beyond, limit.bound, rtol=1e-3):
+        most = size(limit.wrench, beyond)
         below += f" Up to {most} there are forces in balance, which a load that grows does not reach."
     return outcome(drawn, title, "LIMIT" if held else "NO LIMIT", f"{limit.why}.", not held, below)
 

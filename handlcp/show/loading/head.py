@@ -35,7 +35,8 @@ def outcome(figure: Any, title: str, head: str, sentence: str, good: bool, below
     figure.text(left, 1.0 - y / inches, word, weight="bold", color=colour, **style)
     indent = width(figure, f"{word} ", weight="bold", **style) / figure.bbox.width
     lines[0] = lines[0].removeprefix(f"{word} ")
-    for k, line in enumerate([*lines, *([below] if below else [])]):
+    more = wrapped(figure, below, _LETTERS, _ACROSS - indent, **style) if below else []
+    for k, line in enumerate([*lines, *more]):
         figure.text(left + (0 if k else indent + 0.002), 1.0 - y / inches, line, color=INK, **style)
         y += LINE
     return y

@@ -10,12 +10,15 @@ from handlcp.check import Array
 from handlcp.grasp.batch.progress import Progress, told
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.grasp.limits.result import Bind
+from handlcp.grasp.limits.result import OBJECT, Bind
+from handlcp.grasp.verify.bound import bound_of
+from handlcp.lcp.kernels.compile import at_once
+from handlcp.study.envelope.causes import UNDECIDED
 from handlcp.study.envelope.load import Load
 
 __all__ = ["Binds", "Question"]
 
-_PIECE = {"fixed": 4096, "followed": 8}  # directions that are asked for at once
+_PIECE = {"fixed": 64, "followed": 4}  # directions that are asked for at once
 
 Binds = tuple[Bind, ...]
 
@@ -37,10 +40,15 @@ class Question:
     def ask(
         self, directions: Array, given: Array | None, progress: Progress = None
     ) -> tuple[Array, tuple[Binds, ...]]:  # fmt: skip
-        """(m,) factors, and for each what binds; () where nothing does. progress : as in `envelope`."""
+        """(m,) factors, and for each what binds; () where nothing does. progress : as in `envelope`.
+
+        No load that friction and torque limits alone bound is held without end: where a path found no limit although
+        there is such a bound, the factor is NaN.
+        """
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds = np.empty(m), list[Binds]([()] * m)
-        with told(progress, m) as done:
+        with told(progress, m) as done, at_once(m):
+            done(0)
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)
                 for start in range(0, len(every), _PIECE[self.geometry]):
@@ -49,5 +57,17 @@ class Question:
                     factors[here] = found.factors
                     for k, some in zip(here.tolist(), found.binds, strict=True):
                         binds[k] = some
+                    endless = here[np.isinf(found.factors)]
+                    if len(endless):
+                        known = bound_of(spec, self.section, wrenches[endless]).factors
+                        for k in endless[np.isfinite(known)].tolist():
+                            factors[k], binds[k] = np.nan, (Bind(UNDECIDED, OBJECT),)
                     done(len(here))
         return factors, tuple(binds)
+
+    def bound(self, directions: Array, given: Array | None) -> Array:
+        """(m,) the largest factors that any forces within friction and torque limits balance."""
+        wrenches, found = self.wrenches(directions, given), np.empty(len(directions))
+        for spec, where in self.load.specs(directions):
+            found[where] = bound_of(spec, self.section, wrenches[where]).factors
+        return found

@@ -11,12 +11,13 @@ from handlcp import words
 from handlcp.check import Array, Ints
 from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE, Bind
 
-__all__ = ["NOTHING", "Cause", "causes_of", "said"]
+__all__ = ["NOTHING", "UNDECIDED", "Cause", "causes_of", "said"]
 
 NOTHING = "nothing gives out"
+UNDECIDED = "undecided"  # kind of what binds where no limit was found, although there must be one
 _ONE = {
     SLIPS: "{} slips through", OPENS: "{} lets go", TORQUE: "{} at its torque limit", RANGE: "{} at its range’s end",
-    EQUILIBRIUM: "balance is lost", MOTION: "the object moves too far",
+    EQUILIBRIUM: "balance is lost", MOTION: "the object moves too far", UNDECIDED: "undecided",
 }  # fmt: skip
 _SEVERAL = _ONE | {
     SLIPS: "{} slip through", OPENS: "{} let go", TORQUE: "{} at their torque limits",
@@ -31,7 +32,7 @@ class Cause:
     """What gives out first, in some of the directions.
 
     binds : as in `Envelope.binds`; () where nothing gives out. says : in words. share : of all directions.
-    least, median : of the factors there, by solid angle; infinite where nothing gives out.
+    least, median : of the factors there, by solid angle; infinite where nothing gives out, NaN where undecided.
     """
 
     binds: Binds

@@ -8,15 +8,13 @@ from typing import Self
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.verify.bound import bound_of
-from handlcp.study.envelope.ask import Question
 
-__all__ = ["Compliance", "bound_along"]
+__all__ = ["Compliance"]
 
 
 @dataclass(frozen=True, slots=True)
 class Compliance:
-    """Factors as shares of the bound, over the directions in which the bound is finite and positive.
+    """Factors as shares of the bound, over the directions in which both are finite, and the bound positive.
 
     median, least : shares; NaN where there is no such direction. number : of the direction with the least share.
     """
@@ -28,7 +26,7 @@ class Compliance:
     @classmethod
     def of(cls, factors: Array, bound: Array, shares: Array) -> Self:
         """Shares (m,) : what part of all directions each stands for."""
-        known = np.flatnonzero(np.isfinite(bound) & (bound > 0.0))
+        known = np.flatnonzero(np.isfinite(bound) & (bound > 0.0) & np.isfinite(factors))
         if not len(known):
             return cls(np.nan, np.nan, 0)
         kept = factors[known] / bound[known]
@@ -36,11 +34,3 @@ class Compliance:
         below = np.cumsum(shares[known][order])
         middle = kept[order][np.searchsorted(below, 0.5 * below[-1])]
         return cls(float(middle), float(kept[order[0]]), int(known[order[0]]))
-
-
-def bound_along(question: Question, directions: Array, given: Array | None) -> Array:
-    """(m,) the largest factors that any forces within friction and torque limits balance."""
-    wrenches, found = question.wrenches(directions, given), np.empty(len(directions))
-    for spec, where in question.load.specs(directions):
-        found[where] = bound_of(spec, question.section, wrenches[where]).factors
-    return found

@@ -11,7 +11,7 @@ from handlcp.check import Array
 from handlcp.study.envelope.causes import NOTHING, said
 from handlcp.text_table import TextTable, wrapped
 
-__all__ = ["amount", "direction", "given_away", "headline", "printed"]
+__all__ = ["amount", "direction", "geometry", "given_away", "headline", "printed"]
 
 _ROWS = 8  # causes of a table; the rest are one row
 _WHAT = {"force": "a force", "torque": "a torque", "gravity": "gravity", "wrench": "the load"}
@@ -22,22 +22,37 @@ def printed(env: Any) -> str:
     """See `Envelope.__str__`."""
     if env.strongest.factor == 0.0:
         return "\n".join([wrapped(_head(env), "  "), wrapped(headline(env), "  ")])
-    lines = [wrapped(line, "  ") for line in (_head(env), *_extremes(env), given_away(env)) if line]
+    lines = [wrapped(line, "  ") for line in (_head(env), *_extremes(env), given_away(env), geometry(env)) if line]
     return "\n".join([*lines, "", str(_table(env))])
 
 
 def headline(env: Any) -> str:
     """One sentence: the weakest direction, and what gives out there."""
-    w = env.weakest
+    w, left = env.weakest, int(np.isnan(env.factors).sum())
+    if np.isnan(w.factor):
+        return f"undecided {_way(env, w.number)}: no limit was found, although friction and torque limits end any load"
     if np.isinf(w.factor):
         return f"{NOTHING}, in no direction"
     if env.strongest.factor == 0.0:
         return f"the grasp does not hold without a load: {_what(env, w)}"
-    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}; weakest {_way(env, w.number)}: {_what(env, w)}"
+    but = f" but {left} that are undecided" if left else ""
+    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}{but}; weakest {_way(env, w.number)}: {_what(env, w)}"
+
+
+def geometry(env: Any) -> str:
+    """What stays where it is while the load grows, and what else one may ask for."""
+    if env.question.geometry == "followed":
+        return "fingers and object move under the load, and contacts are detected anew"
+    return (
+        'contacts stay where they are in this posture; geometry="followed" (--followed) lets fingers and object move: '
+        "slower, and for soft hands the numbers can differ much"
+    )
 
 
 def amount(env: Any, factor: float) -> str:
     """Such as "3.2 N", "0.41 kg (2.1 times the object's)", "1.3 times the wrench"."""
+    if np.isnan(factor):
+        return "undecided"
     if np.isinf(factor):
         return "any load"
     if env.of == "force":
@@ -75,14 +90,13 @@ def _way(env: Any, k: int) -> str:
 def _head(env: Any) -> str:
     """What was asked."""
     load, m = env.question.load, len(env.factors)
-    geometry = "contacts of this posture" if env.question.geometry == "fixed" else "hand and object followed"
     what = _WHAT[env.of]
     if env.of == "force":
         unit = words.length_unit(load.at.tolist())
         what += " at (" + ", ".join(unit(x) for x in load.at.tolist()) + f") {unit.name}"
     around = "in a plane" if env.plane is not None else "all around" if len(env.triangles) else ""
     ways = "wrenches" if env.of == "wrench" else "directions"
-    return f"how much it holds: {what}, {m} {ways}{f' {around}' if around else ''}, {geometry}"
+    return f"how much it holds: {what}, {m} {ways}{f' {around}' if around else ''}"
 
 
 def _extremes(env: Any) -> list[str]:
@@ -114,7 +128,7 @@ def _table(env: Any) -> TextTable:
         shown, rest = env.causes, ()
     rows = [(c.says, words.percent(c.share), *_numbers(env, c.least, c.median)) for c in shown]
     if rest:
-        least = min(c.least for c in rest)
+        least = min([c.least for c in rest], key=lambda x: (np.isnan(x), x))
         rows.append((f"{len(rest)} more", words.percent(sum(c.share for c in rest)), *_numbers(env, least, np.nan)))
     unit = f"\n{env.unit}" if env.unit else ""
     return TextTable(("what gives out first", "directions", f"least{unit}", f"median{unit}"), tuple(rows), "<>>>")

@@ -14,7 +14,7 @@ from handlcp.grasp.answer.shown import Data
 from handlcp.lazy import lazy
 from handlcp.study.envelope.ask import Binds, Question
 from handlcp.study.envelope.causes import Cause, causes_of
-from handlcp.study.envelope.compliance import Compliance, bound_along
+from handlcp.study.envelope.compliance import Compliance
 from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.printed import printed
 from handlcp.views import view
@@ -38,8 +38,10 @@ class Extreme:
 class Envelope(Data):
     """How much a grasp holds in each of m directions; made by `envelope`.
 
-    factors : (m,) in `unit`, infinite where nothing gives out, 0 where the grasp does not even hold without a load.
-    binds : (m,) tuples of what gives out first, each with `kind` and `who`, as `LoadLimit.binds`; () for nothing.
+    factors : (m,) in `unit`, infinite where nothing gives out, 0 where the grasp does not even hold without a load,
+        NaN where it is undecided: no limit was found, although friction and torque limits alone must end the load.
+    binds : (m,) tuples of what gives out first, each with `kind` and `who`, as `LoadLimit.binds`; () for nothing,
+        and the kind "undecided" where it is.
     """
 
     question: Question
@@ -93,13 +95,17 @@ class Envelope(Data):
 
     @lazy
     def weakest(self) -> Extreme:
-        """The direction with the smallest factor: its `number`, unit vector `direction` (3,), `factor` and `binds`."""
-        return self._at(int(np.argmin(self.factors)))
+        """The direction with the smallest factor that is known: its `number`, unit vector `direction` (3,), `factor`
+        and `binds`.
+        """
+        least = int(np.argmin(np.where(np.isnan(self.factors), np.inf, self.factors)))
+        left = np.flatnonzero(np.isnan(self.factors))
+        return self._at(int(left[0]) if len(left) and not np.isfinite(self.factors[least]) else least)
 
     @lazy
     def strongest(self) -> Extreme:
         """The direction with the largest factor, as `weakest`."""
-        return self._at(int(np.argmax(self.factors)))
+        return self._at(int(np.argmax(np.where(np.isnan(self.factors), -1.0, self.factors))))
 
     @property
     def causes(self) -> tuple[Cause, ...]:
@@ -133,7 +139,7 @@ class Envelope(Data):
 
     @lazy
     def _bound(self) -> Array:
-        return read_only(bound_along(self.question, self.directions, self.given))
+        return read_only(self.question.bound(self.directions, self.given))
 
     def _at(self, k: int) -> Extreme:
         return Extreme(k, self.directions[k], float(self.factors[k]), self.binds[k])

@@ -28,6 +28,7 @@ from handlcp.views import view
 __all__ = ["Reliability", "Sample"]
 
 _ROWS = 8  # of the printed table
+_MARGIN = "margin: what is left of all friction, or of a joint’s torque limit, in % of it"
 OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes
 
 
@@ -164,7 +165,6 @@ class Reliability(Data):
         u = self.blocks.points(0, self.samples)[some]
         return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
 
-    # ---- shown
     def to_dict(self) -> dict[str, Any]:
         """Plain data: chances, counts, the worst sample and the nearest failure, and what matters; SI units."""
         within, near = self.chance_within_limits, self.nearest_failure
@@ -192,19 +192,25 @@ class Reliability(Data):
         return view("reliability_plot")(self, path, title)
 
     @property
+    def chances(self) -> tuple[str, ...]:
+        """In words, a line each; one line where torque limits change nothing."""
+        within = self.chance_within_limits
+        if within is None:
+            return (f"holds: {self.chance_held}",)
+        if asdict(within) == asdict(self.chance_held):
+            return (f"holds, and within torque limits: {self.chance_held}",)
+        return f"holds: {self.chance_held}", f"holds within torque limits: {within}"
+
+    @property
     def table(self) -> TextTable:
         """What matters most, from the samples and from the derivatives."""
         heads = ("what varies", "by", "samples:\nshare", "rank\ncorr.", "derivative:\nshare", "margin\nper sd")
-        rows = [
-            (f.name, f.said, _share(f.share), _signed(f.rank, 2), _share(f.linear), _signed(f.slope, 3))
-            for f in self.influences[:_ROWS]
-        ]
+        some = self.influences[:_ROWS]
+        rows = [(f.name, f.said, _share(f.share), _rank(f.rank), _share(f.linear), _points(f.slope)) for f in some]
         return TextTable(heads, tuple(rows), "<>>>>>")
 
     def __str__(self) -> str:
-        lines = [wrapped(f"holds: {self.chance_held}", "  ")]
-        if self.chance_within_limits is not None:
-            lines.append(wrapped(f"holds within torque limits: {self.chance_within_limits}", "  "))
+        lines = [wrapped(line, "  ") for line in self.chances]
         counted = ", ".join([f"{k:,} {word}" for word, k in self.counts.items() if k])
         lines.append(wrapped(f"{self.samples:,} samples: {counted}{self._estimated}", "  "))
         for what, sample in (("worst", self.worst), ("nearest failure", self.nearest_failure)):
@@ -212,7 +218,7 @@ class Reliability(Data):
                 lines.append(wrapped(f"{what}: {self._told(sample)}", "  "))
         more = len(self.influences) - _ROWS
         left = [f"and {more} that matter less"] if more > 0 else []
-        return "\n".join([*lines, "", str(self.table), *left])
+        return "\n".join([*lines, "", str(self.table), *left, _MARGIN])
 
     @property
     def _estimated(self) -> str:
@@ -224,7 +230,7 @@ class Reliability(Data):
         return f"; {held} of {int(looked.sum())} such samples hold, solved in full, and so the rest is counted"
 
     def _told(self, sample: Sample) -> str:
-        """A sample with the values that matter most."""
+        """With the values that matter most."""
         units = {d.name: d.unit for d in self.placer.dimensions}
         first = [f.name for f in self.influences[:4]]
         values = ", ".join([f"{name} {value_with(sample.values[name], units[name])}" for name in first])
@@ -235,5 +241,10 @@ def _share(x: float) -> str:
     return words.percent(x if not x < 5e-4 else 0.0)
 
 
-def _signed(x: float, digits: int) -> str:
-    return f"{x:+.{digits}f}" if np.isfinite(x) else "–"
+def _points(x: float) -> str:
+    """A change of the margin, in percent of the limit."""
+    return "–" if not np.isfinite(x) else "0 %" if abs(x) < 5e-6 else f"{100 * x:+.2g} %"
+
+
+def _rank(x: float) -> str:
+    return f"{x:+.2f}" if np.isfinite(x) else "–"
