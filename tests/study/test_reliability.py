@@ -201,7 +201,7 @@ def test_a_file_of_no_run_is_refused(tmp_path):
 
 # ---------------------------------------------------------------- one sample
 def test_the_worst_sample_fails_and_says_why_and_the_nearest_is_just_over_the_edge():
-    found = hl.reliability(pinch(), {"friction": 0.3, "load": 0.1}, 1000, workers=1)
+    found = hl.reliability(pinch(), {"friction": 0.3, "load": 0.1}, 512, workers=1)
     worst, near = found.worst, found.nearest_failure
     for sample in (worst, near):
         assert sample.word == "NOT HELD"
