@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import pickle
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
 import handlcp as hl
+from tests.support.envelope import without_limits
 
 MU, N, R, K = 0.5, 2.0, 0.02, 1e-3  # friction, grip [N], half width [m], flexibility [m/N]
 G = 9.81
@@ -77,11 +77,7 @@ def test_what_nothing_ever_limits_is_infinite_everywhere_it_is_told():
 
 def test_no_direction_holds_any_load_where_torque_limits_alone_end_it(monkeypatch, tmp_path):
     """A path that finds no limit is wrong there, and is not believed."""
-
-    def endless(spec, section, wrenches, *asked):
-        return SimpleNamespace(factors=np.full(len(wrenches), np.inf), binds=((),) * len(wrenches))
-
-    monkeypatch.setattr("handlcp.study.envelope.ask.limits_of", endless)
+    without_limits(monkeypatch)
     env = hl.envelope(cube(), 12, faces=8, adaptive=0)
     assert np.isnan(env.factors).all()
     assert {b.kind for binds in env.binds for b in binds} == {"undecided"}

@@ -1,0 +1,20 @@
+"""Envelopes whose paths find no limit: what then is told."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from handlcp.study.envelope import ask
+
+__all__ = ["without_limits"]
+
+
+def without_limits(monkeypatch):
+    """From now on, no path of an envelope finds where it ends."""
+
+    def endless(spec, section, wrenches, *asked):
+        return SimpleNamespace(factors=np.full(len(wrenches), np.inf), binds=((),) * len(wrenches))
+
+    monkeypatch.setattr(ask, "limits_of", endless)
