@@ -96,7 +96,7 @@ def common(
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[int, int, str], None]]:
+def progress_bar() -> Iterator[Callable[[int, int | None, str], None]]:
     """A bar on stderr if that is a terminal, drawn between steps: a drawing thread would disturb the measured times."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 

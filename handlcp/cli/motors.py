@@ -12,7 +12,7 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.check import array
-from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
+from handlcp.cli.app import Json, app, print_json, print_tables, progress_bar, say, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
@@ -45,7 +45,8 @@ def motors(
     """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
 
     Without --load and --turned: for the file's own load. The hand closes by a grip force at each fingertip, in place
-    of what the file says. Exit status 0 such a grip was found, 1 none was found, 2 bad input.
+    of what the file says. Exit status 0 such a grip was found and check() says HELD of every load, 1 otherwise, 2
+    bad input.
     """
     from handlcp import scene as scenes
 
@@ -54,12 +55,14 @@ def motors(
     if not isinstance(grasp, HandGrasp):
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
     brief_ = _brief(grasp, load or [], turned)
-    found = grasp.required_torque(brief_, safety, faces=sides_of(read.solve_with.faces, faces))
+    sides = sides_of(read.solve_with.faces, faces)
+    with progress_bar() as bar:
+        found = grasp.required_torque(brief_, safety, sides, progress=lambda done: bar(done, None, "grips tried"))
     if json:
         print_json({"title": read.title, **found.to_dict()})
     else:
         _print(found, read.title)
-    raise typer.Exit(0 if found.holds else 1)
+    raise typer.Exit(0 if found.confirmed else 1)
 
 
 def _brief(grasp: HandGrasp, loads: list[str], turned: bool) -> dict[str, Any] | None:
@@ -87,7 +90,9 @@ def _numbers(text: str) -> list[float] | None:
 
 def _print(found: RequiredTorque, title: str) -> None:
     out = titled(title)
-    word, style = ("FOUND", "green") if found.holds else ("NONE", "red")
+    word, style = ("FOUND", "green") if found.confirmed else ("NOT CONFIRMED", "yellow")
+    if not found.holds:
+        word, style = "NONE", "red"
     say(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
     out.print()
     if found.holds:
@@ -101,15 +106,16 @@ def _joints(found: RequiredTorque) -> Table:
     table.add_column("joint", overflow="fold")
     tables.numbers(table, "torque", "limit", "of limit")
     table.add_column("sized by", overflow="fold")
+    table.add_column("")
     for joint, torque, limit, share, load, remark in found.rows:
-        table.add_row(Text(joint), torque, limit, share, Text(load), style="red" if remark else None)
+        table.add_row(Text(joint), torque, limit, share, Text(load), remark, style="red" if remark else None)
     return table
 
 
 def _grips(found: RequiredTorque) -> Table:
-    table = tables.empty("Grip force to command", "N")
+    table = tables.empty("Grip force to command")
     table.add_column("fingertip", overflow="fold")
-    tables.numbers(table, "grip")
+    tables.numbers(table, "grip [N]")
     for name, force in zip(found.grip, words.column(found.grip.values()), strict=True):
         table.add_row(Text(name), force)
     return table

@@ -48,6 +48,20 @@ def test_a_load_that_no_grip_holds_exits_1_and_says_which(tmp_path):
     assert "NONE: No grip was found that holds the load × 1.5" in " ".join(done.stdout.split())
 
 
+def test_what_check_does_not_call_held_is_not_confirmed_and_exits_1(tmp_path):
+    text = pathlib.Path(CUBE).read_text(encoding="utf-8")
+    deep = text.replace("size_m = 0.05", "size_m = [0.05, 0.05, 0.13]").replace("0.0, 0.08]", "0.0, 0.05]")
+    file = tmp_path / "deep.toml"
+    file.write_text(deep, encoding="utf-8")
+    done = run(str(file))
+    assert done.exit_code == 1, done.output
+    said = " ".join(done.stdout.split())
+    assert "NOT CONFIRMED: " in said
+    assert "UNDECIDED: " in said
+    assert "inside" in said
+    assert " held" not in said.partition("Torque of each joint")[0].partition("NOT CONFIRMED")[2]
+
+
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [(("--load", "push"), "--load"), (("--load", "push=1,2"), "--load"), (("--load", "a=1,2,x"), "--load"),

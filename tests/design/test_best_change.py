@@ -79,6 +79,10 @@ def test_without_a_load_of_its_own_the_weight_grows():
     found = cube_grasp().replace(grip_force=5.0).best_change(geometry="fixed")
     np.testing.assert_allclose(found.wrench, (0, 0, -0.5 * 9.81, 0, 0, 0), atol=1e-12)
     assert found.before.factor > 0
+    assert found.of_weight
+    said = " ".join(str(found).split())
+    assert f"as it is the grasp holds {found.before.factor:.4g} × the weight, beside it" in said
+    assert "the load check()" not in said
 
 
 def test_where_nothing_gives_out_no_change_buys_anything():

@@ -188,6 +188,29 @@ def test_known_forces_cannot_be_followed(tmp_path):
         grasp.required_torque()
 
 
+def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why():
+    hand = hl.example_hand("three_finger", joint_stiffness=60.0)
+    box = hl.Box((0.05, 0.05, 0.13), (0.0, 0.0, 0.05), mass=0.1)  # down through the palm
+    r = hand.at(hand.close_on(box)).grasp(box, friction=0.8).required_torque({"lift": {}})
+    assert r.holds
+    assert not r.confirmed
+    assert not r.enough
+    assert r.verdicts == {"lift": "UNDECIDED"}
+    assert "palm" in r.reasons["lift"]
+    said = " ".join(str(r).split())
+    assert said.startswith("NOT CONFIRMED: ")
+    assert f"lift is UNDECIDED: {r.reasons['lift']}." in said
+    assert "held" not in said
+    assert r.to_dict()["reasons"] == r.reasons
+
+
+def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
+    told = []
+    pinch(tmp_path).required_torque(progress=told.append)
+    assert told == list(range(1, len(told) + 1))
+    assert told
+
+
 def test_it_prints_and_becomes_data(tmp_path):
     r = pinch(tmp_path, limits=0.1).required_torque({"down": (0, 0, -1, 0, 0, 0), "up": (0, 0, 1, 0, 0, 0)})
     same("design/test_required_torque: a pinch", str(r), "left_joint", "too weak", "is lost")

@@ -63,7 +63,8 @@ class BestChange(Data):
     wrench (6,) : the load that grows, beside the weight [N, N·m]. share : of every change. before : the load limit
     without a change. tried : the changes; empty where nothing binds before. between : factor on the load, between the
     limits before and after the best change, at which `check()` was asked; NaN where no change buys anything.
-    verdicts : its words there, with the best change and without.
+    verdicts : its words there, with the best change and without. of_weight : whether the load that grows is the weight
+    once more, beside the weight, as none was said and the grasp has none.
     """
 
     wrench: Array
@@ -72,6 +73,7 @@ class BestChange(Data):
     tried: tuple[TriedChange, ...]
     between: float
     verdicts: tuple[str, str]
+    of_weight: bool = False
 
     @property
     def best(self) -> TriedChange | None:
@@ -88,7 +90,11 @@ class BestChange(Data):
         """Change by change."""
         rows = [("as it is", _times(self.before.factor), "", _bound(self.before))]
         rows += [(t.what, _times(t.factor), _gain(t.gain), _bound(t.limit)) for t in self.tried]
-        return TextTable(("change", "holds\n× load", "gain", "then gives out"), tuple(rows), "<>><")
+        return TextTable(
+            ("change", "holds more\n× weight" if self.of_weight else "holds\n× load", "gain", "then gives out"),
+            tuple(rows),
+            "<>><",
+        )
 
     def __str__(self) -> str:
         return f"{self.table}\n{self.sentence}" if self.tried else self.sentence
@@ -100,11 +106,14 @@ class BestChange(Data):
             return "nothing gives out, however large the load: no change buys anything"
         if (best := self.best) is None:
             return "none of these changes buys load"
-        told = f"{best.what} buys most: {_gain(best.gain)} load"
+        told, load = f"{best.what} buys most: {_gain(best.gain)} load", "the load"
+        if self.of_weight:
+            load, has = "the weight, beside it,", f"{self.before.factor:.4g} × the weight, beside it"
+            told = f"the load that grows is the weight once more; as it is the grasp holds {has}; {told}"
         if self.confirmed:
-            return wrapped(f"{told}; at {self.between:.4g} × the load check() says HELD, and not without it")
+            return wrapped(f"{told}; at {self.between:.4g} × {load} check() says HELD, and not without it")
         given = " and ".join([f"{w} {how} it" for w, how in zip(self.verdicts, ("with", "without"), strict=True)])
-        return wrapped(f"{told}; but at {self.between:.4g} × the load check() says {given}")
+        return wrapped(f"{told}; but at {self.between:.4g} × {load} check() says {given}")
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
@@ -127,10 +136,11 @@ def best_change(
     if part >= 1.0:
         raise InputError("share", "a share below 1, such as 0.1", share)
     asked = means.own(spec) if wrench is None else wrench
-    load = asked if wrench is not None or asked.any() else spec.wrench
+    of_weight = wrench is None and not asked.any()
+    load = spec.wrench if of_weight else asked
     before = load_limit(spec, section, load, geometry, None, None)
     if np.isinf(before.factor):
-        return BestChange(before.wrench, part, before, (), np.nan, ("", ""))
+        return BestChange(before.wrench, part, before, (), np.nan, ("", ""), of_weight)
     made = {what: other for what, other in means.changes(spec, part) if other is not None}
     found = {what: load_limit(other, section, load, geometry, None, None) for what, other in made.items()}
     base = before.factor or np.nan
@@ -142,7 +152,7 @@ def best_change(
         between = 0.5 * (before.factor + most)
         ends = [means.loaded(s, between * before.wrench) for s in (made[tried[0].what], spec)]
         verdicts = (word(ends[0], section), word(ends[1], section))
-    return BestChange(before.wrench, part, before, tuple(tried), between, verdicts)
+    return BestChange(before.wrench, part, before, tuple(tried), between, verdicts, of_weight)
 
 
 # ---------------------------------------------------------------- the changes

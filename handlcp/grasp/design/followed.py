@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from handlcp.grasp.analysis.required import Required
+from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.design.closing_in import closed_in
 from handlcp.grasp.friction import Section
@@ -15,7 +16,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.lcp import Auto
 
-__all__ = ["ORDER", "Changed", "least_value", "word"]
+__all__ = ["ORDER", "Changed", "least_value", "verdict_on", "word"]
 
 ORDER = ("squeeze", "load")
 _CHAIN = Auto(search_seconds=0.0)
@@ -60,6 +61,11 @@ def least_value(changed: Changed, start: float, most: float, tolerance: float, u
     return replace(found, verdict=word(changed.make(value), changed.section))
 
 
+def verdict_on(spec: GraspSpec, section: Section) -> Verdict:
+    """What `check` says of a grasp, without advice."""
+    return judged(spec, build(spec), section, ORDER, solve_spec(spec, section, _CHAIN, proof=False))
+
+
 def word(spec: GraspSpec, section: Section) -> str:
-    """What `check` says of a grasp."""
-    return judged(spec, build(spec), section, ORDER, solve_spec(spec, section, _CHAIN, proof=False)).word
+    """Its word."""
+    return verdict_on(spec, section).word

@@ -44,7 +44,7 @@ class RequiredStiffness(Data):
     motion : allowed [m]. moved : with this factor, from the end of the squeeze to the whole load [m]; where none was
         found, with the stiffest joints that still hold the object, NaN: none do.
     pads : what is left with rigid joints, where nothing slips [m].
-    verdict : what `check()` says of the grasp with this factor. why : where none was found.
+    verdict : what `check()` says of the grasp with this factor. why : why `fails` is not enough, or why none was found.
     """
 
     factor: float | None
@@ -68,7 +68,7 @@ class RequiredStiffness(Data):
         allowed, moved = words.lengths((self.motion, self.moved))
         if self.factor is None:
             return wrapped(f"no stiffness of the joints found that keeps the object within {allowed}: {self.why}", "  ")
-        less = "" if self.fails is None else f", × {self.fails:.4g} is not enough"
+        less = "" if self.fails is None else f"; with × {self.fails:.4g} {self.why}"
         called = "" if self.verdict == HELD else f"; check() says {self.verdict}"
         text = f"joints × {self.factor:.4g} as stiff let the object move {moved} of {allowed} allowed{less}"
         return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it{called}", "  ")
@@ -97,10 +97,18 @@ def required_stiffness(
     value, fails = closed_in(enough, 1.0, _MOST, near, too_much, 1.0 / _MOST)
     if value is not None:
         moved, below = _moved(changed.path(value)), fails if fails < value else None
-        return RequiredStiffness(value, below, allowed, moved, pads, word(made(value), section), "")
+        short = "" if below is None else _short(changed.path(below))
+        return RequiredStiffness(value, below, allowed, moved, pads, word(made(value), section), short)
     held = {x: path for x, path in changed.paths.items() if path.reached and not _over(path)}
     moved = _moved(held[max(held)]) if held else np.nan
     return RequiredStiffness(None, None, allowed, moved, pads, "", _why(changed, held, allowed, pads))
+
+
+def _short(path: Loading) -> str:
+    """Why a factor is not enough."""
+    if not path.reached:
+        return "the object is lost"
+    return "a joint needs more torque than it has" if _over(path) else "it moves further than allowed"
 
 
 def _why(changed: Changed, held: dict[float, Loading], allowed: float, pads: float) -> str:

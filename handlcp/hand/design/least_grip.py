@@ -23,7 +23,7 @@ __all__ = ["least_grip"]
 
 _DIRECTIONS = 16  # faces of a friction cone in a tangent plane
 _BALL = 64  # faces of a soft finger's limit surface
-_SMALL = 1e-6  # weight of the grip's sum: among grips with the same torques the gentlest
+_SMALL = 1e-6  # weight of the grip's sum and of its largest: among grips with the same torques the gentlest, evenly
 
 
 def least_grip(states: Sequence[Sticking], section: Section, share: Array, pattern: Array) -> Array | None:
@@ -38,12 +38,15 @@ def least_grip(states: Sequence[Sticking], section: Section, share: Array, patte
         at = by_grip @ pattern
         cone = _cone(state.scene, section)
         torque, held = state.levers @ at, state.levers @ rest + state.held
-        above += [np.column_stack([-cone @ at * unit, np.zeros(len(cone))])]
-        above += [np.column_stack([way * torque * unit, -share]) for way in (1.0, -1.0)]
+        above += [np.column_stack([-cone @ at * unit, np.zeros((len(cone), 2))])]
+        none = np.zeros(len(share))
+        above += [np.column_stack([way * torque * unit, none, -share]) for way in (1.0, -1.0)]
         most += [cone @ rest, -held, held]
+    above.append(np.column_stack([pattern, -np.ones(len(pattern)), np.zeros(len(pattern))]))  # the largest of the grip
+    most.append(np.zeros(len(pattern)))
     size = max(float(abs(b).max(initial=0.0)) for b in most) or 1.0
-    cost = np.append(np.full(p, _SMALL), 1.0)
-    found = linprog(cost, np.vstack(above), np.concatenate(most), bounds=[(0.0, None)] * (p + 1), method="highs")
+    cost = np.append(np.full(p + 1, _SMALL), 1.0)
+    found = linprog(cost, np.vstack(above), np.concatenate(most), bounds=[(0.0, None)] * (p + 2), method="highs")
     if found.x is None or not found.x[:p].max(initial=0.0) * unit < 1e6 * size:
         return None
     return np.asarray(pattern @ found.x[:p] * unit)

@@ -27,7 +27,8 @@ class RequiredTorque(Data):
     sized_by : for each joint the load that needs most of it, or "squeeze": closing the hand does.
     loads : m names. torques : (m, nv) [N·m] the same under each load. safety : factor on loads and weight.
     limits : (nv,) of the hand as it is [N·m], inf where there is none or none is known. known : nv booleans.
-    verdicts : what `check()` says of each load, with `torque` as the limits.
+    verdicts : what `check()` says of each load, with `torque` as the limits. reasons : of each load that is not HELD,
+        why; the answer is confirmed only where there is none.
     fails : the largest share of the grip that was tried and does not hold; None: none was found, less grip needs as
         much torque. lost : the load that this share loses, and why; where nothing holds, those of `grip`.
     """
@@ -44,16 +45,22 @@ class RequiredTorque(Data):
     verdicts: dict[str, str]
     fails: float | None
     lost: tuple[str, str] | None
+    reasons: dict[str, str] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
-        """Whether there is a grip with which every load holds."""
+        """Whether there is a grip with which every load can be followed to its end."""
         return not bool(np.isnan(self.torque).any())
 
     @property
+    def confirmed(self) -> bool:
+        """Whether there is such a grip, and `check()` says HELD of every load with it."""
+        return self.holds and all(word == HELD for word in self.verdicts.values())
+
+    @property
     def enough(self) -> bool:
-        """Whether the hand's own limits are enough: all of them known, and none below the torque."""
-        return self.holds and all(self.known) and not self.weak
+        """Whether the hand's own limits are enough: all of them known, none below the torque, the answer confirmed."""
+        return self.confirmed and all(self.known) and not self.weak
 
     @property
     def weak(self) -> tuple[str, ...]:
@@ -82,7 +89,11 @@ class RequiredTorque(Data):
         return TextTable(heads, self.rows, "<>>><<")
 
     def __str__(self) -> str:
-        return f"{self.table}\n{self.sentence}" if self.holds else self.sentence
+        if not self.holds:
+            return self.sentence
+        if not self.confirmed:
+            return wrapped(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{self.table}"
+        return f"{self.table}\n{self.sentence}"
 
     @property
     def sentence(self) -> str:
@@ -95,16 +106,25 @@ class RequiredTorque(Data):
         if not self.holds:
             assert self.lost is not None
             return wrapped(f"No grip was found that holds {beside.rstrip(',')}. With {pressed}, {_of(self.lost)}.")
-        parts = [f"With a grip of {pressed}, {beside} {'are' if len(self.loads) > 1 else 'is'} held."]
+        if self.confirmed:
+            parts = [f"With a grip of {pressed}, {beside} {'are' if len(self.loads) > 1 else 'is'} held."]
+        else:
+            parts = [f"With a grip of {pressed}, check() does not say HELD of {self._doubted}."]
+            parts += [f"{name} is {self.verdicts[name]}: {why}." for name, why in self.reasons.items()]
         if self.fails is not None and self.lost is not None:
             parts.append(f"With {100 * self.fails:.4g} % of it, {self.lost[0]} is lost.")
-        if other := [f"{name} ({word})" for name, word in self.verdicts.items() if word != HELD]:
-            parts.append(f"check() does not say HELD of {words.listed(other)}.")
         if self.weak:
             parts.append(f"Too weak as it is: {words.listed(self.weak)}.")
         elif self.enough:
             parts.append("The hand's own torque limits are enough.")
         return wrapped(" ".join(parts))
+
+    @property
+    def _doubted(self) -> str:
+        """The loads that are not HELD, such as "1 of 3 loads × 1.5, weight included"."""
+        many = len(self.loads)
+        what = self.loads[0] if many == 1 else f"{len(self.reasons)} of {many} loads"
+        return f"{what} × {self.safety:g}, weight included" if self.safety != 1.0 else what
 
     @property
     def _alike(self) -> bool:
@@ -114,8 +134,8 @@ class RequiredTorque(Data):
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
         return {
-            "holds": self.holds, "enough": self.enough, "safety": self.safety,
-            "grip_N": dict(self.grip), "verdicts": dict(self.verdicts),
+            "holds": self.holds, "confirmed": self.confirmed, "enough": self.enough, "safety": self.safety,
+            "grip_N": dict(self.grip), "verdicts": dict(self.verdicts), "reasons": dict(self.reasons),
             "fails_at_share_of_grip": self.fails,
             "lost": None if self.lost is None else {"load": self.lost[0], "why": self.lost[1]},
             "joints": [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from handlcp.grasp.analysis.required import Required
@@ -22,8 +23,9 @@ class HandQuestions(Grasp):
     """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""
 
     def required_torque(
-        self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01
-    ) -> RequiredTorque:
+        self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
+        *, progress: Callable[[int], object] | None = None,
+    ) -> RequiredTorque:  # fmt: skip
         """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
 
         loads : what the hand has to hold, one load at a time: (6,) force [N] and torque [N·m] beside the object's
@@ -32,15 +34,17 @@ class HandQuestions(Grasp):
             grasp's own load.
         safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
         tolerance : of the grip: to that share the least is found. faces : as in `solve`.
+        progress : called with the number of grips tried so far.
 
         The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
         in `check`. Of all grips with which every load holds, the one is looked for with which the largest torque is
         least, from the first touch to the whole load: as a share of the joints' limits where all of them have one, in
         N·m otherwise. It begins with the grip that is best where nothing slips (a linear program), then every grip is
-        followed. Before it is given, `check()` judges every load with the answer as torque limits (`verdicts`).
+        followed. Before it is given, `check()` judges every load with the answer as torque limits (`verdicts`);
+        the answer is confirmed where all of them are HELD.
         Raises InputError, UnknownName, Unsupported (known forces).
         """
-        return required_torque(self.spec, self._section(faces), loads, safety, tolerance)
+        return required_torque(self.spec, self._section(faces), loads, safety, tolerance, progress)
 
     def required_grip(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which

@@ -7,13 +7,15 @@ joints then need, at any time, becomes their torque limits, and `check` has to c
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.analysis.required import tolerance_of
-from handlcp.grasp.design.followed import word
+from handlcp.grasp.answer.verdict import HELD, Verdict
+from handlcp.grasp.design.followed import verdict_on
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.design.brief import Case, cases
@@ -30,21 +32,22 @@ _ROUNDED_UP = 1e-6  # of a torque, so that rounding puts none over its limit
 
 
 def required_torque(
-    spec: GraspSpec, section: Section, loads: Any, safety: Any, tolerance: Any
+    spec: GraspSpec, section: Section, loads: Any, safety: Any, tolerance: Any,
+    progress: Callable[[int], object] | None = None,
 ) -> RequiredTorque:  # fmt: skip
     """See `HandGrasp.required_torque`."""
     near = tolerance_of(tolerance)
     brief, hand = cases(spec, loads, safety), hand_of(spec)
     known = bool(np.isfinite(hand.limits).all())
     share = hand.limits if known else np.ones(len(hand.names))
-    trials = Trials(brief, section, share)
+    trials = Trials(brief, section, share, progress)
     best, fails = least(trials, starts(brief, section, share), near)
     torque = np.full(len(hand.names), np.nan)
-    verdicts = dict[str, str]()
+    verdicts = dict[str, Verdict]()
     if best.holds:
         torque = best.largest * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
-        verdicts = {case.name: _word(case, best, torque, section) for case in brief}
+        verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
     names = tuple([case.name for case in brief])
     grip = dict(zip(hand.fingertips, best.force.tolist(), strict=True))
     limits = hand.posture.hand.torques
@@ -52,7 +55,9 @@ def required_torque(
     lost = best.lost or (None if fails is None else fails.lost)
     return RequiredTorque(
         hand.names, read_only(torque), grip, tuple(["squeeze" if k < 0 else names[k] for k in best.worst.tolist()]),
-        names, read_only(best.torque), float(safety), limits.limits, limits.known, verdicts, less, lost,
+        names, read_only(best.torque), float(safety), limits.limits, limits.known,
+        {name: v.word for name, v in verdicts.items()}, less, lost,
+        {name: _why(v) for name, v in verdicts.items() if v.word != HELD},
     )  # fmt: skip
 
 
@@ -68,6 +73,11 @@ def starts(brief: tuple[Case, ...], section: Section, share: Array) -> list[Arra
     return some or [np.full(k, (size or 1.0) / k)]
 
 
-def _word(case: Case, best: Trial, torque: Array, section: Section) -> str:
-    """Of the verdict on the grasp with this grip and these motors under one load."""
-    return word(with_limits(gripped(case.spec, best.force), torque), section)
+def _why(verdict: Verdict) -> str:
+    """What keeps it from being HELD."""
+    return "; ".join([r.sentence for r in verdict.reasons if r.severity == "decides"])
+
+
+def _judged(case: Case, best: Trial, torque: Array, section: Section) -> Verdict:
+    """The grasp with this grip and these motors under one load."""
+    return verdict_on(with_limits(gripped(case.spec, best.force), torque), section)

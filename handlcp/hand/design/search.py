@@ -17,16 +17,13 @@ def least(trials: Trials, starts: list[Array], tolerance: float) -> tuple[Trial,
     """The best grip found, and the largest share of it that does not hold (None: less holds, too, and needs no less).
     Where nothing holds, the first is the one that gets furthest.
 
-    starts : grips (k,) [N] to go on from, the most promising first.
+    starts : grips (k,) [N] to go on from, the most promising first; a later one counts only where none before it holds.
     """
-    found = [_scaled(trials, start, tolerance) for start in starts]
-    holding = [(best, fails) for best, fails in found if best.holds]
-    if not holding:
+    found = (_scaled(trials, start, tolerance)[0] for start in starts)
+    best = next((one for one in found if one.holds), None)
+    if best is None:
         return max(trials.tried.values(), key=lambda one: one.reached), None
-    best, fails = min(holding, key=lambda one: one[0].need)
     better = _varied(trials, best)
-    if better is best:
-        return best, fails
     least_of_it = _scaled(trials, better.force, tolerance)
     return least_of_it if least_of_it[0].need <= better.need else (better, least_of_it[1])
 
@@ -55,8 +52,8 @@ def _varied(trials: Trials, best: Trial) -> Trial:
                 for factor in (1.0 - change, 1.0 + change):
                     force = best.force.copy()
                     force[finger] *= factor
-                    found = trials(force)
-                    if found.need < (1.0 - _BETTER) * best.need:
+                    found = trials.below(force, (1.0 - _BETTER) * best.need)
+                    if found is not None:
                         best, moved = found, True
                         break
     return best

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -53,22 +54,43 @@ class Trial:
 
 @dataclass(eq=False)
 class Trials:
-    """All that were tried. share (nv,) : torques that count as much as each other [N·m]."""
+    """All that were tried. share (nv,) : torques that count as much as each other [N·m]. told : how many so far."""
 
     cases: tuple[Case, ...]
     section: Section
     share: Array
+    told: Callable[[int], object] | None = None
     tried: dict[bytes, Trial] = field(default_factory=dict)
     first: int = 0  # the load that was lost last is the first to be tried
+    passed: dict[bytes, float] = field(default_factory=dict)  # that need at least so much, whether or not they hold
+    count: int = 0
 
     def __call__(self, force: Array) -> Trial:
         """With these grip forces (k,) [N]."""
         key = force.tobytes()
         if key not in self.tried:
-            self.tried[key] = self._followed(force)
+            found = self._followed(force, np.inf)
+            assert found is not None
+            self.tried[key] = found
         return self.tried[key]
 
-    def _followed(self, force: Array) -> Trial:
+    def below(self, force: Array, need: float) -> Trial | None:
+        """The same where every load holds and needs less than this; else None, as soon as that is known."""
+        key = force.tobytes()
+        if key not in self.tried and not self.passed.get(key, -np.inf) >= need:
+            found = self._followed(force, need)
+            if found is None:
+                self.passed[key] = need
+            else:
+                self.tried[key] = found
+        one = self.tried.get(key)
+        return one if one is not None and one.need < need else None
+
+    def _followed(self, force: Array, most: float) -> Trial | None:
+        """None: it holds so far, and needs as much as `most`."""
+        self.count += 1
+        if self.told is not None:
+            self.told(self.count)
         nv, m = len(self.share), len(self.cases)
         torque, squeeze = np.zeros((m, nv)), np.zeros(nv)
         for k in sorted(range(m), key=lambda k: k != self.first):
@@ -81,6 +103,8 @@ class Trials:
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]
             squeeze = np.maximum(squeeze, closing.max(axis=0))
+            if (torque[k] / self.share).max() >= most:
+                return None
         return Trial(force, torque, squeeze, float((torque.max(axis=0) / self.share).max()))
 
     def path(self, number: int, force: Array) -> Loading:
