@@ -11,32 +11,27 @@ from tests.support.sensitivity import misses
 
 LAWS = {
     "Coulomb": hl.Coulomb(0.5), "soft": hl.SoftFinger(0.5, 0.005, 2.0), "anisotropic": hl.AnisotropicCoulomb(0.6, 0.3),
-    "frictionless": hl.Frictionless(),
 }  # fmt: skip
-SEEDS = {"Coulomb": (0, 3), "soft": (0, 3), "anisotropic": (0, 3), "frictionless": (1, 4)}
+SEEDS = (0, 3)
 
 
 def grasp(law, seed):
-    contacts, args = ring(np.random.default_rng(seed), preload=0.003 if law != "frictionless" else 0.02)
+    contacts, args = ring(np.random.default_rng(seed), preload=0.003)
     made = [hl.Contact(c.position, c.rotation[:, 2], LAWS[law]) for c in contacts]
     return hl.Grasp(made, **args)
 
 
 @pytest.mark.parametrize("faces", ["cone", 8])
-@pytest.mark.parametrize(("law", "seed"), [(law, seed) for law in LAWS for seed in SEEDS[law]])
+@pytest.mark.parametrize(("law", "seed"), [(law, seed) for law in LAWS for seed in SEEDS])
 def test_derivatives_are_those_of_whole_solves(law, seed, faces):
     g = grasp(law, seed)
-    s = g.solve(faces, throw=False)
-    if not s.held:
-        pytest.skip("no answer to differentiate")
+    s = g.solve(faces)
     found = s.sensitivity()
     assert not found.kinks
     entries = {
         "wrench": [(2,), (4,)], "squeeze": [(1,)], "pads": [(0,)], "positions": [(1, 0), (2, 2)],
-        "normals": [(0, 0), (3, 1), (3, 2)],
+        "normals": [(0, 0), (3, 1), (3, 2)], "friction": [(0,), (3,)],
     }  # fmt: skip
-    if law != "frictionless":
-        entries["friction"] = [(0,), (3,)]
     for parameter, indices in entries.items():
         for index in indices:
             missed = misses(g, s, faces, parameter, index)
@@ -65,11 +60,13 @@ def test_what_the_answer_leaves_free_is_no_number():
     assert np.isfinite(np.delete(s.forces_by_wrench, 3, axis=2)).all()
 
 
-def test_derivatives_of_a_frictionless_grasp_are_reciprocal():
+def test_the_motion_of_a_grasp_that_sticks_is_reciprocal():
     """Monotone laws have a symmetric tangent: the motion by the load is a symmetric matrix (Maxwell and Betti)."""
-    found = [grasp("Coulomb", seed).solve(throw=False) for seed in range(6)]
-    sticking = [s for s in found if s.held and "sliding" not in s.contact_state]
-    for s in sticking:
+    for seed in range(3):
+        contacts, args = ring(np.random.default_rng(seed), preload=0.01)
+        sticky = [hl.Contact(c.position, c.rotation[:, 2], hl.Coulomb(5.0)) for c in contacts]
+        s = hl.Grasp(sticky, **args).solve()
+        assert set(s.contact_state) == {"sticking"}
         D = s.sensitivity().displacement_by_wrench
         assert abs(D - D.T).max() <= 1e-9 * abs(D).max()
 

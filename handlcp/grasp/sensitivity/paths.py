@@ -1,62 +1,90 @@
 """Derivatives of what a whole path leads to, such as a load limit, by differences of whole paths.
 
-    y'(p) ≈ [y(p + h) - y(p - h)] / 2h,    error ≈ |[y(p + h) - y(p)] - [y(p) - y(p - h)]| / h
+    ahead = [y(p + h) - y(p)] / h,    behind = [y(p) - y(p - h)] / h,    y'(p) = (ahead + behind) / 2
 
-A path depends on its history: which contact slid first, and how far, has to be gone through again. Where friction has
-flat faces a load limit is piecewise smooth in every parameter, and such differences are off by rounding alone. `error`
-is how much the two sides differ: large where events change places, so that there are two derivatives, and where steps
-of a path are rougher than the change. A derivative whose sides differ by more than a thousandth is that of a parameter
-that grows.
+A path depends on its history: which contact slid first, and how far, has to be gone through again. Where the two sides
+differ by more than a tenth there is no derivative, and NaN stands for it: events change places there, so that the end
+jumps or has a corner. A symmetric grasp is such a place: one finger weaker than the others slides first, however little
+weaker it is. A common change of all fingers keeps the symmetry, and has a derivative.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.sensitivity.by.vary import STEPS, shape_of, vary
+from handlcp.grasp.sensitivity.by.vary import STEPS, TOGETHER, shape_of, sizes_of, vary, vary_all
+from handlcp.grasp.sensitivity.path_table import path_table
 
-__all__ = ["PathSensitivity"]
+__all__ = ["PathSensitivity", "Sides"]
 
-_APART = 1e-3  # of the larger: sides that differ by more are two derivatives
+_APART = 0.1  # of the larger side: where they differ by more, there is no derivative
+_ROUGH = 1e-3  # of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
+_ROUNDING = 1e-10  # of a quantity, which a difference divides by the step
+_ALL = "all_"
+
+
+class Sides(NamedTuple):
+    """Differences on the two sides, each in the shape of the quantity followed by that of the parameter, SI."""
+
+    ahead: Array
+    behind: Array
+    derivative: Array
 
 
 class PathSensitivity:
     """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
-    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. Each is made of differences of whole
-    paths when it is first asked for: two paths for each entry of the parameter. NaN where a path has no such end.
+    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. `all_friction`, `all_pads`,
+    `all_squeeze`, `all_stiffness` and `all_torque_limits` are the same change of all fingers or joints at once, without
+    a shape of their own. Each is made of differences of whole paths when it is first asked for: two paths for each
+    entry of the parameter. NaN where a path has no such end, and where it jumps or has a corner: `jumps` names those
+    that were asked for, `sides` has what was found on either side.
     """
 
     def __init__(self, spec: GraspSpec, end: Callable[[GraspSpec], dict[str, Array]], coarser: float = 1.0) -> None:
         """End : the quantities at the end of the path of a grasp. coarser : times the steps of `STEPS`."""
         self._spec, self._end, self._coarser = spec, end, coarser
         self._here = end(spec)
-        self._found: dict[str, dict[str, tuple[Array, Array]]] = {}
+        self._found: dict[str, dict[str, Sides]] = {}
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """What there are derivatives by."""
-        return tuple([name for name in STEPS if np.prod(shape_of(self._spec, name)) > 0])
+        each = [name for name in STEPS if np.prod(shape_of(self._spec, name)) > 0]
+        return (*each, *(_ALL + name for name in TOGETHER if name in each))
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """What there are derivatives of."""
         return tuple(self._here)
 
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """Of the derivatives asked for so far, those with an entry where the end jumps or has a corner."""
+        return tuple([
+            f"{quantity}_by_{parameter}" for parameter, found in self._found.items() for quantity, s in found.items()
+            if (np.isnan(s.derivative) & np.isfinite(s.ahead) & np.isfinite(s.behind)).any()
+        ])  # fmt: skip
+
     def of(self, quantity: str, parameter: str) -> Array:
         """The derivative, as the attribute. Raises UnknownName."""
-        return self._pair(quantity, parameter)[0]
+        return self.sides(quantity, parameter).derivative
 
     def error(self, quantity: str, parameter: str) -> Array:
         """By how much the derivatives on the two sides differ, in the same shape. Raises UnknownName."""
-        return self._pair(quantity, parameter)[1]
+        ahead, behind, _ = self.sides(quantity, parameter)
+        with np.errstate(invalid="ignore"):
+            return read_only(np.asarray(abs(ahead - behind)))
 
-    def _pair(self, quantity: str, parameter: str) -> tuple[Array, Array]:
+    def sides(self, quantity: str, parameter: str) -> Sides:
+        """The differences where the parameter is a little larger, and where it is a little smaller. Where the end jumps
+        they say which way, but not how fast. Raises UnknownName.
+        """
         if quantity not in self._here:
             raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
         if parameter not in self.parameters:
@@ -65,20 +93,55 @@ class PathSensitivity:
             self._found[parameter] = self._differences(parameter)
         return self._found[parameter][quantity]
 
-    def _differences(self, parameter: str) -> dict[str, tuple[Array, Array]]:
+    def of_share(self, parameter: str, share: float) -> dict[str, Array]:
+        """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
+        where they are all zero.
+        """
+        sizes = sizes_of(self._spec, parameter)
+        largest = float(abs(sizes).max(initial=0.0))
+        if largest == 0.0:
+            return {}
+        h = STEPS[parameter] * self._coarser
+        ahead, behind = (self._end(vary_all(self._spec, parameter, way * h * sizes / largest)) for way in (1, -1))
+        rates = {name: self._sides(name, ahead, behind, h).derivative for name in self._here}
+        return {name: share * largest * rate for name, rate in rates.items()}
+
+    def _differences(self, parameter: str) -> dict[str, Sides]:
+        if parameter.startswith(_ALL):
+            name = parameter.removeprefix(_ALL)
+            h, ones = STEPS[name] * self._coarser, np.ones(shape_of(self._spec, name))
+            ahead, behind = (self._end(vary_all(self._spec, name, way * h * ones)) for way in (1, -1))
+            return {of: self._sides(of, ahead, behind, h) for of in self._here}
         shape, h = shape_of(self._spec, parameter), STEPS[parameter] * self._coarser
-        columns: dict[str, list[tuple[Array, Array]]] = {name: [] for name in self._here}
+        columns: dict[str, list[Sides]] = {name: [] for name in self._here}
         for k in range(int(np.prod(shape))):
             ahead, behind = (self._end(vary(self._spec, parameter, k, step)) for step in (h, -h))
-            for name, here in self._here.items():
-                a, b = (ahead[name] - here) / h, (here - behind[name]) / h
-                apart = abs(a - b)
-                both = apart <= _APART * np.maximum(abs(a), abs(b))
-                columns[name].append((np.where(both, (a + b) / 2.0, a), apart))
-        return {
-            name: (_stacked([a for a, _ in pairs], shape), _stacked([e for _, e in pairs], shape))
-            for name, pairs in columns.items()
-        }
+            for of, pairs in columns.items():
+                pairs.append(self._sides(of, ahead, behind, h))
+        return {of: Sides(*[_stacked(list(one), shape) for one in zip(*pairs, strict=True)])
+                for of, pairs in columns.items()}  # fmt: skip
+
+    def _sides(self, name: str, ahead: dict[str, Array], behind: dict[str, Array], h: float) -> Sides:
+        here = self._here[name]
+        with np.errstate(invalid="ignore"):  # no limit at all: inf - inf
+            a, b = np.asarray((ahead[name] - here) / h), np.asarray((here - behind[name]) / h)
+            larger = np.maximum(abs(a), abs(b))
+            least = _ROUGH * np.nanmax(larger, initial=0.0) if larger.size > 1 else 0.0
+            rounding = _ROUNDING * np.nanmax(abs(here), initial=0.0) / h
+            same = abs(a - b) <= np.maximum(_APART * larger, least + rounding)
+        return Sides(read_only(a), read_only(b), read_only(np.where(same, (a + b) / 2.0, np.nan)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI: the quantities, and the derivatives asked for so far, None for what is no number; `jumps`."""
+        found = {f"{of}_by_{by}": _plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
+        return {**{name: _plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
+
+    def __str__(self) -> str:
+        """What a tenth more of each parameter, of all fingers or joints together, does to each quantity."""
+        return path_table(self, self._here)
+
+    def __repr__(self) -> str:
+        return f"PathSensitivity(of={', '.join(self.quantities)})"
 
     def __getattr__(self, name: str) -> Any:
         """`<quantity>_by_<parameter>`."""
@@ -94,3 +157,10 @@ class PathSensitivity:
 def _stacked(columns: list[Array], shape: tuple[int, ...]) -> Array:
     whole = np.stack(columns, axis=-1)
     return read_only(whole.reshape(*whole.shape[:-1], *shape))
+
+
+def _plain(value: Array) -> Any:
+    """Nested lists."""
+    if np.ndim(value):
+        return [_plain(part) for part in value]
+    return float(value) if np.isfinite(value) else None

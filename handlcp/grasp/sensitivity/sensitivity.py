@@ -111,13 +111,14 @@ class Sensitivity:
         return {name: read_only(QUANTITIES[name].rate(self._answer, rates, change)[..., 0]) for name in self.quantities}
 
     def _by(self, parameter: str) -> tuple[Rates, Change]:
-        if (known := self._rates.get(parameter)) is None:
-            known = self._response.ordinary.get(parameter)
-        if known is None:
-            if parameter not in self.parameters:
-                raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
+        if (known := self._rates.get(parameter)) is not None:
+            return known
+        if parameter not in self.parameters:
+            raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
+        if (known := self._response.ordinary.get(parameter)) is None:
             change = PARAMETERS[parameter].change(self._answer)
-            known = self._rates[parameter] = self._response.to(change), change
+            known = self._response.to(change), change
+        self._rates[parameter] = known
         return known
 
     def to_dict(self) -> dict[str, Any]:
@@ -138,7 +139,9 @@ class Sensitivity:
         return view("data_frame")({name: flat[:, k] for k, name in enumerate(columns)}, index)
 
     def __str__(self) -> str:
-        """What a tenth more of each parameter does to the largest force, torque, motion and the least margin."""
+        """What a tenth more of each parameter, at all fingers or joints together, does to the largest force, the
+        friction to spare, the largest torque, and the motion.
+        """
         return what_matters(self, self._answer)
 
     def __getattr__(self, name: str) -> Array:

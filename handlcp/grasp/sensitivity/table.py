@@ -8,24 +8,34 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.by.vary import sizes_of
 from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["what_matters"]
 
 _SHARE = 0.1
+_NOTHING = 1e-3  # of the largest force
+_ROUNDING = 1e-6  # of the largest number in a column
 _SHIFT, _TURN = 1e-3, np.radians(1.0)
 
 
 def what_matters(s: Any, answer: Answer) -> str:
     """Of a `Sensitivity`, and where its derivatives have two sides or none."""
-    cells = []
-    for name, parameter, ways in _changes(s, answer):
-        effects = [_effect(s.along(parameter, way).ahead, answer) for _, way in ways]
-        most = max(range(len(ways)), key=lambda k: _weight(effects[k]))
-        cells.append((name, ways[most][0], *_written(effects[most])))
+    changes, least = _changes(s, answer), _least(answer)
+    effects = [
+        np.array([_effect(s.along(parameter, way).ahead, answer, least) for _, way in ways])
+        for _, parameter, ways in changes
+    ]
+    largest = np.nan_to_num(abs(np.concatenate(effects))).max(axis=0)
+    scale, cells = np.where(largest > 0.0, largest, 1.0), []
+    for (name, _, ways), each in zip(changes, effects, strict=True):
+        most = int((np.nan_to_num(abs(each)) / scale).sum(axis=1).argmax())  # all columns count alike
+        rounded = np.where(abs(each[most]) < _ROUNDING * scale, 0.0, each[most])
+        cells.append((name, ways[most][0], *_written(rounded.tolist())))
     torque = ("torque\nN·m",) if "torques" in s.quantities else ()
-    heads = ("change", "where most", "force\nN", "margin\nN", *torque, "motion\nmm")
-    lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2))), _LEGEND]
+    heads = ("change", "where", "force\nN", "to spare\nN", *torque, "motion\nmm")
+    lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2)))]
+    lines.append(wrapped(_legend(answer, least, bool(torque))))
     if s.kinks:
         lines.append(wrapped(f"Two sides, of which this is one: {'; '.join(map(str, s.kinks))}.", "  "))
     if s.free:
@@ -34,42 +44,63 @@ def what_matters(s: Any, answer: Answer) -> str:
     return "\n".join(lines)
 
 
-_LEGEND = "Changes of the largest force, the least friction margin, the largest torque and\nthe object's place."
+def _legend(answer: Answer, least: int | None, torque: bool) -> str:
+    """What the columns are."""
+    spare = "no contact sticks with friction to spare"
+    if least is not None:
+        spare = f"the friction to spare at {answer.spec.names[least]}, of all that stick the nearest to sliding"
+    more = ", the largest torque" if torque else ""
+    single = "The last two rows are one contact each, where the change does most."
+    return f"Changes of the largest force, {spare}{more}, and how far the object moves. {single}"
 
 
 def _changes(s: Any, answer: Answer) -> list[tuple[str, str, list[tuple[str, Array]]]]:
     """(words, parameter, directions by where they are) of each row."""
     spec, n, hand = answer.spec, answer.scene.n, "torques" in s.quantities
     out = [("load +10 %", "wrench", [("", _SHARE * spec.wrench)])]
-    squeeze = np.where(spec.offset[:, 2] < 0.0, -_SHARE * spec.offset[:, 2], 0.0)
-    if squeeze.any():
-        out.append(("squeeze +10 %", "squeeze", [("all", squeeze)]))
-    if hand and answer.command.any():
-        out.append(("command +10 %", "joint_offset", [("all", _SHARE * answer.command)]))
+    squeeze, commanded = _SHARE * sizes_of(spec, "squeeze"), hand and bool(answer.command.any())
+    if squeeze.any() and not (commanded and _is_nothing(s, answer, squeeze)):
+        words = "overlap left +10 %" if commanded else "squeeze +10 %"
+        out.append((words, "squeeze", [("all fingers", squeeze)]))
+    if commanded:
+        out.append((f"{_command(spec.asked)} +10 %", "joint_offset", [("all joints", _SHARE * answer.command)]))
     if hand and answer.elastic_joints:
         C = np.diagonal(answer.compliance)
-        out.append(("stiffness +10 %", "stiffness", [("all", _SHARE / np.where(C > 0.0, C, np.inf))]))
+        stiffer = _SHARE / np.where(C > 0.0, C, np.inf)
+        out.append(("stiffness +10 %", "stiffness", [("all joints", stiffer)]))
+    pads = sizes_of(spec, "pads")
+    if pads.any():
+        out.append((f"{'pads' if hand else 'flexibility'} 10 % softer", "pads", [("all fingers", _SHARE * pads)]))
     mu, one = np.array([c.mu for c in spec.contacts]), np.eye(n)
-    rough = np.flatnonzero((mu > 0.0) & (np.array(answer.scene.kind.tangents) > 0)).tolist()
-    if rough:
-        out.append(("friction -10 %", "friction", [(spec.names[i], -_SHARE * mu[i] * one[i]) for i in rough]))
+    rough = (mu > 0.0) & (np.array(answer.scene.kind.tangents) > 0)
+    if rough.any():
+        out.append(("friction -10 %", "friction", [("all fingers", np.where(rough, -_SHARE * mu, 0.0))]))
     fingers = range(spec.of_fingers)
     aside = [(spec.names[i], _SHIFT * np.outer(one[i], spec.frames[i, :, a])) for i in fingers for a in (0, 1)]
     tilts = [(spec.names[i], _TURN * np.outer(one[i], np.eye(3)[a])) for i in fingers for a in (0, 1)]
     return [*out, ("1 mm aside", "positions", aside), ("normal by 1°", "normals", tilts)]
 
 
-def _weight(effect: list[float]) -> float:
-    """How much an effect counts: the larger of its force and its margin."""
-    return float(np.nanmax([0.0, *(abs(x) for x in effect[:2])]))
+def _is_nothing(s: Any, answer: Answer, squeeze: Array) -> bool:
+    """Whether the overlap that a posture leaves beside what the joints are commanded matters to no force."""
+    rate = s.along("squeeze", squeeze).ahead["forces"]
+    return bool(np.nanmax(abs(rate), initial=0.0) <= _NOTHING * abs(answer.forces).max())
 
 
-def _effect(rate: dict[str, Array], answer: Answer) -> list[float]:
-    """Of a change on the largest force, the least margin of friction, the largest torque and the motion, in mm."""
+def _command(asked: Any) -> str:
+    """What the joints' command was given as."""
+    given = ("squeeze", "squeeze"), ("grip_force", "grip force")
+    return next((words for name, words in given if getattr(asked, name, None) is not None), "command")
+
+
+def _effect(rate: dict[str, Array], answer: Answer, least: int | None) -> list[float]:
+    """Of a change on the largest force, the margin of the contact with the least of it, the largest torque and the
+    motion, in mm.
+    """
     sizes = np.sqrt((answer.forces**2).sum(axis=1))
     i = int(sizes.argmax())
     found = [float(answer.forces[i] @ rate["forces"][i] / sizes[i]) if sizes[i] > 0.0 else 0.0]
-    found.append(_least_margin(rate["friction_margin"], answer))
+    found.append(np.nan if least is None else float(rate["friction_margin"][least]))
     if "torques" in rate:
         torque = answer.joints.torque
         j = int(abs(torque).argmax())
@@ -78,8 +109,8 @@ def _effect(rate: dict[str, Array], answer: Answer) -> list[float]:
     return [*found, 1e3 * float(np.sqrt(moved @ moved))]
 
 
-def _least_margin(rate: Array, answer: Answer) -> float:
-    """Of the contact that presses and sticks with the least of it; NaN where none does."""
+def _least(answer: Answer) -> int | None:
+    """The contact that presses and sticks with the least margin; None where none does."""
     scene, lawful = answer.scene, answer.lawful
     margins = np.full(scene.n, np.inf)
     for i in range(scene.n):
@@ -89,14 +120,14 @@ def _least_margin(rate: Array, answer: Answer) -> float:
         if own and push > answer.weak and spare > answer.weak:
             margins[i] = spare
     least = int(margins.argmin())
-    return float(rate[least]) if np.isfinite(margins[least]) else np.nan
+    return least if np.isfinite(margins[least]) else None
 
 
 def _written(effect: list[float]) -> list[str]:
-    """Three digits, all but the motion with a sign; 0 for rounding, – for what is no number."""
+    """Three digits, all but the motion with a sign; – for what is no number."""
     *signed, moved = effect
     return [*(_number(x, "+.3g") for x in signed), _number(moved, ".3g")]
 
 
 def _number(x: float, form: str) -> str:
-    return "–" if not np.isfinite(x) else "0" if abs(x) < 1e-9 else f"{x:{form}}"
+    return "–" if not np.isfinite(x) else "0" if x == 0.0 else f"{x:{form}}"

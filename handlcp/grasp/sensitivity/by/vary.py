@@ -6,17 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["STEPS", "moved", "shape_of", "vary"]
+__all__ = ["STEPS", "TOGETHER", "moved", "shape_of", "sizes_of", "vary", "vary_all"]
 
 # [SI] that leave differences about as much rounding as truncation
 STEPS = {
     "wrench": 1e-4, "squeeze": 1e-7, "joint_offset": 1e-6, "stiffness": 1e-4, "pads": 1e-8, "friction": 1e-5,
     "torque_limits": 1e-5, "positions": 1e-7, "normals": 1e-6, "posture": 1e-6, "lengths": 1e-7,
 }  # fmt: skip
+TOGETHER = ("friction", "pads", "squeeze", "stiffness", "torque_limits")  # of which a common change has a meaning
+_NO_PAD = 1e-9  # of the flexibility: a pad softer by less is rounding
 _OF_JOINTS = ("joint_offset", "stiffness", "torque_limits", "posture")
 
 
@@ -57,6 +59,61 @@ def vary(spec: GraspSpec, parameter: str, k: int, step: float) -> GraspSpec:
         return moved(spec, parameter, k, step)
     made: GraspSpec = mechanism.varied(spec, parameter, k, step)
     return made
+
+
+def vary_all(spec: GraspSpec, parameter: str, steps: Array) -> GraspSpec:
+    """The grasp with each entry of a parameter larger by a step of its own, steps in the parameter's shape; contacts
+    without friction, and joints without a limit, stay without.
+    """
+    keeps = _without(spec, parameter)
+    for k, step in enumerate(steps.reshape(-1)):
+        if step != 0.0 and not (len(keeps) and keeps[k]):
+            spec = vary(spec, parameter, k, float(step))
+    return spec
+
+
+def _without(spec: GraspSpec, parameter: str) -> Bools:
+    """Which entries are no number to change; () where all are."""
+    mechanism: Any = spec.mechanism
+    if parameter == "friction":
+        return np.array([c.mu <= 0.0 for c in spec.contacts])
+    if parameter == "torque_limits":
+        return np.asarray(~np.isfinite(mechanism.limits))
+    return np.zeros(0, bool)
+
+
+def sizes_of(spec: GraspSpec, parameter: str) -> Array:
+    """How large the entries of a parameter are, in its shape, SI; 0 where that has no meaning, such as of a pose."""
+    mechanism: Any = spec.mechanism
+    if parameter == "wrench":
+        return spec.wrench
+    if parameter == "friction":
+        return np.array([c.mu for c in spec.contacts])
+    if parameter == "squeeze":
+        return np.maximum(-spec.offset[:, 2], 0.0)
+    if parameter == "pads":
+        return _pads(spec)
+    if mechanism is None or parameter not in ("joint_offset", "stiffness", "torque_limits"):
+        return np.zeros(shape_of(spec, parameter))
+    if parameter == "joint_offset":
+        told: Any = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
+        return np.zeros(shape_of(spec, parameter)) if told is None else np.asarray(told)
+    if parameter == "torque_limits":
+        return np.where(np.isfinite(mechanism.limits), mechanism.limits, 0.0)
+    C = (mechanism.root**2).sum(axis=1)
+    return np.where(C > 0.0, 1.0 / np.where(C > 0.0, C, 1.0), 0.0) if mechanism.gives(spec) else np.zeros(len(C))
+
+
+def _pads(spec: GraspSpec) -> Array:
+    """(n,) flexibility of each contact without that of the joints, the mean over its axes [m/N]."""
+    mechanism: Any = spec.mechanism
+    E, axes = spec.flexibility, (0, 2) if spec.planar else (0, 1, 2)
+    own = np.diagonal(E)[: 3 * spec.n].reshape(spec.n, 3)
+    if mechanism is not None and mechanism.gives(spec):
+        through = mechanism.rows(())[: 3 * spec.n] @ mechanism.root
+        own = own - (through**2).sum(axis=1).reshape(spec.n, 3)
+    pads = own[:, axes].mean(axis=1)
+    return np.asarray(np.where(pads > _NO_PAD * abs(E).max(initial=0.0), pads, 0.0))
 
 
 def moved(spec: GraspSpec, parameter: str, k: int, step: float) -> GraspSpec:

@@ -1,0 +1,83 @@
+"""Derivatives of load limits: closed forms of a pinch, jumps of symmetric grasps, and what is printed of both."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp import PathSensitivity
+
+PAD, SQUEEZE, MU = 1e-4, 1e-3, 0.5
+N = SQUEEZE / PAD  # a finger's normal force
+
+
+def pinch(mus=(MU, MU)):
+    sides = zip((-1.0, 1.0), mus, strict=True)
+    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for x, mu in sides]
+    return hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=PAD, preload=SQUEEZE)
+
+
+@pytest.fixture(scope="module")
+def limit():
+    return pinch().load_limit(geometry="fixed")
+
+
+@pytest.fixture(scope="module")
+def found(limit):
+    return limit.sensitivity()
+
+
+def test_a_common_change_follows_the_closed_form(limit, found):
+    """The pinch holds 2 μ N, with N = squeeze / pad."""
+    assert limit.factor == pytest.approx(2 * MU * N, rel=1e-9)
+    assert found.factor_by_all_friction == pytest.approx(2 * N, rel=1e-6)
+    assert found.factor_by_all_squeeze == pytest.approx(2 * MU / PAD, rel=1e-6)
+    assert found.factor_by_all_pads == pytest.approx(-2 * MU * N / PAD, rel=1e-3)
+
+
+def test_one_finger_of_a_symmetric_pinch_has_no_derivative(found):
+    """With less friction at one finger the limit falls by 2 N δμ; with more, the other finger decides: nothing."""
+    each = found.factor_by_friction
+    ahead, behind, _ = found.sides("factor", "friction")
+    assert np.isnan(each).all()
+    assert np.isnan(each).tolist() == (abs(ahead - behind) > 0.1 * np.maximum(abs(ahead), abs(behind))).tolist()
+    assert found.error("factor", "friction") == pytest.approx(abs(ahead - behind))
+    assert "factor_by_friction" in found.jumps
+    assert "factor_by_all_friction" not in found.jumps
+
+
+def test_a_jump_is_no_derivative_whatever_its_size_beside_the_step():
+    """An end that falls by a hundredth wherever the two fingers differ, beside a smooth part."""
+
+    def end(spec):
+        one, other = (c.mu for c in spec.contacts)
+        return {"factor": np.array(one + other - (0.01 if abs(one - other) > 1e-9 else 0.0))}
+
+    found = PathSensitivity(pinch().spec, end)
+    assert np.isnan(found.factor_by_friction).all()
+    assert found.sides("factor", "friction").ahead == pytest.approx([1 - 0.01 / 1e-5] * 2)
+    assert found.factor_by_all_friction == pytest.approx(2.0)
+    assert found.jumps == ("factor_by_friction",)
+    assert np.isfinite(PathSensitivity(pinch((0.5, 0.6)).spec, end).factor_by_friction).all()
+
+
+def test_the_table_is_first_order_of_a_tenth_more(limit, found):
+    said = str(found)
+    assert "friction +10 %" in said
+    assert f"{0.1 * limit.factor:+.3g}" in said
+    assert all(len(line) <= 80 for line in said.splitlines())
+
+
+def test_plain_data_holds_what_was_asked_for(limit):
+    fresh = limit.sensitivity()
+    assert set(fresh.to_dict()) == {"factor", "jumps"}
+    told = (fresh.factor_by_friction, fresh.to_dict())[1]
+    assert told["factor_by_friction"] == [None, None]
+    assert told["jumps"] == ["factor_by_friction"]
+
+
+def test_names_of_common_changes_are_checked(found):
+    assert "all_friction" in found.parameters
+    with pytest.raises(hl.HandLCPError, match="a parameter among"):
+        found.of("factor", "all_wrench")
