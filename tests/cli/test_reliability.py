@@ -23,7 +23,7 @@ def run(*arguments):
 def test_a_scene_prints_its_chances_the_worst_sample_and_what_matters(tmp_path):
     done = run(CUBE, "--friction", "0.3", "--mass", "0.1", "--samples", "64", "--plot", tmp_path / "sure.png")
     assert done.exit_code == 0, done.output
-    for word in ("holds: ", "64 samples", "worst: sample", "friction", "mass"):
+    for word in ("holds, and within torque limits: ", "64 samples", "worst: sample", "friction", "mass"):
         assert word in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 80 + len(str(tmp_path))
     assert done.stderr == "", "no bar without a terminal"
