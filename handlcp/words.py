@@ -120,6 +120,14 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST]) + (f" and {len(names) - _MOST} more" if len(names) > _MOST else "")
 
 
+def all_of(names: Sequence[str]) -> str:
+    """In a sentence: "a, b and c", "a, b, c and 2 more"."""
+    told, more = (names, 0) if len(names) <= _MOST else (names[: _MOST - 1], len(names) - _MOST + 1)
+    if more:
+        return f"{', '.join(told)} and {more} more"
+    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+
+
 def distinct(names: Sequence[str]) -> list[str]:
     """The names, a number behind those that came before."""
     return [name if name not in names[:i] else f"{name} ({i + 1})" for i, name in enumerate(names)]

@@ -25,7 +25,6 @@ from handlcp.grasp.limits.system import System
 
 __all__ = ["binds_of", "events_of", "why_of", "with_joints"]
 
-_MOST = 4  # names in a sentence
 _STRAIGHT = 1e-9  # of a load: less of it across an axis is none
 _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
@@ -87,7 +86,7 @@ def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...]) -> str:
     """One sentence."""
     if not binds:
         return "nothing binds, however large the load"
-    who, kind = _listed([b.who for b in binds]), binds[0].kind
+    who, kind = words.all_of([b.who for b in binds]), binds[0].kind
     many, more = len(binds) > 1, "more load" if factor > 0.0 else "it"
     said = {
         SLIPS: f"{who} {'slip' if many else 'slips'}, and nothing else balances {more}",
@@ -102,14 +101,6 @@ def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...]) -> str:
     if kind in (TORQUE, RANGE):
         return f"before there is any load, {said}"
     return f"it holds nothing of this load: {said}"
-
-
-def _listed(names: list[str]) -> str:
-    """Such as "a, b and c"."""
-    told, more = (names, 0) if len(names) <= _MOST else (names[: _MOST - 1], len(names) - _MOST + 1)
-    if more:
-        return f"{', '.join(told)} and {more} more"
-    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
 
 
 def _amount(load: Array) -> str:

@@ -40,7 +40,6 @@ _UNDONE = {"sticks": "slips", "touches": "opens", "within limit": "over limit", 
 _NEAR = 0.01  # of a stage: events of one kind no further apart are told as one
 _START = 0.005  # of a stage
 _TURNS, _APART = 3, 0.03  # so many changes of one finger, each no further from the last, are "by turns"
-_MOST = 4  # names in a sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,12 +166,4 @@ def _sentence(kind: str, who: Sequence[str], spec: GraspSpec) -> str:
     for group, called in groups:
         if len(who) > 1 and set(who) == set(group):
             return f"{'both' if len(who) == 2 else f'all {len(who)}'} {called} {several}"
-    return f"{_named(who)} {one if len(who) == 1 else several}"
-
-
-def _named(who: Sequence[str]) -> str:
-    """Such as "a, b and c", "a, b, c and 2 more"."""
-    told, more = (who, 0) if len(who) <= _MOST else (who[: _MOST - 1], len(who) - _MOST + 1)
-    if more:
-        return f"{', '.join(told)} and {more} more"
-    return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+    return f"{words.all_of(who)} {one if len(who) == 1 else several}"

@@ -14,7 +14,7 @@ from handlcp.errors import InputError
 from handlcp.show.envelope.surface import Surface, surface_of, wires
 from handlcp.show.page import file
 from handlcp.show.page.content import packed, view_of
-from handlcp.show.page.document import document, web_files
+from handlcp.show.page.document import Own, document, web_files
 from handlcp.show.page.frames import Frames
 from handlcp.show.page.meshes import Meshes
 from handlcp.show.page.parts import notes_of, parts_of
@@ -26,6 +26,7 @@ from handlcp.study.envelope.printed import amount, direction, geometry, given_aw
 
 __all__ = ["save"]
 
+_OWN = ("stage.html", "tables.html", "envelope.css", "ball.js", "envelope.js")
 _SHARED = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
 _REACH = 2.2  # of the surface, in sizes of the grasp
 _AROUND = {
@@ -42,9 +43,9 @@ def save(env: Envelope, path: Any, title: str = "") -> Path:
     target = file.checked(path)
     if not len(env.triangles):
         raise InputError("directions", "directions all around, for a page", f"{len(env.factors)} that do not lie so")
-    page, *own = web_files("envelope.html", "ball.js", "envelope.js", package="handlcp.show.envelope")
-    scripts = [*web_files(*_SHARED), *own, *web_files("opened.js")]
-    text = document(title, _said(env), _content(env), page, scripts)
+    stage, tables, style, *scripts = web_files(*_OWN, package="handlcp.show.envelope")
+    own = Own(stage, tables, style, [*web_files(*_SHARED), *scripts, *web_files("opened.js")])
+    text = document(title, _said(env), _content(env), own)
     return file.write(text, target)
 
 

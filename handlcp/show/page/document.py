@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
@@ -72,27 +72,39 @@ def web_files(*names: str, package: str = "handlcp.show.page") -> list[str]:
     return [web.joinpath(name).read_text(encoding="utf-8") for name in names]
 
 
-def document(title: str, said: str, found: Mapping[str, Any], page: str, scripts: Sequence[str]) -> str:
-    """A page's text. said : its verdict, as HTML. found : what its scripts read, with `notes` for the reader. page :
-    the text with {{names}} of what stands where. scripts : their texts, in order.
+class Own(NamedTuple):
+    """Texts that one kind of page has for itself. stage, tables : HTML of the picture's side, and beside the legend.
+    style : after that of all pages. scripts : in order.
     """
+
+    stage: str
+    tables: str
+    style: str
+    scripts: Sequence[str]
+
+
+def document(title: str, said: str, found: Mapping[str, Any], own: Own) -> str:
+    """A page's text. said : its verdict, as HTML. found : what its scripts read, with `notes` for the reader."""
     data = json.dumps(_short(plain(found)), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": escape(title or "A grasp"),
         "heading": f"<h1>{escape(title)}</h1>" if title else "",
-        "style": web_files("style.css")[0],
+        "style": web_files("style.css")[0] + own.style,
+        "stage": own.stage,
+        "tables": own.tables,
         "verdict": said,
         "notes": "".join(f"<li>{escape(str(note))}</li>" for note in found["notes"]),
         "made": f"handlcp {escape(VERSION)}",
         "data": data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"),
         "three": three_js(),
-        "scripts": "\n".join(scripts),
+        "scripts": "\n".join(own.scripts),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], page)
+    return re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], web_files("frame.html")[0])
 
 
 def _document(title: str, said: str, found: Mapping[str, Any]) -> str:
-    return document(title, said, found, web_files("page.html")[0], web_files(*_SCRIPTS))
+    stage, tables = web_files("stage.html", "tables.html")
+    return document(title, said, found, Own(stage, tables, "", web_files(*_SCRIPTS)))
 
 
 def _short(value: Any) -> Any:

@@ -25,7 +25,7 @@ async function open() {
   scene.view.scene.add(scene.solids.root, scene.ball.root);
   scene.view.onframe = (project, w, h) => scene.labels.place(project, w, h);
   scene.labels.show(marks(surface));
-  fit(scene);
+  fit(scene, [...scene.ball.meshes, scene.ball.layers.axes]);
   new Reader(scene.view, scene.ball, surface);
   document.getElementById("reset").addEventListener("click", () => scene.view.reset());
   for (const [id, thing] of [["glass", scene.solids], ["clear", scene.ball]]) {
@@ -60,15 +60,4 @@ function fillCauses(table, { columns, rows, colours }) {
     row.append(...cells.map((text, k) => k ? element("td", text) : named("td", text)));
     return row;
   }));
-}
-
-/** The surface and the object in view, and the hand where that leaves them large enough. */
-function fit({ view, solids, ball }) {
-  view.scene.updateMatrixWorld(true);
-  const corners = (things) => things.flatMap((thing) => {
-    const box = new THREE.Box3().setFromObject(thing);
-    return box.isEmpty() ? [] : cube(box);
-  });
-  const { object, ...others } = solids.layers;
-  view.frame(corners([...object, ...ball.meshes, ball.layers.axes]), corners(Object.values(others).flat()));
 }

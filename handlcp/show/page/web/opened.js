@@ -4,6 +4,17 @@ function cube({ min, max }) {
   return Array.from({ length: 8 }, (_, k) => new THREE.Vector3(k & 1 ? min.x : max.x, k & 2 ? min.y : max.y, k & 4 ? min.z : max.z));
 }
 
+/** The object and its own drawings in view, and the hand where that leaves them large enough. */
+function fit({ view, solids }, own) {
+  view.scene.updateMatrixWorld(true);
+  const corners = (things) => things.flatMap((thing) => {
+    const box = new THREE.Box3().setFromObject(thing);
+    return box.isEmpty() ? [] : cube(box);
+  });
+  const { object, ...others } = solids.layers;
+  view.frame(corners([...object, ...own]), corners(Object.values(others).flat()));
+}
+
 /** Count colours on the canvas, for tests; a blank one is told. Must follow a drawing at once. */
 function examine(renderer) {
   const gl = renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight, pixels = new Uint8Array(4 * w * h);

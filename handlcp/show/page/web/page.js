@@ -33,7 +33,7 @@ async function open() {
   scene.view.scene.add(scene.solids.root, scene.marks.root);
   scene.view.onframe = (project, w, h) => scene.labels.place(project, w, h);
   player.go(first);
-  fit(scene);
+  fit(scene, scene.marks.root.children);
   document.getElementById("reset").addEventListener("click", () => scene.view.reset());
   const glassy = document.getElementById("glass");
   glassy.addEventListener("click", () => {
@@ -61,17 +61,6 @@ function show(scene, data, frame, apply) {
   }
   scene.labels.show(items);
   apply();
-}
-
-/** The object and all arrows in view, and the hand where that leaves them large enough. */
-function fit({ view, solids, marks }) {
-  view.scene.updateMatrixWorld(true);
-  const corners = (things) => things.flatMap((thing) => {
-    const box = new THREE.Box3().setFromObject(thing);
-    return box.isEmpty() ? [] : cube(box);
-  });
-  const { object, ...others } = solids.layers;
-  view.frame(corners([...object, ...marks.root.children]), corners(Object.values(others).flat()));
 }
 
 /** The button that moves the object the way it escapes, and back. */
