@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, why_of, with_joints
-from handlcp.grasp.limits.further import bound_beside, largest_held
+from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
 from handlcp.grasp.limits.kernels.parts import Place, none_known
 from handlcp.grasp.limits.kernels.trace import EVENTS, trace
@@ -51,10 +51,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
 def _later(path: TracedPath, factor: float) -> Later:
     spec, section, weight, wrench = path.system.spec, path.system.section, path.system.weight, path.wrench
 
-    def bound() -> float:
-        return bound_beside(spec, section, wrench)
+    def beyond(bound: float) -> float:
+        return largest_held(spec, section, weight, wrench, factor, bound)
 
-    def most() -> float:
-        return largest_held(spec, section, weight, wrench, factor, bound())
-
-    return Later(path.arrays, path.solution, most, bound)
+    return Later(path.arrays, path.solution, beyond)

@@ -14,19 +14,13 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verify.bound import bound_of
 
-__all__ = ["bound_beside", "largest_held"]
+__all__ = ["largest_held"]
 
 _TRIED, _HALVED = 12, 20
 _FAR = 16.0  # times the limit, where nothing bounds the load
 _SLACK = 1e-9  # of a torque limit
 _SAME = 1e-6  # factors that differ by less are the same
-
-
-def bound_beside(spec: GraspSpec, section: Section, wrench: Array) -> float:
-    """The largest factor without compliance: friction, limits and torques alone."""
-    return float(bound_of(spec, section, wrench[None]).factors[0])
 
 
 def largest_held(spec: GraspSpec, section: Section, weight: Array, wrench: Array, factor: float, most: float) -> float:

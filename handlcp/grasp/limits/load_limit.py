@@ -15,6 +15,7 @@ from handlcp.grasp.limits.followed.answers import followed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.paths import PathSensitivity
+from handlcp.grasp.verify.bound import bound_of
 
 __all__ = ["load_limit"]
 
@@ -46,6 +47,10 @@ class _Question:
     def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
         """The same of another grasp, or of another load."""
         return (followed_limit if self.follows else fixed_limit)(spec, self.section, wrench, self.most)
+
+    def bound(self) -> float:
+        """See `LoadLimit.bound`."""
+        return float(bound_of(self.spec, self.section, self.wrench[None]).factors[0])
 
     def sensitivity(self) -> PathSensitivity:
         """See `LoadLimit.sensitivity`."""

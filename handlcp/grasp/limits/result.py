@@ -118,12 +118,13 @@ class LoadLimit(Data):
         """The largest factor for which any equilibrium was found, at least `factor`. A slowly growing load never
         reaches what lies beyond `factor`.
         """
-        return max(self.factor, self.made.some_equilibrium())
+        return max(self.factor, self.made.beyond(self.bound))
 
     @lazy
     def bound(self) -> float:
         """The largest factor that friction and torque limits alone allow, whatever the fingers' compliance."""
-        return self.made.bound()
+        assert self.question is not None  # `load_limit` saw to it
+        return self.question.bound()
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
         """The figure of the path: forces, friction and torques over the load, with its events.
@@ -169,12 +170,13 @@ def _finite(x: float) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Later:
-    """What a load limit computes when it is asked for."""
+    """What a load limit computes when it is asked for. beyond : from the bound, the largest factor for which there is
+    an equilibrium.
+    """
 
     path: Callable[[], LimitPath]
     at_limit: Callable[[], GraspSolution]
-    some_equilibrium: Callable[[], float]
-    bound: Callable[[], float]
+    beyond: Callable[[float], float]
 
 
 class Question(Protocol):
@@ -182,6 +184,9 @@ class Question(Protocol):
 
     def limit(self) -> LoadLimit:
         """The answer."""
+
+    def bound(self) -> float:
+        """The largest factor without compliance."""
 
     def sensitivity(self) -> PathSensitivity:
         """Its derivatives."""

@@ -7,7 +7,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import why_of
-from handlcp.grasp.limits.further import bound_beside, largest_held
+from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.result import (
     EQUILIBRIUM,
     MOTION,
@@ -67,13 +67,10 @@ def stepped_limit(
     ])  # fmt: skip
     weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
 
-    def bound() -> float:
-        return bound_beside(spec, section, wrench)
+    def beyond(bound: float) -> float:
+        return largest_held(spec, section, weight, wrench, factor, bound)
 
-    def furthest() -> float:
-        return largest_held(spec, section, weight, wrench, factor, bound())
-
-    later = Later(lambda: path, lambda: loading.solution, furthest, bound)
+    later = Later(lambda: path, lambda: loading.solution, beyond)
     return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds), happened, "fixed", later)
 
 

@@ -10,7 +10,6 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import why_of
 from handlcp.grasp.limits.followed.cause import events_of, way_to
 from handlcp.grasp.limits.followed.limit import Ended, ended, ready
-from handlcp.grasp.limits.further import bound_beside
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LimitPath, LoadLimit
 from handlcp.grasp.loading.state import State
 from handlcp.grasp.loading.step import Stepper
@@ -29,17 +28,15 @@ def followed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple
     if held.state is None:
         first = held.last
         later = Later(
-            lambda: _path(stepper, [(0.0, first)]), lambda: _solution(stepper, section, first), lambda: 0.0,
-            lambda: bound_beside(spec, section, wrench),
-        )  # fmt: skip
+            lambda: _path(stepper, [(0.0, first)]), lambda: _solution(stepper, section, first), lambda bound: 0.0
+        )
         return LoadLimit(0.0, wrench, _NOTHING, held.why, (), "followed", later)
     end = ended(held, wrench, most)
     events = events_of(end.path, end.at)
     way = [(p.factor, p.state) for p in way_to(end.at)]
     later = Later(
-        lambda: _path(stepper, way), lambda: _solution(stepper, section, end.at.state), lambda: end.most,
-        lambda: bound_beside(spec, section, wrench),
-    )  # fmt: skip
+        lambda: _path(stepper, way), lambda: _solution(stepper, section, end.at.state), lambda bound: end.most
+    )
     why = why_of(end.factor, wrench, end.binds)
     return LoadLimit(end.factor, wrench, end.binds, why, events, "followed", later)
 
