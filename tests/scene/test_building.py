@@ -290,6 +290,13 @@ def test_importing_handlcp_does_not_import_pydantic_typer_or_matplotlib():
     assert out.stdout.strip() == "[]"
 
 
+def test_hands_and_grasps_are_there_without_the_slow_parts_of_scipy():
+    slow = "{'scipy.optimize', 'scipy.stats', 'scipy.spatial'}"
+    code = f"import handlcp as hl, sys; hl.Hand, hl.Grasp, hl.solve_many; print(sorted({slow} & set(sys.modules)))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
 def test_a_hand_from_a_urdf_needs_no_library(tmp_path):
     text = CUBE.replace('name = "three_finger"', f'urdf = "{urdf("three_finger")}"')
     assert isinstance(read(text, tmp_path).build().state.hand, Hand)

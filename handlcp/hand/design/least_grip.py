@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import linprog
 
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
@@ -31,6 +30,8 @@ def least_grip(states: Sequence[Sticking], section: Section, share: Array, patte
 
     states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
     """
+    from scipy.optimize import linprog  # half a second of import that only this question should pay
+
     p = pattern.shape[1]
     unit = max(float(np.linalg.norm(s.scene.geometry.wrench[:3])) for s in states) or 1.0
     above, most = list[Array](), list[Array]()

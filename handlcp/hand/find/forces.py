@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from handlcp.check import Array
 from handlcp.hand.find.touch import Touch
@@ -40,6 +39,8 @@ class Asked:
 
 def normal_forces(touch: Touch, centre: Array, asked: Asked) -> Array | None:
     """(k,) [N], one for each fingertip; None where none hold the object. centre (3,): its centre of mass [m]."""
+    from scipy.optimize import nnls  # half a second of import that only a search should pay
+
     n = touch.normals
     x = np.eye(3)[np.argmin(abs(n), axis=1)]
     x = x - n * (n * x).sum(axis=1)[:, None]

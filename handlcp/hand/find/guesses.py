@@ -9,7 +9,6 @@ from __future__ import annotations
 from itertools import permutations
 
 import numpy as np
-from scipy.stats import qmc
 
 from handlcp.check import Array
 from handlcp.hand.find.clear import Links
@@ -30,6 +29,8 @@ _TURNS[:, :, 2] *= np.linalg.det(_TURNS)[:, None]  # the ways to lay one frame's
 
 def guesses(hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, keep: int, seed: int) -> list[Place]:
     """The `keep` samples whose fingertips come nearest to touching the object, the nearest first; alike for a seed."""
+    from scipy.stats import qmc  # a second of import that only a search should pay
+
     count = len(tips)
     lower, upper = free_ranges(hand)
     draws = qmc.Sobol(hand.nv + count + 4, rng=seed).random(SAMPLES)
