@@ -105,6 +105,18 @@ def test_events_come_in_order_and_the_path_ends_at_the_limit():
     assert limit.path.forces.shape == (len(limit.path.factors), 5, 3)
 
 
+@pytest.mark.parametrize("load", [(-1.0, 0, 0, 0, 0, 0), (0, 1.0, 0, 0, 0, 0)])
+def test_fingers_begin_to_slip_where_short_steps_of_load_see_it(load):
+    g = cube(squeeze=5e-3)
+    limit = g.load_limit(load)
+    first = next(e for e in limit.events if e.kind == "slips")
+    end = 1.2 * first.factor
+    stages = ["squeeze", hl.Stage("weight", weight=1.0), hl.Stage("load", load=end * np.array(load))]
+    followed = g.follow(order=stages, steps=100)
+    seen = next(e for e in followed.events if e.stage == "load")
+    assert (seen.kind, first.factor) == ("slips", pytest.approx(seen.share * end, rel=0.015))
+
+
 def test_joints_that_yield_are_no_limit_and_hold_their_torque():
     wrench = (0.36, 0.92, -0.11, 0.0, 0.0, 0.0)
     strict = ball(limits=0.16).load_limit(wrench)

@@ -47,9 +47,18 @@ def events_of(path: PushedPath, at: Point) -> tuple[LimitEvent, ...]:
     for a, b in pairwise(way):
         sizes = path.foreseen(a, a, 0.0, b)
         for event in watch.events(a.state, b.state, "", 0, 0.0):
-            size = sizes[names[event.who]] if event.who in names else b.size
-            share = min(max(float(size) / b.size, 0.0), 1.0) if event.kind in (SLIPS, OPENS) else 1.0
-            found.append(LimitEvent(event.kind, event.who, a.factor + share * (b.factor - a.factor)))
+            factor = b.factor
+            if event.kind in (SLIPS, OPENS) and event.who in names:
+                factor = _foreseen(a, b, float(sizes[names[event.who]]))
+            found.append(LimitEvent(event.kind, event.who, factor))
         if b.snapped:
             found.append(LimitEvent("snaps", OBJECT, b.factor))
     return tuple(sorted(found, key=lambda e: e.factor))
+
+
+def _foreseen(a: Point, b: Point, size: float) -> float:
+    """The factor `size` behind a, on the way to b. The load goes on there as it came to a: what happens bends it."""
+    if a.before is None or not size < b.size:
+        return b.factor
+    low, high = sorted((a.factor, b.factor))
+    return min(max(a.factor + max(size, 0.0) * (a.factor - a.before.factor) / a.size, low), high)
