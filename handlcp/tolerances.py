@@ -15,6 +15,7 @@ __all__ = [
     "LARGEST",
     "LARGEST_RAW",
     "LEVER",
+    "OVER",
     "PIVOT",
     "RANK",
     "SEMIDEFINITE",
@@ -37,6 +38,11 @@ GROWTH = 1e3
 
 # A contact is called "on the limit", "touching" or "at rest" within this share of the scene's force or displacement.
 ACTIVE = 1e-7
+
+# A joint is over its torque limit, or past the end of its range, and an object farther than it may be, where it uses
+# more than 1 + this of what there is. A limit that an answer or a path was led to is met to about CERTIFY; motors and
+# gears are known to no more than 1e-3.
+OVER = 1e-6
 
 # Free unknowns are eliminated when the estimated reciprocal condition of their block exceeds this: eliminating
 # costs about eps / rcond in accuracy, which must stay well under CERTIFY.

@@ -6,14 +6,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 __all__ = [
-    "NOTHING", "LengthUnit", "angle", "column", "distinct", "either", "force", "length", "length_unit", "lengths",
-    "listed", "percent", "prefixed", "push", "torque", "torques",
+    "NOTHING", "LengthUnit", "angle", "column", "distinct", "either", "first_largest", "force", "length", "length_unit",
+    "lengths", "listed", "percent", "prefixed", "push", "torque", "torques",
 ]  # fmt: skip
 
 NOTHING = 1e-10  # [m] motions below this are rounding
 _MOST = 4  # names in a list
+_ALIKE = 1e-6  # of the largest: what differs by less is a tie
 _NO_FRICTION = 5e-4  # of the normal force: less is not written
 
 
@@ -126,6 +128,12 @@ def all_of(names: Sequence[str]) -> str:
     if more:
         return f"{', '.join(told)} and {more} more"
     return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+
+
+def first_largest(values: NDArray[np.float64]) -> int:
+    """The number of the largest, of those that differ by rounding alone the first: ties go the same way everywhere."""
+    largest = values.max()
+    return int((values >= largest - _ALIKE * abs(largest)).argmax())
 
 
 def distinct(names: Sequence[str]) -> list[str]:

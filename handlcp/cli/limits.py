@@ -12,7 +12,8 @@ from rich.text import Text
 from handlcp.check import Array
 from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
 from handlcp.errors import InputError, brief
-from handlcp.grasp.limits.result import LoadLimit
+from handlcp.grasp.cause.wording import said
+from handlcp.grasp.limits.result import LoadLimit, told
 from handlcp.show.file import checked
 
 __all__ = ["limits"]
@@ -91,7 +92,7 @@ def _direction(text: str) -> Array:
 
 def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | None) -> None:
     """The table, what happens on the way to the least of the limits, and the picture's name."""
-    from handlcp.show.limit.report import cause, limit_table, size, way
+    from handlcp.show.limit.report import limit_table, size, way
 
     out = titled(title)
     if found[0].factor == 0.0:
@@ -99,8 +100,8 @@ def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | No
     else:
         out.print(limit_table(found, "Load beside the weight"))
         amount = size(least.wrench, least.factor)
-        say(out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {cause(least.binds)}")
-        for event in least.events:
-            out.print(Text(f"  {size(least.wrench, event.factor)}: {event.who} {event.kind}"))
+        say(out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {said(least.binds)}")
+        for line in told(least.events, lambda factor: size(least.wrench, factor)):
+            out.print(Text(f"  {line}"))
     if plot is not None:
         out.print(Text(f"Picture: {plot}", style="dim"))

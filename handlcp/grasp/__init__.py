@@ -16,6 +16,7 @@ from handlcp.grasp.answer.verdict import Reason, Verdict
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.grasp.cause.cause import Bind
 from handlcp.grasp.design.best_change import BestChange, TriedChange
 from handlcp.grasp.design.stiffness import RequiredStiffness
 from handlcp.grasp.effects import Effect, effect_kinds
@@ -36,10 +37,7 @@ from handlcp.grasp.friction import (
     SoftFinger,
 )
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.limits.result import Bind, LimitEvent, LimitPath, LoadLimit
-from handlcp.grasp.loading.events import Event
-from handlcp.grasp.loading.follow import Loading
-from handlcp.grasp.loading.stage import Stage
+from handlcp.grasp.limits.result import LimitEvent, LimitPath, LoadLimit
 from handlcp.grasp.margins.closure import Closure
 from handlcp.grasp.margins.margins import Least, Margins
 from handlcp.grasp.margins.wrench_space import WrenchSpace
@@ -50,6 +48,9 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.events import Event
+from handlcp.grasp.path.follow import Loading
+from handlcp.grasp.path.program import Stage
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.sensitivity.sensitivity import Sensitivity
 from handlcp.grasp.verify.judge import Residuals

@@ -18,10 +18,10 @@ from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.margins.margins import Margins, margins_of
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.verdict.check import check
 from handlcp.grasp.verdict.suggested import suggested
 from handlcp.grasp.verdict.trials import stiffened
@@ -110,6 +110,7 @@ class Questions(ABC):
     def follow(
         self, load: Any = None, order: Any = ("squeeze", "load"), geometry: str | None = None,
         throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
+        accuracy: float | None = None,
     ) -> Loading:  # fmt: skip
         """The grasp loaded in quasi-static steps: is the end reached, what slips on the way, where is it lost and why.
 
@@ -117,29 +118,32 @@ class Questions(ABC):
         the other. order : stages "squeeze" (preload and joint offset), "load" (weight and load), "together", or
         `Stage`s. geometry : "followed", contacts detected anew in every step; "fixed", those of this posture; None: the
         first where hand and object are known. steps : of a stage, more where something happens. tolerance : how far a
-        step's end may be from where its contacts were taken, as a share of their radii; None: 3e-4. faces : as in
-        `problem`. Raises InputError, Unsupported (known forces); with `throw`, NoSolutionFound where it is lost.
+        step's end may be from where its contacts were taken, as a share of their radii; None: 1e-9. accuracy : relative
+        error of the forces at the end that is enough: steps are doubled until they change by no more; the loading's
+        `accuracy` is that change. faces : as in `problem`. Raises InputError, Unsupported (known forces; an accuracy
+        that is not reached); with `throw`, NoSolutionFound where it is lost.
         """
-        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance)
+        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance, accuracy)
         if throw and not found.reached:
             raise NoSolutionFound(found.why, found, found.solution)
         return found
 
     def load_limit(
         self, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
-        motion: float | None = None, turn: float | None = None,
+        motion: float | None = None, turn: float | None = None, accuracy: float | None = None,
     ) -> LoadLimit:  # fmt: skip
         """The largest factor on a load that the grasp holds when it is squeezed, then carries its weight, and the load
-        grows slowly; and what gives out there: a finger slips, a contact opens, a joint is at its torque limit or at
-        the end of its range, balance is lost. With `TorqueSaturation` a joint at its limit yields, and the load grows
-        on until something else gives out.
+        grows slowly; and what gives out there: the object slides through or is lost, a joint is at its torque limit or
+        at the end of its range. `first_slip`, `slides` and `lost` are the loads of these. With `TorqueSaturation` a
+        joint at its limit yields, and the load grows on until something else gives out.
 
         wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference, or (3,) of a planar grasp, as
         in `Grasp`; None: the grasp's own. geometry : as in `follow`. faces : as in `problem`. motion, turn : how far
-        the object may move [m] and turn [rad] from where the load finds it; None: any distance. Raises InputError,
-        Unsupported (known forces).
+        the object may move [m] and turn [rad] from where the load finds it; None: any distance. accuracy : relative
+        error of the factor that is enough, where the geometry is followed: steps are doubled until it changes by no
+        more. Raises InputError, Unsupported (known forces; an accuracy that is not reached).
         """
-        return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn)
+        return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn, accuracy)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None

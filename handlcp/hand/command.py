@@ -59,12 +59,13 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
     return spec.replace(effects=(*spec.effects, effect)) if says_something else spec
 
 
-def standing_off(mechanism: HandMechanism, gaps: Array, planar: bool) -> HandMechanism:
+def standing_off(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Array | None = None) -> HandMechanism:
     """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
-    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`.
+    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`. inside : (k,) [m] what counts
+    as overlap; None: all but what is left of touching.
     """
     offset = np.outer(gaps, (0.0, 0.0, 1.0))
-    if (inside := overlaps(gaps)).any():
+    if (inside := overlaps(gaps) if inside is None else inside).any():
         tips = joint_by_joint(mechanism, planar)
         offset[:, :2] -= tips.made(tips.deeper(inside))[:, :2]
     return replace(mechanism, stand_off=read_only(offset))

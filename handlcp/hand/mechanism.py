@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.effects import Effect
@@ -38,6 +38,7 @@ from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.varied import Varied
 from handlcp.hand.solution import HandGraspSolution
+from handlcp.hand.squeeze import TOUCHING, overlaps
 from handlcp.hand.torques import TorqueCheck, torque_check, torque_reasons
 from handlcp.lazy import lazy
 
@@ -94,6 +95,17 @@ class HandMechanism(Varied, Mechanism):
         H = contact_hessian(self.posture, self.tips, self.positions, self.frames)
         still = np.zeros((len(self.jacobian) - len(H), *H.shape[1:]))
         return read_only(np.concatenate([H, still]))
+
+    def inside(self, spec: GraspSpec) -> tuple[Array, Bools] | None:
+        """Of a grasp whose contacts were detected."""
+        if self.target is None or getattr(spec.asked, "found", ()) is not None:
+            return None
+        gaps = self.gaps()
+        return overlaps(gaps), np.asarray(abs(gaps) <= TOUCHING)
+
+    def gaps(self) -> Array:
+        """As they were detected."""
+        return self.stand_off[:, 2]
 
     def weight(self) -> Array | None:
         """g(q), where gravity is not zero."""

@@ -8,6 +8,7 @@ from functools import cached_property
 from handlcp.check import Array
 from handlcp.grasp.answer.printed import printed
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.torques import TorqueCheck
 
@@ -42,10 +43,7 @@ class HandGraspSolution(GraspSolution):
         if not self.held or not over:
             return text
         most = max(r.utilisation for r in over)
-        worst = next(r for r in over if r.utilisation >= (1 - 1e-9) * most)  # the first of equals
-        count = len(over) - 1
-        more = f" and {count} more joint{'s' if count > 1 else ''}" if count else ""
-        return f"{text}; but {worst.joint}{more} would need more torque than there is, up to {worst.utilisation:.3g} ×"
+        return f"{text}; but {needs_more([r.joint for r in over])}, up to {most:.3g} ×"
 
     @property
     def tendon_tension(self) -> Array | None:

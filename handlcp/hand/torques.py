@@ -12,6 +12,8 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.cause.judge import exceeded, most_used
+from handlcp.grasp.cause.wording import needs_more
 from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["TorqueCheck", "TorqueRow", "torque_check", "torque_reasons"]
@@ -25,6 +27,11 @@ class TorqueRow(NamedTuple):
     limit: float
     utilisation: float
     known: bool
+
+    @property
+    def over(self) -> bool:
+        """Whether the joint needs more than its limit."""
+        return bool(exceeded(self.utilisation))
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,18 +61,18 @@ class TorqueCheck:
     def binding(self) -> str | None:
         """The joint with the highest utilisation among the known limits; None when no limit is known."""
         shares = np.where(self.known & np.isfinite(self.utilisation), self.utilisation, -1.0)
-        i = int(np.argmax(shares >= shares.max() - 1e-9 * abs(shares.max())))  # the first of equals
+        i = most_used(shares)
         return self.joints[i] if shares[i] >= 0 else None
 
     @property
     def over(self) -> tuple[TorqueRow, ...]:
         """The rows of joints asked for more than their limit."""
-        return tuple(row for row in self if row.utilisation > 1.0)
+        return tuple(row for row in self if row.over)
 
     @property
     def ok(self) -> bool:
         """All limits known (pass `torque_limits`, numpy.inf for none), and none exceeded."""
-        return all(self.known) and bool((self.utilisation <= 1.0).all())
+        return all(self.known) and not np.isnan(self.utilisation).any() and not self.over
 
     def __iter__(self) -> Iterator[TorqueRow]:
         columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
@@ -99,7 +106,7 @@ class TorqueCheck:
 
     def remark(self, row: TorqueRow) -> str:
         """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others."""
-        if row.utilisation > 1.0 and row.known:
+        if row.over and row.known:
             return "over limit"
         if row.joint in self.yielding:
             return "yields"
@@ -112,7 +119,7 @@ class TorqueCheck:
     def verdict(self) -> str:
         """One sentence."""
         if over := self.over:
-            return f"Too weak: {words.listed([r.joint for r in over])}."
+            return f"{needs_more([r.joint for r in over])}."
         if np.isnan(self.torque).any():
             return "No torques: the grasp was not solved."
         if self.unknown:
@@ -133,7 +140,7 @@ class TorqueCheck:
         for heading in ("torque [N·m]", "limit [N·m]", "utilisation"):
             table.add_column(heading, justify="right")
         for r in self:
-            style = "red" if r.utilisation > 1.0 else "bold" if r.joint == self.binding else None
+            style = "red" if r.over else "bold" if r.joint == self.binding else None
             table.add_row(r.joint, f"{r.torque + 0.0:.4f}", _limit(r), _share(r), style=style)
         return table
 

@@ -74,7 +74,7 @@ def _bar(row: Any) -> str:
     if not (row.known and np.isfinite(row.limit)):
         return ""
     share = min(row.utilisation, 1.0)
-    colour = _BAD if row.utilisation > 1.0 else "#2a78b8"
+    colour = _BAD if row.over else "#2a78b8"
     return (
         '<span style="display:inline-block;width:60px;height:8px;background:#8883;margin-right:8px">'
         f'<span style="display:block;width:{60 * share:.0f}px;height:8px;background:{colour}"></span></span>'

@@ -66,7 +66,7 @@ def torque_table(check: Any, title: str = "Joint torques") -> Table:
     table = _filled(check.table, title)
     for row, r in zip(check.table.rows, check, strict=True):
         finite = r.known and np.isfinite(r.limit)
-        over = finite and r.utilisation > 1.0
+        over = finite and r.over
         style = "bold red" if over else "bold" if row[-1] else None
         filled = round(min(r.utilisation, 1.0) * BAR) if finite else 0
         bar = Text("█" * filled + "·" * (BAR - filled) if finite else "", style="red" if over else "cyan")

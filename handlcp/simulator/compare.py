@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.follow import Loading
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.refusals import of_a_hand
 from handlcp.simulator.run import Simulation, simulate

@@ -1,7 +1,7 @@
 """The load in one direction at which MuJoCo's object leaves, or a joint reaches its torque limit or its range's end.
 
-The load grows slowly, and waits while the object moves fast: a load that is held lets it come to rest. An object that
-goes on moving while the load waits has left.
+The load grows slowly, and waits while the object moves fast. An object that moves far meanwhile has jumped; one that
+comes to rest again is held, and the load goes on growing; one that does not has left.
 """
 
 from __future__ import annotations
@@ -11,17 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, number
+from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
-from handlcp.grasp import Grasp, TorqueSaturation
+from handlcp.grasp import Grasp
+from handlcp.grasp.cause.judge import limits_of, over
+from handlcp.simulator.limit_track import LimitTrack, Tracking
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.probe import Reading
-from handlcp.simulator.under_way import PUSH, Run
+from handlcp.simulator.under_way import LONGEST, PUSH, Run
 
 __all__ = ["SimulatedLimit", "simulate_limit"]
 
-_FAST = 0.05  # times the reach of the contacts, in a second: the load waits while the object moves faster
-_LEFT = 0.06  # times the reach: how far an object that has left moves while the load waits
+_BEFORE = 2.0  # [s] of each stage before the load grows, at most
+_DRAG = 0.0025  # of the load: what damping of the object may take up while it grows
 _REST_AFTER = 0.5  # [s] that an object has to stay under the largest factor
 _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact slides; of the largest force, below
 # which it is gone
@@ -31,8 +33,11 @@ _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact 
 class SimulatedLimit:
     """factor : of the load, when the object leaves or a joint reaches its torque limit or its range ends; inf where
     none of it happens up to the largest factor; 0 where the object is lost before. joint : which one reaches that, ""
-    where the object leaves. slides, gone : the contacts that do when it leaves. first : the contact that slides or goes
-    first while the load grows; "" where none does. seconds : [s] of MuJoCo's steps.
+    where the object leaves. slides, gone : the contacts that do when it leaves. first, first_at : the contact that
+    slides or goes first while the load grows, and at which factor; "" and inf where none does. jump : the factor at
+    which the object first moves by more than 1 mm, or turns by more than 2°, while the load waits; inf where it never
+    does. It may have come to rest again. track : how the object has moved meanwhile. squeezed (n, 3) : forces on the
+    object [N] with all of the squeeze and without weight and load, world axes. seconds : [s] of MuJoCo's steps.
     """
 
     factor: float
@@ -41,6 +46,10 @@ class SimulatedLimit:
     gone: tuple[str, ...]
     first: str
     seconds: float
+    first_at: float
+    jump: float
+    track: LimitTrack
+    squeezed: Array
 
 
 def simulate_limit(
@@ -49,56 +58,66 @@ def simulate_limit(
 ) -> SimulatedLimit:  # fmt: skip
     """Squeeze, then the weight, then a load that grows from 0 to `most` times `wrench` (6,).
 
-    seconds : for all of the load, where it need not wait, and of the stages before it. settle, settings : as in
-    `simulate`. Joints that yield by `TorqueSaturation` have no limit to reach.
+    seconds : for all of the load, where it need not wait; the stages before it take as long, up to 2 s each. settle,
+    settings : as in `simulate`. Joints that yield by `TorqueSaturation` have no limit to reach.
     Raises as `simulate`.
     """
     asked, most = array("wrench", wrench, (6,)), number("most", most, above=0.0)
     if not asked.any():
         raise InputError("wrench", "a load", "zeros")
     seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
-    run = Run(grasp, asked, settings)
-    if not all(run.stage(name, min(seconds, 4.0), settle) for name in (*run.before, "squeeze", "weight")):
-        return SimulatedLimit(0.0, "", (), (), "", run.seconds)
-    return _grown(run, most, most * run.period / seconds)
+    run, before = Run(grasp, asked, settings), min(seconds, _BEFORE)
+    held = all(run.stage(name, before, settle) for name in (*run.before, "squeeze"))
+    squeezed = read_only(run.track.readings[-1].forces)
+    held = held and run.stage("weight", before, settle)
+    growing = _Growing(run, squeezed)
+    return growing.up_to(most, most * run.period / seconds) if held else growing.ended(0.0)
 
 
-def _grown(run: Run, most: float, step: float) -> SimulatedLimit:
-    """The load grows by so many factors in each period."""
-    reach, limits = run.probe.reach, _limits(run)
-    factor, waited, rest, first = 0.0, 0.0, 0, ""
-    calm = run.track.readings[-1]
-    while rest * run.period < _REST_AFTER:
-        there = run.advance(PUSH, factor)
-        now = run.track.readings[-1]
-        slides, gone = _contacts(run, now)
-        first = first or next(iter(slides + gone), "")
-        reached = np.flatnonzero(np.logical_or(np.abs(now.torques) >= limits, _outside(run)))
-        if len(reached):
-            joint = run.grasp.state.hand.joint_names[int(reached[0])]
-            return SimulatedLimit(factor, joint, slides, gone, first, run.seconds)
-        speed = run.track.fastest(1, reach)
-        if speed <= _FAST * reach and there:
-            calm, waited, rest = now, 0.0, rest + (factor == most)
-            factor = min(factor + step, most)
-            continue
-        waited += speed * run.period
-        if waited > _LEFT * reach or not there:
-            return SimulatedLimit(factor, "", *_leaving(run, calm, now), first, run.seconds)
-    return SimulatedLimit(np.inf, "", (), (), first, run.seconds)
+class _Growing:
+    """The load that grows, and what has happened meanwhile."""
 
+    def __init__(self, run: Run, squeezed: Array) -> None:
+        self.run, self.squeezed = run, squeezed
+        self.limits = limits_of(run.grasp.spec)
+        self.first, self.first_at = "", np.inf
+        self.tracking = Tracking(run.track.readings[-1].motion)
 
-def _limits(run: Run) -> Array:
-    """(nv,) of the joints' torques; infinite where there is none, or where joints yield."""
-    limits = run.grasp.state.hand.torque_limits
-    yields = any(isinstance(e, TorqueSaturation) for e in run.grasp.spec.effects)
-    return np.where((limits > 0.0) & (not yields), limits, np.inf)
+    def up_to(self, most: float, step: float) -> SimulatedLimit:
+        """By so much of the factor in each period in which it does not wait."""
+        run, factor, waited, rest = self.run, 0.0, 0.0, 0
+        calm = run.track.readings[-1]
+        while rest * run.period < _REST_AFTER:
+            there = run.advance(PUSH, factor)
+            now = run.track.readings[-1]
+            if not self.first and (moving := sum(_contacts(run, now), ())):
+                self.first, self.first_at = moving[0], factor
+            if there and run.slow(waited, _DRAG):
+                if joint := self._joint_at_its_end(now):
+                    return self.ended(factor, joint, *_contacts(run, now))
+                self.tracking.rests(factor, now.motion)
+                calm, waited, rest = now, 0.0, rest + (factor == most)
+                factor = min(factor + step, most)
+                continue
+            self.tracking.moves(factor, now.motion)
+            waited += run.period
+            if waited > LONGEST or not there:
+                return self.ended(factor, "", *_leaving(run, calm, now))
+        return self.ended(np.inf)
 
+    def _joint_at_its_end(self, now: Reading) -> str:
+        """Of its torque or its range; not while the object moves fast, when fingers may spring anywhere."""
+        found = over(self.limits, now.torques, now.q)  # MuJoCo's joints have no ends of ranges
+        return found[0].who if found else ""
 
-def _outside(run: Run) -> Array:
-    """(nv,) whether joints are beyond an end of their ranges, which MuJoCo's joints do not have."""
-    hand, (q, _) = run.grasp.state.hand, run.probe.joints()
-    return np.asarray((q < hand.lower) | (q > hand.upper))
+    def ended(
+        self, factor: float, joint: str = "", slides: tuple[str, ...] = (), gone: tuple[str, ...] = ()
+    ) -> SimulatedLimit:
+        """What has been found by now."""
+        return SimulatedLimit(
+            factor, joint, slides, gone, self.first, self.run.seconds, self.first_at, self.tracking.jump,
+            self.tracking.track(), self.squeezed,
+        )  # fmt: skip
 
 
 def _leaving(run: Run, calm: Reading, now: Reading) -> tuple[tuple[str, ...], tuple[str, ...]]:

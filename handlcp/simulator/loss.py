@@ -1,11 +1,12 @@
-"""Whether a simulated object is lost, and since when.
+"""What a simulated object has done so far: whether it moves slowly, rests, or is lost.
 
-An object that is lost ends far away. It was last in balance where it was slow, and its acceleration took up no more
-than a small part of the load.
+Loads wait while the object moves fast, so that damping takes up no more than a small part of them. An object that is
+lost ends far away, under the load at which it began to move fast.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,12 +15,9 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.simulator.probe import Reading
 
-__all__ = ["Record", "Track", "escaped", "lost_at"]
+__all__ = ["Record", "Track", "escaped", "swiftness"]
 
-_FAR = 1.0  # times the reach of the contacts: an object that has moved this far is lost
-_FAST = 0.02  # [m/s] faster than any quasi-static motion
-_UNBALANCED = 0.01  # of the load, taken up by acceleration
-_LEAST = 0.05  # of the contact forces: the load counts as at least this much
+_FAR = 2.0  # times the reach of the contacts: an object that has moved this far is lost
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +56,7 @@ class Track:
 
     def fastest(self, last: int, reach: float) -> float:
         """[m/s] of the last readings, turning counted at the contacts."""
-        return max(_swiftness(r.speed, reach) for r in self.readings[-last:])
+        return max(swiftness(r.speed, reach) for r in self.readings[-last:])
 
     def record(self) -> Record:
         """All of them, as arrays."""
@@ -68,27 +66,10 @@ class Track:
 
 
 def escaped(reading: Reading, reach: float) -> bool:
-    """Whether the object is far from where it started."""
-    return _swiftness(reading.motion, reach) > _FAR * reach
+    """Whether the object is far from where it started. An object that turns between fingertips is still held."""
+    return math.hypot(*reading.motion[:3]) > _FAR * reach
 
 
-def lost_at(record: Record, reach: float, mass: float, load: float) -> tuple[str, float]:
-    """Stage, and share of it, when an object that is lost at the end of the record was last in balance.
-
-    reach : [m] of the contacts. mass : [kg] that is accelerated. load : [N] the size of all of the load.
-    """
-    change = np.diff(record.speed, axis=0, prepend=record.speed[:1]) / record.period
-    unbalanced = mass * np.array([_swiftness(a, 0.4 * reach) for a in change])  # 0.4: a ball's inertia
-    carried = np.linalg.norm(record.forces, axis=2).sum(axis=1)
-    loading = np.array([0.0 if s == "squeeze" else x for s, x in zip(record.stages, record.shares, strict=True)])
-    allowed = _UNBALANCED * np.maximum(load * loading, _LEAST * carried)
-    fast = np.array([_swiftness(v, reach) for v in record.speed]) > _FAST
-    still = np.flatnonzero(~fast & (unbalanced <= allowed))
-    k = int(still[-1]) if len(still) else 0
-    stage = record.stages[min(k + 1, len(record.stages) - 1)]  # at rest at the end of a stage: lost in the next one
-    return stage, float(record.shares[k]) if record.stages[k] == stage else 0.0
-
-
-def _swiftness(vector: Any, reach: float) -> float:
-    """Of a translation and a turn, the turn counted at the contacts."""
-    return float(np.linalg.norm(vector[:3]) + reach * np.linalg.norm(vector[3:]))
+def swiftness(vector: Any, reach: float) -> float:
+    """[m, m/s] of a translation and a turn, the turn counted at the contacts."""
+    return math.hypot(*vector[:3]) + reach * math.hypot(*vector[3:])

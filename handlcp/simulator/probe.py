@@ -23,8 +23,8 @@ _POINT = 3  # rows of a contact without a moment about its normal
 class Reading:
     """One moment of a simulation. forces (n, 3) on the object, and slip speed (n, 3) of the object along each contact,
     world axes. friction (n,) share of its limit that each contact uses, 0 without force. motion (6,) of the object
-    since the start: translation of the reference, rotation vector. speed (6,) of the object. torques (nv,) that the
-    actuators hold.
+    since the start: translation of the reference, rotation vector. speed (6,) of the object. q (nv,) where the
+    joints are. torques (nv,) that the actuators hold.
     """
 
     forces: Array
@@ -32,6 +32,7 @@ class Reading:
     friction: Array
     motion: Array
     speed: Array
+    q: Array
     torques: Array
 
 
@@ -75,7 +76,7 @@ class Probe:
             slipping[i] = v - normal * (normal @ v)
         R = data.xmat[self._loaded].reshape(3, 3) @ self.axes.T
         motion = np.append(at - self.start, pin.log3(R))
-        return Reading(forces, slipping, friction, motion, speed, self.joints()[1])
+        return Reading(forces, slipping, friction, motion, speed, *self.joints())
 
     def joints(self) -> tuple[Array, Array]:
         """(nv,) positions [rad, m] and torques that the actuators hold [N·m, N]."""

@@ -11,7 +11,7 @@ from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.simulator.loss import Record
 from handlcp.simulator.mjcf.settings import SimulatorSettings
-from handlcp.simulator.under_way import Run
+from handlcp.simulator.under_way import PUSH, Run
 
 __all__ = ["Simulation", "simulate"]
 
@@ -55,19 +55,23 @@ def simulate(
 
     load : (6,) force [N] and torque [N·m] on the object besides its weight at the end; None: the grasp's own. The force
         acts at the point of the object that the reference is at the start; the torque keeps its axes in the world.
-    order : ("squeeze", "load"): commands first, then weight and load; "together": all in proportion.
-    seconds : of each stage, smooth at both ends; where contacts slide, 8 s are safer. settle : [s] to come to rest
-        after each. settings : as in `to_mujoco`.
+    order : ("squeeze", "load"): commands first, then the weight, then the load, as `Grasp.follow` has it; "together":
+        all in proportion.
+    seconds : of each stage, smooth at both ends; a stage waits while the object moves fast. settle : [s] to come to
+        rest after each. settings : as in `to_mujoco`.
 
     Raises what `to_mujoco` raises; Unsupported where MuJoCo is not installed.
     """
     stages = _stages(order)
     seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
     run = Run(grasp, None if load is None else array("load", load, (6,)), settings)
+    if stages[-1] == "load" and run.weighs and run.wrench.any():  # the weight in a stage of its own
+        stages = (*stages[:-1], "weight", PUSH)
     held = all(run.stage(name, seconds, settle) for name in (*run.before, *stages))
     record = run.track.record()
     q, torques = run.probe.joints()
-    stage, share = (None, None) if held else run.lost()
+    stage, share = (None, None) if held else run.calm
+    stage = "load" if stage == PUSH else stage
     forces, motion = read_only(record.forces[-1]), read_only(record.motion[-1])
     return Simulation(
         held=held, lost_stage=stage, lost_at=share, forces_world=forces, torques=read_only(torques),

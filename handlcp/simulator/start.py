@@ -46,7 +46,7 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
     return SimulatorState(
         dict(zip(full_names(hand), full.tolist(), strict=True)),
         dict(zip(springs.names, before.tolist(), strict=True)), dict(zip(springs.names, after.tolist(), strict=True)),
-        weighing, read_only(spec.wrench - np.append(weight, moment)),
+        float(obj.mass), weighing, read_only(spec.wrench - np.append(weight, moment)),
     )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ class SimulatorState:
 
     positions : of all movable joints of the hand where the grasp begins, by name [rad, m].
     before, after : commands of the actuators at the start and with all of the squeeze, by name [rad, m].
+    mass : [kg] of the object's weight; the mass with which it moves is another.
     weighing : bodies of the hand whose weight bends its joints, by name; none where the grasp leaves it out.
     wrench : (6,) force [N] and torque [N·m] on the object besides its weight, world axes. The force acts at the
         point of the object that the grasp's reference is at the start, and moves with it; the torque keeps its axes.
@@ -29,6 +30,7 @@ class SimulatorState:
     positions: Mapping[str, float]
     before: Mapping[str, float]
     after: Mapping[str, float]
+    mass: float
     weighing: tuple[str, ...]
     wrench: Array
 
@@ -55,5 +57,6 @@ class SimulatorState:
             data.ctrl[model.actuator(name).id] = start + squeeze * (self.after[name] - start)
         for name in self.weighing:
             model.body_gravcomp[model.body(name).id] = 1.0 - sag
-        model.body_gravcomp[model.body(OBJECT).id] = 1.0 - load
+        body = model.body(OBJECT).id
+        model.body_gravcomp[body] = 1.0 - load * self.mass / model.body_mass[body]
         data.xfrc_applied[model.body(LOADED).id] = load * self.wrench if wrench is None else np.array(wrench)

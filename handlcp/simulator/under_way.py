@@ -9,32 +9,39 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp
-from handlcp.simulator.loss import Track, escaped, lost_at
-from handlcp.simulator.mjcf.object_body import OBJECT
+from handlcp.simulator.loss import Track, escaped, swiftness
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.need import need_mujoco
 from handlcp.simulator.probe import Probe
 from handlcp.simulator.refusals import of_a_hand
 from handlcp.simulator.write import to_mujoco
 
-__all__ = ["PUSH", "SAG", "Run"]
+__all__ = ["LONGEST", "PUSH", "SAG", "Run"]
 
 SAG = "own weight"  # the stage before all others where the hand's links bend its joints
+LONGEST = 60.0  # [s] that a load waits: an object that still moves has left
 PUSH = "load alone"  # the stage in which the load grows beside a weight that is there already
 _LEADS = {
     "squeeze": ("squeeze",), "load": ("weight", "load"), "together": ("squeeze", "weight", "load"),
     "weight": ("weight",), PUSH: ("load",), SAG: ("sag",),
 }  # fmt: skip
-_READ = 10  # time steps between two readings, and between two changes of what drives the simulation
+_READ = 20  # time steps between two readings, and between two changes of what drives the simulation
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
-_PATIENCE = 8.0  # times `settle` that an object may take to come to rest
+_FAST = 0.02  # times the reach of the contacts, in a second: while the object moves faster, loads wait
+_DRAG = 0.02  # of the load that grows: what damping of the object may take up in a stage
+_LEAST = 0.1  # of the contact forces: such a load counts as at least this much
+_CREEPS = 1e-3  # times the reach, in a second: slower than this is always slow
+_RELENTS = 0.5  # [s] of waiting after which twice that speed is slow
+_PATIENCE = 20.0  # times `settle` that an object may take to come to rest
+_ADRIFT = 0.2  # [s] without any contact under a load, after which an object has left
 
 
 class Run:
     """A grasp in MuJoCo, from where its fingertips touch the object.
 
     load (6,) : as in `simulate`; None: the grasp's own. slip (n, 3) : so far. seconds : of MuJoCo's steps so far.
-    period : [s] between two readings. Raises as `to_mujoco`; Unsupported where MuJoCo is not installed.
+    calm : the stage, and the share of it, up to which the object has moved slowly. period : [s]
+    between two readings. Raises as `to_mujoco`; Unsupported where MuJoCo is not installed.
     """
 
     def __init__(self, grasp: Grasp, load: Array | None, settings: SimulatorSettings | None) -> None:
@@ -47,10 +54,20 @@ class Run:
         self.grasp = of_a_hand(grasp)
         self.probe = Probe(self.grasp, self.model, self.data)
         self.wrench = self.state.wrench if load is None else load
+        wrenches = {"weight": self.grasp.spec.wrench - self.state.wrench, "load": self.wrench}
+        self._sizes = {part: self._size(wrench) for part, wrench in wrenches.items()}
+        self._damping = (SimulatorSettings() if settings is None else settings).object_damping
+        self.calm, self._adrift = ("", 0.0), 0.0
         self.slip, self.seconds = np.zeros((len(self.probe.names), 3)), 0.0
         self.period = _READ * float(self.model.opt.timestep)
         self.track = Track(self.period)
         self._shares = {"squeeze": 0.0, "weight": 0.0, "load": 0.0, "sag": 0.0 if self.state.weighing else 1.0}
+
+    @property
+    def weighs(self) -> bool:
+        """Whether the object has a weight."""
+        mechanism = self.grasp.spec.mechanism
+        return mechanism is not None and bool(mechanism.weight_of_object(self.grasp.spec.reference)[:3].any())
 
     @property
     def before(self) -> tuple[str, ...]:
@@ -58,11 +75,20 @@ class Run:
         return (SAG,) if self.state.weighing else ()
 
     def stage(self, name: str, seconds: float, settle: float) -> bool:
-        """Ramp one stage and wait for rest; whether the object is still there."""
+        """Ramp one stage, which waits while the object moves fast, and wait for rest; whether the object is still
+        there.
+        """
         steps = max(round(seconds / self.period), 1)
-        for k in range(steps):
-            if not self.advance(name, _ramp((k + 1) / steps)):
+        self.calm = (name, 0.0)
+        done, waited = 0, 0.0
+        while done < steps:
+            share = _ramp((done + 1) / steps)
+            if not self.advance(name, share) or waited > LONGEST:
                 return False
+            if self.slow(waited):
+                done, waited, self.calm = done + 1, 0.0, (name, share)
+            else:
+                waited += self.period
         wait = round(settle / self.period)
         for k in range(round(_PATIENCE * wait)):
             if k >= wait and self._resting():
@@ -70,6 +96,20 @@ class Run:
             if not self.advance(name, 1.0):
                 return False
         return wait == 0 or self._resting()
+
+    def slow(self, waited: float, share: float = _DRAG) -> bool:
+        """Whether the object moves so slowly that damping takes up no more than a share of the load that grows. After a
+        load has waited [s] more is slow: creeping past the last balance takes for ever.
+        """
+        reach, now = self.probe.reach, self.track.readings[-1]
+        speed = _FAST * reach
+        leads = _LEADS[self.track.stages[-1]]
+        grows = [size * self._shares[part] for part, size in self._sizes.items() if part in leads]
+        if grows:
+            least = _LEAST * float(np.linalg.norm(now.forces, axis=1).sum())
+            drag = share * max(sum(grows), least)
+            speed = min(speed, max(drag / self._damping, _CREEPS * reach))
+        return swiftness(now.speed, reach) <= speed * (1.0 + waited / _RELENTS)
 
     def advance(self, name: str, share: float) -> bool:
         """To this share of a stage, for one period; whether the object is still there."""
@@ -82,14 +122,13 @@ class Run:
         reading = self.probe.read()
         self.slip += self.period * reading.slipping
         self.track.add(name, share, reading)
-        return not escaped(reading, self.probe.reach)
+        carried = reading.forces.any() or not (now["weight"] or now["load"])
+        self._adrift = 0.0 if carried else self._adrift + self.period
+        return not (escaped(reading, self.probe.reach) or self._adrift > _ADRIFT)
 
-    def lost(self) -> tuple[str, float]:
-        """Stage and share at which it was lost."""
-        reach, mass = self.probe.reach, float(self.model.body_subtreemass[self.model.body(OBJECT).id])
-        load = self.grasp.spec.wrench - self.state.wrench + self.wrench
-        size = float(np.linalg.norm(load[:3]) + np.linalg.norm(load[3:]) / reach)
-        return lost_at(self.track.record(), reach, mass, size)
+    def _size(self, wrench: Array) -> float:
+        """[N] of a force and a torque, the torque as forces at the contacts."""
+        return float(np.linalg.norm(wrench[:3]) + np.linalg.norm(wrench[3:]) / self.probe.reach)
 
     def _resting(self) -> bool:
         """Over the last readings, so that a turning point is not taken for rest."""

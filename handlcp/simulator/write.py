@@ -71,12 +71,11 @@ def _frame(settings: SimulatorSettings, gravity: Array) -> ET.Element:
     """The settings that make it quasi-static."""
     root = ET.Element("mujoco", model="handlcp")
     add(root, "compiler", angle="radian", autolimits="true", balanceinertia="true")
-    option = add(
-        root, "option", timestep=settings.timestep, gravity=gravity, cone="elliptic", integrator="Euler",
-        impratio=settings.friction_impedance, solver="Newton", iterations="100", tolerance=1e-10, ccd_tolerance=1e-9,
-        ccd_iterations="100",
+    add(
+        root, "option", timestep=settings.timestep, gravity=gravity, cone="elliptic",
+        integrator="implicitfast", impratio=settings.friction_impedance, solver="Newton", iterations="100",
+        jacobian="dense", tolerance=1e-14, ccd_tolerance=1e-9, ccd_iterations="100",
     )  # fmt: skip
-    add(option, "flag", eulerdamp="disable")  # else friction would be computed with other accelerations
     stiff = _stiffness(settings.impedance)
     times = {"solref": (settings.contact_time, 1.0), "solreffriction": (settings.friction_time, 1.0)}
     default = add(root, "default")

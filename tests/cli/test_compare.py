@@ -59,7 +59,7 @@ def test_json_has_the_same_numbers(tmp_path: pathlib.Path):
 
 
 def test_a_cube_that_drops_is_exit_status_1(tmp_path: pathlib.Path):
-    ran = compared(tmp_path, 0.001)
+    ran = compared(tmp_path, 0.0)
     assert ran.exit_code == 1
     assert "handlcp: NOT HELD" in ran.stdout
     assert "MuJoCo: NOT HELD" in ran.stdout

@@ -152,7 +152,7 @@ def test_motions_are_positive_and_rigid_fingers_have_no_stiffness(tmp_path):
 
 def test_why_less_stiffness_is_not_enough_is_said(tmp_path):
     moves = pushed(tmp_path).required_stiffness(PUSH * C / 4)
-    assert moves.why == "it moves further than allowed"
+    assert moves.why == "the object moves farther than allowed"
     lost = cube_grasp().replace(squeeze=1e-3).required_stiffness(0.01)  # softer joints press less
     assert lost.why == "the object is lost"
     assert f"with × {lost.fails:.4g} the object is lost" in " ".join(str(lost).split())

@@ -213,7 +213,7 @@ def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
 
 def test_it_prints_and_becomes_data(tmp_path):
     r = pinch(tmp_path, limits=0.1).required_torque({"down": (0, 0, -1, 0, 0, 0), "up": (0, 0, 1, 0, 0, 0)})
-    same("design/test_required_torque: a pinch", str(r), "left_joint", "too weak", "is lost")
+    same("design/test_required_torque: a pinch", str(r), "left_joint", "over limit", "is lost")
     assert max(map(len, str(r).splitlines())) <= 80
     data = r.to_dict()
     assert data["joints"][0]["by_load_Nm"].keys() == {"down", "up"}

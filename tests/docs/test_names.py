@@ -29,6 +29,15 @@ def test_the_readme_is_short():
     assert len(text(ROOT / "README.md").splitlines()) <= SHORT
 
 
+def test_the_front_page_has_two_commands_which_install_and_solve_and_install_and_test_and_ci_runs_them():
+    printed = re.findall(r"^\$ pip install \S+ && (\w+)", text(ROOT / "README.md"), re.M)
+    assert printed == ["handlcp", "pytest"]
+    file = ROOT / ".ci" / "run"
+    if file.exists():  # a checkout
+        for command in ('"${commands[0]}"', '"${commands[1]}"'):
+            assert f"\neval {command}\n" in text(file)
+
+
 def test_the_reference_has_every_public_name_once_and_no_other():
     pages = "\n".join(text(p) for p in sorted((DOCS / "api").glob("*.md")) if p.name != "own_parts.md")
     named = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", pages, re.M)

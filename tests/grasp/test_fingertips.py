@@ -63,3 +63,13 @@ def test_a_weight_held_by_two_fingers_is_what_their_friction_carries():
 def test_bad_readings_are_named(argument, given):
     with pytest.raises(hl.InputError, match=argument):
         hl.wrench_from_fingertip_forces(pinch(), **given)
+
+
+def test_what_is_left_of_readings_that_cancel_but_for_rounding_is_zero():
+    """As of sensors whose axes are the world's; x and y cancel to one unit in the last place."""
+    world = {"frames": np.tile(np.eye(3), (2, 1, 1)), "positions": np.zeros((2, 3))}
+    for way in (1.0, -1.0):
+        forces = np.array([[10.0, way * (0.1 + 0.2), -0.5], [-10.0 - way * 2e-15, way * -0.3, -0.5]])
+        read = hl.wrench_from_fingertip_forces(pinch(), forces, **world)
+        np.testing.assert_array_equal(read, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        assert not np.signbit(read).any()

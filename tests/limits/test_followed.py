@@ -55,7 +55,7 @@ def test_nothing_binds_where_a_table_takes_the_load():
     limit = g.load_limit(Z)
     assert limit.factor == np.inf
     assert not limit.binds
-    assert "nothing binds" in limit.why
+    assert "nothing gives out" in limit.why
 
 
 def test_what_the_squeeze_does_not_hold_has_no_limit_above_nothing():
@@ -71,19 +71,19 @@ def test_following_the_load_holds_below_the_limit_and_not_above(direction):
 
     def reached(share):
         order = ("squeeze", hl.Stage("weight", weight=1.0), hl.Stage("load", load=share * limit.load))
-        return g.follow(order=order, steps=80).reached
+        return g.follow(order=order, steps=80).held
 
-    assert reached(0.99)
-    assert not reached(1.01)
+    assert reached(0.98)  # steps of a limit are coarse where something slides: about a percent
+    assert not reached(1.02)
 
 
 @pytest.mark.parametrize(("direction", "mujoco"), [((-0.897, -0.442, 0.029), 1.979), ((-0.878, -0.083, -0.471), 1.726)])
-def test_an_object_that_snaps_and_rests_again_near_there_is_held(direction, mujoco):
+def test_an_object_that_slides_through_is_lost_where_the_simulator_loses_it(direction, mujoco):
     limit = cube().load_limit((*direction, 0.0, 0.0, 0.0))
-    snaps = [e.factor for e in limit.events if e.kind == "snaps"]
-    assert snaps
-    assert snaps[-1] < 0.8 * limit.factor
-    assert limit.factor == pytest.approx(mujoco, rel=0.01)  # of `simulate_limit`, in 8 s
+    assert limit.factor == limit.slides
+    assert limit.first_slip < limit.slides < 0.8 * limit.lost
+    assert limit.lost == pytest.approx(mujoco, rel=0.01)  # of `simulate_limit`, in 8 s
+    assert limit.marks["slides"].moved < limit.marks["lost"].moved
 
 
 def test_the_state_at_the_limit_is_certified_and_balances_the_load():
@@ -98,10 +98,11 @@ def test_events_come_in_order_and_the_path_ends_at_the_limit():
     limit = ball().load_limit(Z)
     factors = [e.factor for e in limit.events]
     assert factors == sorted(factors)
-    assert factors[-1] <= limit.factor * (1.0 + 1e-9)
+    assert factors[-1] <= limit.lost * (1.0 + 1e-9)
+    assert limit.factor == limit.slides < limit.lost
     assert any(e.kind == "slips" for e in limit.events)
     assert limit.path.factors[0] == 0.0
-    assert limit.path.factors[-1] == limit.factor
+    assert limit.path.factors[-1] <= limit.factor
     assert limit.path.forces.shape == (len(limit.path.factors), 5, 3)
 
 
@@ -125,7 +126,7 @@ def test_joints_that_yield_are_no_limit_and_hold_their_torque():
     yielding = ball(limits=0.16, effects=[hl.TorqueSaturation()]).load_limit(wrench)
     assert yielding.factor > 1.0
     assert yielding.binds[0].kind == "slips"
-    assert abs(yielding.path.torques).max() <= 0.16 * (1 + 1e-9)
+    assert abs(yielding.path.torques).max() <= 0.16 * (1 + 1e-8)
     assert any(e.kind == "holds" for e in yielding.events)
 
 

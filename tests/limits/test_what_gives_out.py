@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.limits import limits_in_steps, limits_of_grasp
+from tests.support.limits import limits_of_grasp
 
 DIRECTIONS = np.hstack([np.vstack([np.eye(3), -np.eye(3)]), np.zeros((6, 3))])
-FAR = np.array([0.3, 0.2, 0.4, 0.01, -0.02, 0.01])
 
 
 def held_cube(friction=0.8, **more):
@@ -126,25 +125,3 @@ def test_a_box_on_a_table_beside_two_fingers_has_limits_all_around():
     # Both ways along and across the fingers are alike
     assert limits.factors[0] == pytest.approx(limits.factors[3], rel=1e-6)
     assert limits.factors[1] == pytest.approx(limits.factors[4], rel=1e-6)
-
-
-# ---------------------------------------------------------------- in steps, where the path is not followed
-def test_a_limit_in_steps_is_that_of_the_path():
-    grasp = pinch()
-    for load in (FAR, np.eye(6)[2]):
-        exact, slow = grasp.load_limit(load), limits_in_steps(grasp, load)
-        assert slow.factor == pytest.approx(exact.factor, rel=5e-3, abs=1e-9)
-        assert slow.factor <= exact.factor * (1.0 + 1e-9)
-        assert slow.binds == exact.binds
-    assert slow.path.factors[0] == 0.0
-    assert slow.path.factors[-1] == slow.factor
-    assert 0.0 < limits_in_steps(grasp, 1e4 * load).factor * 1e4 <= exact.factor * (1.0 + 1e-9)
-
-
-def test_a_limit_in_steps_ends_at_a_torque_limit_or_where_nothing_does():
-    state, cube, law = held_cube(50.0, torque_limits=0.13)
-    grasp = state.grasp(cube, law, joint_offset=[0.02, 0.01] * 3)
-    exact, slow = grasp.load_limit(np.eye(6)[0], geometry="fixed"), limits_in_steps(grasp, np.eye(6)[0])
-    assert slow.factor == pytest.approx(exact.factor, rel=0.04)
-    assert slow.binds == exact.binds
-    assert limits_in_steps(pinch(), np.eye(6)[0]).factor == np.inf

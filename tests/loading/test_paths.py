@@ -18,7 +18,9 @@ def test_an_elastic_path_there_and_back_returns_to_its_start():
     assert h.reached
     assert abs(steps.displacement[far] - steps.displacement[start]).max() > 1e-4
     for values in (steps.displacement, steps.q, steps.forces_world):
-        np.testing.assert_allclose(values[end], values[start], atol=1e-9 * abs(values).max())
+        np.testing.assert_allclose(
+            values[end], values[start], atol=1e-7 * abs(values).max()
+        )  # a damper takes a millionth of a step's motion
 
 
 def test_half_the_step_halves_the_error_or_better():

@@ -47,7 +47,7 @@ def truth(words):
     """Print by how much MuJoCo's answers change when it takes twice the time, and half the time step."""
     print(f"{'case':44s} {'twice as slow':>16s} {'half the step':>16s}", flush=True)
     for case in chosen(words):
-        own = case.settings or SimulatorSettings()
+        own = SimulatorSettings()
         finer = replace(own, timestep=own.timestep / 2)
         first = run(case, own, case.seconds)
         changes = [change(first, run(case, own, 2 * case.seconds)), change(first, run(case, finer, case.seconds))]

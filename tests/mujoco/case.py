@@ -8,12 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.simulator import Comparison, SimulatorSettings, compare
-
-# Sliding contacts that move far: softer ones, and slower, so that they neither hop nor are late
-SLIDES = SimulatorSettings(impedance=0.99, friction_time=0.1)
-# Motion that grows by itself is late where it is damped
-QUICK = SimulatorSettings(damping=0.004)
+from handlcp.simulator import Comparison, compare
 
 # Of the largest force or torque. A jump is fast: where friction ends behind it is no question of statics.
 NEAR = {"sticks": 0.01, "slides": 0.03, "jumps": 0.1}
@@ -25,7 +20,7 @@ class Case:
     """kind : "sticks", "slides" and "jumps" are held, and compared at the end; "lost": both lose it, in the same stage;
     "limit": at the same load, too.
 
-    make : the grasp. load (6,), order : of `follow`, when given. seconds, settings : of each stage in MuJoCo.
+    make : the grasp. load (6,), order : of `follow`, when given. seconds : of each stage in MuJoCo.
     short : whether the default suite runs it.
     """
 
@@ -36,13 +31,12 @@ class Case:
     load: Any = None
     order: Any = ("squeeze", "load")
     seconds: float = 2.0
-    settings: SimulatorSettings | None = None
     short: bool = False
 
     def run(self, seconds: float | None = None) -> Comparison:
         """Both, MuJoCo with so many seconds for each stage, or its own."""
         time = self.seconds if seconds is None else seconds
-        return compare(self.make(), self.load, self.order, seconds=time, settings=self.settings)
+        return compare(self.make(), self.load, self.order, seconds=time)
 
 
 def misses(case: Case, found: Comparison) -> list[str]:

@@ -27,7 +27,7 @@ def test_derivatives_are_those_of_whole_solves(law, seed, faces):
     g = grasp(law, seed)
     s = g.solve(faces)
     found = s.sensitivity()
-    assert not found.kinks
+    assert not [k for k in found.kinks if not k.by]  # of all parameters
     entries = {
         "wrench": [(2,), (4,)], "squeeze": [(1,)], "pads": [(0,)], "positions": [(1, 0), (2, 2)],
         "normals": [(0, 0), (3, 1), (3, 2)], "friction": [(0,), (3,)],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -37,3 +39,16 @@ def test_a_row_of_friction_is_all_fingers_together():
     assert moved == pytest.approx(0.01, rel=1e-6)  # 2 · 0.2 N more, on four pads of 0.1 mm/N
     row = next(line for line in str(found).splitlines() if line.startswith("friction -10 %"))
     assert row.split()[-1] == f"{moved:.3g}"
+
+
+def test_of_fingers_that_mirror_each_other_the_first_is_shown_whatever_rounding_says():
+    solution = HAND.at(HAND.close_on(CUBE)).grasp(CUBE, friction=0.8, grip_force=6.0).solve()
+    assert np.allclose(abs(solution.forces[1]), abs(solution.forces[2]), rtol=1e-9)
+    said = set()
+    for way in (1.0, -1.0):
+        forces = solution.forces.copy()
+        forces[1] *= 1.0 + way * 1e-12
+        forces[2] *= 1.0 - way * 1e-12
+        said.add(str(replace(solution, forces=forces).sensitivity()))
+    assert len(said) == 1
+    assert "to spare at finger_2_tip" in " ".join(said.pop().split())

@@ -296,3 +296,61 @@ def test_a_share_of_no_friction_is_refused():
 def test_a_millionth_below_zero_is_cut_off():
     found = hl.reliability(pinch(), {"friction": stats.norm(0.5, 0.1)}, 64)
     assert found.values.min() > 0.0
+
+
+CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.25)
+HAND = hl.example_hand("three_finger", joint_stiffness=6.0)
+FAR = {"finger_1_tip": 0.02}  # m: the edges are 25 mm from the middle of a face
+
+
+def held_cube():
+    return HAND.at(HAND.close_on(CUBE)).grasp(CUBE, friction=0.7, squeeze=0.005)
+
+
+@pytest.mark.parametrize(("by", "samples"), [("solve", 128), ("check", 64)])
+def test_contacts_past_an_edge_are_undecided_and_say_so_and_nothing_else_is_changed(by, samples):
+    sure = hl.reliability(held_cube(), {"friction": 0.1, "positions": FAR}, samples, by=by)
+    shift = sure.values[:, [sure.names.index(f"position finger_1_tip {a}") for a in "xy"]]
+    grasp = held_cube()
+    goal = grasp.spec.positions[0] + shift @ grasp.spec.frames[0][:, :2].T - CUBE.placement.translation
+    past = (abs(goal) > 0.025 + 1e-9).any(axis=1)
+    assert 0.05 < past.mean() < 0.9
+    assert set(sure.why_not) == set(np.flatnonzero(past))
+    assert (sure.codes[past] == 3).all()
+    assert np.isnan(sure.margin[past]).all()
+    if by == "solve":
+        assert not (sure.codes[~past] == 3).any()
+    lower, upper = (sure.codes < 2).mean(), ((sure.codes < 2) | past).mean()
+    assert sure.chance_held.low <= lower + 1e-12
+    assert sure.chance_held.high >= upper - 1e-12
+
+
+def test_a_sample_past_an_edge_is_a_row_with_its_reason():
+    sure = hl.reliability(held_cube(), {"positions": FAR}, 64)
+    k, why = next(iter(sure.why_not.items()))
+    sample, row = sure.sample(k), sure.to_frame().iloc[k]
+    assert why == "finger_1_tip would be past an edge of the object, where a contact has no normal"
+    assert (sample.word, sample.why_not, sample.cause) == ("UNDECIDED", why, why)
+    assert (row["word"], row["why_not"]) == ("UNDECIDED", why)
+    assert np.isfinite(sample.grasp.spec.frames).all()
+    assert f"{len(sure.why_not)} are no grasp, with a contact past an edge" in " ".join(str(sure).split())
+    assert sure.to_dict()["counts"]["UNDECIDED"] == len(sure.why_not)
+
+
+def test_a_contact_past_the_rim_of_a_cylinder_is_past_an_edge_and_one_around_its_side_is_not():
+    can = hl.Cylinder(0.025, 0.05, placement=(0, 0, 0.08), mass=0.25)
+    grasp = HAND.at(HAND.close_on(can)).grasp(can, friction=0.7, squeeze=0.005)
+    sure = hl.reliability(grasp, {"positions": 0.02}, 128)
+    x, y = (sure.values[:, [sure.names.index(f"position finger_{i}_tip {a}") for i in (1, 2, 3)]] for a in "xy")
+    frames = grasp.spec.frames
+    axial = x * frames[:, 2, 0] + y * frames[:, 2, 1] + grasp.spec.positions[:, 2] - 0.08
+    past = (abs(axial) > 0.025 + 1e-9).any(axis=1)
+    assert 0 < past.sum() < len(past)
+    assert set(sure.why_not) == set(np.flatnonzero(past))
+
+
+def test_a_run_all_of_whose_contacts_are_past_an_edge_has_no_chance_but_ends():
+    far = stats.uniform(0.03, 0.01)
+    sure = hl.reliability(held_cube(), {"positions": {"finger_1_tip": far}}, 64)
+    assert sure.counts["UNDECIDED"] == sure.samples
+    assert (sure.chance_held.low, sure.chance_held.high) == (0.0, 1.0)

@@ -8,9 +8,10 @@ import numpy as np
 
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.directions import Limits, limits_of
-from handlcp.grasp.limits.followed import limit
-from handlcp.grasp.loading.state import Failure
-from handlcp.grasp.loading.step import Stepper
+from handlcp.grasp.limits.followed import followed_limit
+from handlcp.grasp.limits.result import LoadLimit
+from handlcp.grasp.path.state import State
+from handlcp.grasp.path.step import Stepper
 
 __all__ = ["Counted", "many_limits"]
 
@@ -21,25 +22,25 @@ def many_limits(grasp: Any, wrenches: Any, geometry: str = "followed") -> Limits
 
 
 class Counted:
-    """A grasp with squeeze and weight, and what each limit takes: steps, failed ones too, and looks of the others."""
+    """What limits of a grasp take, squeeze and weight included: steps, failed ones too, and looks of the others."""
 
     def __init__(self, grasp: Any) -> None:
-        self.ready = limit.ready(grasp.spec, as_section("cone", planar=False))
+        self.spec, self.section = grasp.spec, as_section("cone", planar=False)
         self.steps = self.looks = 0
 
-    def limit(self, load: Any) -> limit.Ended:
+    def limit(self, load: Any) -> LoadLimit:
         """With the geometry followed."""
         self.steps = self.looks = 0
-        pushed = Stepper.pushed
+        step = Stepper.step
 
-        def counted(stepper: Stepper, *given: Any) -> Any:
-            found = pushed(stepper, *given)
+        def counted(stepper: Stepper, *given: Any, **more: Any) -> Any:
+            found = step(stepper, *given, **more)
             self.steps += 1
-            self.looks += 0 if isinstance(found, Failure) else found.looks
+            self.looks += found.looks if isinstance(found, State) else 0
             return found
 
-        Stepper.pushed = counted  # type: ignore[method-assign]
+        Stepper.step = counted  # type: ignore[method-assign]
         try:
-            return limit.ended(self.ready, np.asarray(load), (np.inf, np.inf))
+            return followed_limit(self.spec, self.section, np.asarray(load), (np.inf, np.inf))
         finally:
-            Stepper.pushed = pushed  # type: ignore[method-assign]
+            Stepper.step = step  # type: ignore[method-assign]

@@ -40,7 +40,7 @@ def grasp_with(grasp: Any, **values: Any) -> Any:
         name = next(n for n in own if f" {n}" in d.name)
         return float(own[name][d.at[1]] if d.parameter == "positions" else own[name])
 
-    return Placer(grasp, dimensions).grasps(np.array([[value(d) for d in dimensions]]))[0]
+    return Placer(grasp, dimensions).placed(np.array([[value(d) for d in dimensions]]))[0].grasp
 
 
 def steps_of(monkeypatch: Any, size: int, seconds: float) -> None:

@@ -116,6 +116,19 @@ def differences(grasp, solution, faces, parameter, index):
     return {name: (8 * (a[name] - b[name]) - (c[name] - d[name])) / (12 * h) for name in a}, h
 
 
+def _with_gaps(s, parameter, index, name):
+    """The derivative where fingertips that just touch leave gaps, on whichever side that is: overlaps of less than a
+    micrometre, as in these differences, count as touching. One joint or length moves the tip of one finger.
+    """
+    _, change = s._by(parameter)
+    way = np.zeros(s.of("displacement", parameter).shape[1:])
+    way[index] = 1.0
+    deeper = change.deeper.rates.reshape(-1, *way.shape)[(slice(None), *index)]
+    assert (deeper <= 1e-9).all() or (deeper >= -1e-9).all()
+    both = s.along(parameter, way)
+    return (both.behind if (deeper > 1e-9).any() else both.ahead)[name]
+
+
 _ALIKE = (("forces", "friction_margin"), ("slip", "gap", "displacement"), ("torques", "torque_margin"), ("torsion",))
 # Of a quantity, what a solve is off by; where forces change their own flexibility, it is solved until they stay
 _ROUNDING, _ITERATED = 1e-12, 1e-10
@@ -128,9 +141,10 @@ def misses(grasp, solution, faces, parameter, index):
     found, s, values = {}, solution.sensitivity(), quantities(solution)
     noise = _ITERATED if any(e.depends_on_forces for e in grasp.effects) else _ROUNDING
     truths, step = differences(grasp, solution, faces, parameter, index)
+    two_sided = [k for k in s.kinks if parameter in k.by]
     size = {name: np.nanmax(abs(s.of(name, parameter)), initial=0.0) for name in truths}
     for name, truth in truths.items():
-        one = s.of(name, parameter)[(..., *index)]
+        one = _with_gaps(s, parameter, index, name) if two_sided else s.of(name, parameter)[(..., *index)]
         if name == "friction_margin":  # without a tangential force it has a corner
             smooth = np.hypot(*solution.tangential_force.T) > 1e-6 * abs(solution.forces).max()
             one, truth = np.where(smooth, one, 0.0), np.where(smooth, truth, 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp import words as units
-from handlcp.grasp.loading.events import summary
+from handlcp.grasp.path.events import summary
 from handlcp.show import convergence as convergence_figure
 from handlcp.show import loading as loading_figure
 from handlcp.show import picture as _picture
@@ -16,6 +16,8 @@ from handlcp.show import tables
 from handlcp.show import work_precision as work_precision_figure
 from handlcp.show.accuracy_table import all_tables
 from handlcp.show.contact_sheet import contact_sheet
+from handlcp.show.envelope.colours import NOTHING, OTHERS, SHADES
+from handlcp.show.envelope.sight import facing as facing_weakest
 from handlcp.show.envelope.surface import divided, section, surface_of, wires
 from handlcp.show.loading import end, report
 from handlcp.show.picture import shapes
@@ -29,6 +31,8 @@ from handlcp.show.record import record
 from handlcp.show.style import shortened
 
 __all__ = [
+    "ENVELOPE_COLOURS",
+    "ENVELOPE_GREYS",
     "Turn",
     "all_tables",
     "camera_of",
@@ -40,6 +44,7 @@ __all__ = [
     "environment_bodies",
     "events_in_short",
     "facing",
+    "facing_weakest",
     "fill",
     "hand_bodies",
     "html",
@@ -60,6 +65,8 @@ __all__ = [
     "wires",
     "work_precision_figure",
 ]
+
+ENVELOPE_COLOURS, ENVELOPE_GREYS = SHADES, (NOTHING, OTHERS)
 
 
 def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:

@@ -14,6 +14,8 @@ from handlcp.grasp.model.vectors import cross_rows
 
 __all__ = ["wrench_from_fingertip_forces"]
 
+_ROUNDING = 1e-12  # of all that is added up
+
 
 def wrench_from_fingertip_forces(
     grasp: Any, forces: Any, torques: Any = None, *, positions: Any = None, frames: Any = None
@@ -27,7 +29,8 @@ def wrench_from_fingertip_forces(
 
     The object rests, so w = -Σ (R f; p × R f + R τ): the equilibrium w + G r = 0 (model; paper, equation (1)) read
     backwards. `grasp.replace(wrench=w)` is the grasp under that load, and `GraspStream.update(wrench=w)` follows it.
-    An environment's contacts are among the n: without their forces the load on the object is not known.
+    An environment's contacts are among the n: without their forces the load on the object is not known. What is left
+    of components that cancel but for rounding is 0.
     Raises InputError for wrong shapes and numbers not finite.
     """
     spec = getattr(grasp, "spec", None)
@@ -38,6 +41,10 @@ def wrench_from_fingertip_forces(
     t = np.zeros((n, 3)) if torques is None else array("torques", torques, (n, 3))
     p = spec.positions if positions is None else array("positions", positions, (n, 3))
     R = spec.frames if frames is None else validate.frames(frames, n)
+    arms = p - spec.reference
     push = (R @ f[:, :, None])[:, :, 0]
-    twist = (R @ t[:, :, None])[:, :, 0] + cross_rows(p - spec.reference, push)
-    return read_only(-np.concatenate([push.sum(axis=0), twist.sum(axis=0)]))
+    turn = (R @ t[:, :, None])[:, :, 0]
+    twist = turn + cross_rows(arms, push)
+    load = -np.concatenate([push.sum(axis=0), twist.sum(axis=0)])
+    force, moment = abs(push).sum(), abs(turn).sum() + (np.sqrt((arms**2).sum(axis=1)) * abs(push).sum(axis=1)).sum()
+    return read_only(np.where(abs(load) > _ROUNDING * np.repeat([force, moment], 3), load, 0.0))

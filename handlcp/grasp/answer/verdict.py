@@ -4,11 +4,14 @@
 | --- | --- |
 | `not_holdable`, `no_equilibrium` | no force within friction balances the load; no elastic equilibrium exists |
 | `lost` | the order of loading loses the object on its way |
+| `slides_through` | the object slides through, or snaps, on its way: how far it jumps is not for statics to say |
+| `steps_differ` | fewer and more steps of loading end differently |
 | `solver_stopped`, `follow_stopped` | a solver, or the loading in steps, ended without an answer |
 | `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
 | `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
 | `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
+| `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |
 | `rigid_tips` | fingertips without pads, where that may be why the object is lost |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
@@ -35,9 +38,10 @@ HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT 
 
 _RANK = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
 _DECIDES = {
-    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "lost": NOT_HELD, "solver_stopped": UNDECIDED,
+    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "lost": NOT_HELD, "slides_through": NOT_HELD,
+    "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
     "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
-    "torque_over_limit": OVER_LIMIT,
+    "torque_over_limit": OVER_LIMIT, "unplaced": UNDECIDED,
 }  # fmt: skip
 _HEADS = {"warning": "Warning", "advice": "Advice"}
 

@@ -10,12 +10,12 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.batch.columns import Group
 from handlcp.grasp.grasp import Grasp
+from handlcp.tolerances import OVER
 from handlcp.words import distinct
 
 __all__ = ["frame"]
 
 _OBJECT = ("x", "y", "z", "rx", "ry", "rz")
-_EQUAL = 1e-9  # utilisations as near as that are equal: the first joint binds, as in a solution's own table
 
 
 def frame(grasps: Sequence[Grasp], groups: Sequence[Group]) -> dict[str, Any]:
@@ -58,7 +58,7 @@ def _by_names(grasps: Sequence[Grasp], group: Group) -> dict[tuple[str, ...], li
 def _binding(group: Group) -> Any:
     """(k,) the joint with the highest utilisation; None where that is 0 or there is no answer."""
     most = group.utilisation.max(axis=1)
-    which = (group.utilisation >= (most - _EQUAL * most)[:, None]).argmax(axis=1)
+    which = (group.utilisation >= (most - OVER * most)[:, None]).argmax(axis=1)
     names = np.array(group.joints, dtype=object)[which]
     names[~(most > 0.0)] = None
     return names

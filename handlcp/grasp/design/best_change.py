@@ -17,21 +17,16 @@ from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.cause.wording import NOTHING, said
 from handlcp.grasp.design.followed import word
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.load_limit import load_limit
-from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE, LoadLimit
+from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.trials import stiffened
 from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["BestChange", "Means", "TriedChange", "best_change", "means_of_fingers", "rougher"]
-
-_GIVES_OUT = {
-    SLIPS: "{} slips", OPENS: "{} opens", TORQUE: "torque of {}", RANGE: "range of {}", EQUILIBRIUM: "balance is lost",
-    MOTION: "motion",
-}  # fmt: skip
-_SEVERAL = {SLIPS: "{} slip", OPENS: "{} open"}
 
 
 class Means(NamedTuple):
@@ -88,8 +83,8 @@ class BestChange(Data):
     @property
     def table(self) -> TextTable:
         """Change by change."""
-        rows = [("as it is", _times(self.before.factor), "", _bound(self.before))]
-        rows += [(t.what, _times(t.factor), _gain(t.gain), _bound(t.limit)) for t in self.tried]
+        rows = [("as it is", _times(self.before.factor), "", _gives_out(self.before))]
+        rows += [(t.what, _times(t.factor), _gain(t.gain), _gives_out(t.limit)) for t in self.tried]
         return TextTable(
             ("change", "holds more\n× weight" if self.of_weight else "holds\n× load", "gain", "then gives out"),
             tuple(rows),
@@ -103,7 +98,7 @@ class BestChange(Data):
     def sentence(self) -> str:
         """The best change, and what `check` says."""
         if not self.tried:
-            return "nothing gives out, however large the load: no change buys anything"
+            return f"{NOTHING}, however large the load: no change buys anything"
         if (best := self.best) is None:
             return "none of these changes buys load"
         told, load = f"{best.what} buys most: {_gain(best.gain)} load", "the load"
@@ -194,14 +189,8 @@ def _gain(gain: float) -> str:
     return f"{100 * gain:+.1f} %" if np.isfinite(gain) else "–"
 
 
-def _bound(limit: LoadLimit) -> str:
-    """What gives out: the first of several, and how many more."""
-    if not limit.binds:
-        return "nothing"
-    first, others = limit.binds[0], len(limit.binds) - 1
-    if not others:
-        return _GIVES_OUT[first.kind].format(first.who)
-    return _SEVERAL.get(first.kind, _GIVES_OUT[first.kind]).format(f"{first.who} and {others} more")
+def _gives_out(limit: LoadLimit) -> str:
+    return said(limit.binds, brief=True) if limit.binds else "nothing"
 
 
 def _finite(x: float) -> float | None:

@@ -39,7 +39,7 @@ def _confirmed(found: Required, make: Callable[[float], GraspSpec], section: Sec
         there = changed.path(found.value)
     except Unsupported:  # such as known forces
         return found
-    agrees = there.reached and (found.fails is None or not changed.holds(found.fails))
+    agrees = there.held and (found.fails is None or not changed.holds(found.fails))
     if agrees or not there.steps.geometry.follows:
         return replace(found, verdict=word(make(found.value), section))
     start = found.value or _LITTLE * found.limit

@@ -10,8 +10,8 @@ from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.design.closing_in import closed_in
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.lcp import Auto
@@ -40,7 +40,7 @@ class Changed:
 
     def holds(self, x: float) -> bool:
         """Whether the end is reached."""
-        return self.path(x).reached
+        return self.path(x).held
 
     def too_much(self, x: float) -> bool:
         """Whether the object is lost before the load comes."""
@@ -53,7 +53,7 @@ def least_value(changed: Changed, start: float, most: float, tolerance: float, u
     says of it. start : near it, > 0.
     """
     value, fails = closed_in(changed.holds, start, most, tolerance, changed.too_much)
-    checked = tuple([(x, path.reached) for x, path in changed.paths.items()])
+    checked = tuple([(x, path.held) for x, path in changed.paths.items()])
     below = None if value == 0.0 else fails
     found = Required(value, below, False, unit, most, tolerance, checked)
     if value is None:

@@ -19,13 +19,16 @@ from handlcp.grasp.analysis.required import tolerance_of
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.cause.cause import MOTION, OBJECT, Cause
+from handlcp.grasp.cause.judge import limits_of, over
+from handlcp.grasp.cause.wording import needs_more, said
 from handlcp.grasp.design.closing_in import closed_in
-from handlcp.grasp.design.followed import Changed, word
+from handlcp.grasp.design.followed import ORDER, Changed, word
 from handlcp.grasp.design.no_slip import without_slip
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.follow import Loading
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.path.follow import Loading
 from handlcp.text_table import wrapped
 
 __all__ = ["RequiredStiffness", "required_stiffness"]
@@ -89,26 +92,26 @@ def required_stiffness(
 
     def enough(factor: float) -> bool:
         path = changed.path(factor)
-        return path.reached and not _over(path) and _moved(path) <= allowed
+        return path.held and not _over(path) and _moved(path) <= allowed
 
     def too_much(factor: float) -> bool:
-        return changed.too_much(factor) or _over(changed.path(factor))
+        return changed.too_much(factor) or bool(_over(changed.path(factor)))
 
     value, fails = closed_in(enough, 1.0, _MOST, near, too_much, 1.0 / _MOST)
     if value is not None:
         moved, below = _moved(changed.path(value)), fails if fails < value else None
         short = "" if below is None else _short(changed.path(below))
         return RequiredStiffness(value, below, allowed, moved, pads, word(made(value), section), short)
-    held = {x: path for x, path in changed.paths.items() if path.reached and not _over(path)}
+    held = {x: path for x, path in changed.paths.items() if path.held and not _over(path)}
     moved = _moved(held[max(held)]) if held else np.nan
     return RequiredStiffness(None, None, allowed, moved, pads, "", _why(changed, held, allowed, pads))
 
 
 def _short(path: Loading) -> str:
     """Why a factor is not enough."""
-    if not path.reached:
+    if not path.held:
         return "the object is lost"
-    return "a joint needs more torque than it has" if _over(path) else "it moves further than allowed"
+    return _short_of_torque(path) or said([Cause(MOTION, OBJECT)])
 
 
 def _why(changed: Changed, held: dict[float, Loading], allowed: float, pads: float) -> str:
@@ -117,20 +120,28 @@ def _why(changed: Changed, held: dict[float, Loading], allowed: float, pads: flo
         return f"the pads alone let it move {words.length(pads)}, {share} of that; stiffer pads help, or more of them"
     if held:
         return f"with joints × {max(held):.4g} as stiff it still moves {words.length(_moved(held[max(held)]))}"
-    lost = [path for path in changed.paths.values() if not path.reached]
-    return lost[-1].why if lost else "the joints need more torque than they have, however stiff they are"
+    lost = [path for path in changed.paths.values() if not path.held]
+    if lost:
+        return lost[-1].why
+    return f"{_short_of_torque(next(reversed(changed.paths.values())))}, however stiff the joints are"
 
 
-def _over(path: Loading) -> bool:
-    """Whether a joint needs more than its limit at the end."""
-    mechanism = path.steps.grasp.spec.mechanism
-    return mechanism is not None and bool((abs(path.steps.torques[-1]) > mechanism.limits * (1.0 + 1e-9)).any())
+def _over(path: Loading) -> tuple[Cause, ...]:
+    """The joints that need more than their torque limits at the end."""
+    spec = path.steps.grasp.spec
+    return () if spec.mechanism is None else over(limits_of(spec), path.steps.torques[-1])
+
+
+def _short_of_torque(path: Loading) -> str:
+    """Which joints these are, in words; "" where there is none."""
+    found = _over(path)
+    return needs_more([c.who for c in found], path.steps.grasp.spec) if found else ""
 
 
 def _moved(path: Loading) -> float:
     """How far the reference point is at the end from where it was when the load began [m]."""
     steps = path.steps
-    begun = int((steps.stage < steps.stage[-1]).sum())
+    begun = int((steps.stage == 0).sum()) if path.stages[0] == ORDER[0] else 1  # weight and load come after it
     u = steps.displacement
     return float(np.linalg.norm(u[-1, :3] - u[max(begun - 1, 0), :3]))
 

@@ -19,7 +19,7 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.mechanism import JointReading, Mechanism
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
-from handlcp.tolerances import ACTIVE
+from handlcp.tolerances import ACTIVE, OVER
 
 __all__ = ["TorqueSaturation"]
 
@@ -55,7 +55,7 @@ class TorqueSaturation(Effect):
             return None
         used = abs(torque) / at.mechanism.limits
         worst = int(used.argmax())
-        if used[worst] > 1.0:
+        if used[worst] > 1.0 + OVER:
             words = f"{at.mechanism.names[worst]} at {100 * used[worst]:.3g} % of its limit"
             return Trial(cls(), float(used[worst]) - 1.0, words)
         if not np.isfinite(at.mechanism.limits).any():

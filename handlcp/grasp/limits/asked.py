@@ -8,9 +8,9 @@ import numpy as np
 
 from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.loading.follow import geometry_of
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.follow import geometry_of
 
 __all__ = ["is_followed", "load_of", "tolerance"]
 

@@ -1,13 +1,12 @@
-"""What binds at the end of a path, by name, and the sentence that says so."""
+"""What binds at the end of a path in one posture, and what happens on the way, by name."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from handlcp import words
 from handlcp.check import Array, Ints
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.limits.kernels.happens import RAY, REACHED, WATCHED
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, RAY, REACHED, WATCHED
 from handlcp.grasp.limits.kernels.parts import CLOSED
 from handlcp.grasp.limits.kernels.parts import OPENS as TOUCHES_LAST
 from handlcp.grasp.limits.result import (
@@ -15,7 +14,6 @@ from handlcp.grasp.limits.result import (
     MOTION,
     OBJECT,
     OPENS,
-    RANGE,
     SLIPS,
     TORQUE,
     Bind,
@@ -23,9 +21,8 @@ from handlcp.grasp.limits.result import (
 )  # fmt: skip
 from handlcp.grasp.limits.system import System
 
-__all__ = ["binds_of", "events_of", "why_of", "with_joints"]
+__all__ = ["binds_of", "events_of", "with_joints"]
 
-_STRAIGHT = 1e-9  # of a load: less of it across an axis is none
 _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
@@ -35,7 +32,7 @@ def binds_of(system: System, status: int, which: int, closed: Ints, active: Ints
     Where no rates exist that balance more load: the contacts that open there; if there are none, all that slide; if
     there are none either, balance itself.
     """
-    if status in (RAY, REACHED):
+    if status in (RAY, REACHED, GIVES_UP):
         return ()
     if status == WATCHED:
         if which >= len(system.watched):
@@ -80,37 +77,3 @@ def _limited(system: System) -> tuple[str, ...]:
                 pressed = np.flatnonzero(row.reshape(-1, 3).any(axis=1))
                 found.append(spec.names[int(pressed[0])] if len(pressed) == 1 else f"the {e.title}")
     return tuple(found)
-
-
-def why_of(factor: float, wrench: Array, binds: tuple[Bind, ...]) -> str:
-    """One sentence."""
-    if not binds:
-        return "nothing binds, however large the load"
-    who, kind = words.all_of([b.who for b in binds]), binds[0].kind
-    many, more = len(binds) > 1, "more load" if factor > 0.0 else "it"
-    said = {
-        SLIPS: f"{who} {'slip' if many else 'slips'}, and nothing else balances {more}",
-        OPENS: f"{who} {'let' if many else 'lets'} go, and nothing else balances {more}",
-        TORQUE: f"{who} {'reach their torque limits' if many else 'reaches its torque limit'}",
-        RANGE: f"{who} {'reach the ends of their ranges' if many else 'reaches the end of its range'}",
-        EQUILIBRIUM: f"no contact forces balance {more}",
-        MOTION: "the object has moved as far as was allowed",
-    }[kind]
-    if factor > 0.0:
-        return f"at {factor:.4g} times the load{_amount(factor * wrench)}: {said}"
-    if kind in (TORQUE, RANGE):
-        return f"before there is any load, {said}"
-    return f"it holds nothing of this load: {said}"
-
-
-def _amount(load: Array) -> str:
-    """Such as ", 12.3 N along +x", ", 0.4 N·m about -z"."""
-    parts = []
-    for part, of, how in ((load[:3], words.force, "along"), (load[3:], words.torque, "about")):
-        if (size := float(np.linalg.norm(part))) > 0.0:
-            axis = int(abs(part).argmax())
-            straight = abs(part[axis]) >= (1.0 - _STRAIGHT) * size
-            where = f" {how} {'+' if part[axis] > 0 else '-'}{'xyz'[axis]}" if straight else ""
-            if not (said := of(size)).startswith("0 "):  # beside the rest of the load
-                parts.append(f"{said}{where}")
-    return f", {' and '.join(parts)}" if parts else ""

@@ -13,14 +13,12 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
 from handlcp.grasp.limits.fixed import watch_from
-from handlcp.grasp.limits.followed.answers import followed_limits
-from handlcp.grasp.limits.followed.cause import events_of
+from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP
+from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
-from handlcp.grasp.limits.kernels.trace import trace_each
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.start import begun_of
-from handlcp.grasp.limits.stepped import confirms, stepped_limit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.lcp.compiler.when import at_once
 
@@ -64,12 +62,10 @@ def limits_of(
 
 
 def _followed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float]) -> Limits:
-    ends = followed_limits(spec, section, loads, most)
-    if not ends:
-        return _never(loads, "followed")
-    factors, binds = [e.factor for e in ends], tuple([e.binds for e in ends])
-    events = np.array([len(events_of(e.path, e.at)) for e in ends], dtype=np.int64)
-    return Limits(loads, read_only(np.array(factors)), binds, events, "followed")
+    found = [followed_limit(spec, section, load, most) for load in loads]
+    events = np.array([len(one.events) for one in found], dtype=np.int64)
+    factors = read_only(np.array([one.factor for one in found]))
+    return Limits(loads, factors, tuple([one.binds for one in found]), events, "followed")
 
 
 def _never(loads: Array, geometry: str) -> Limits:
@@ -88,13 +84,12 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
     update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
     with at_once(m):
-        trace_each(p, begun.place, system.load(system.weight), system.loads(loads), watch, known, answers, ends)
+        onward_each(
+            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, known, answers, ends
+        )
     binds = [
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
-    for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
-        slower = stepped_limit(spec, section, loads[a], most, float(answers[a, 2]))
-        if not confirms(slower, float(answers[a, 2])):
-            answers[a, 2:], binds[a] = (slower.factor, len(slower.events)), slower.binds
+    answers[answers[:, 0] == GIVES_UP, 2] = np.nan  # a path that was not walked to its end has no limit that is known
     return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")

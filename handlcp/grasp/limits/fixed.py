@@ -5,16 +5,29 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.cause.wording import why
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.binds import binds_of, events_of, why_of, with_joints
+from handlcp.grasp.limits.binds import binds_of, events_of, with_joints
 from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
+from handlcp.grasp.limits.kernels.onward import onward
 from handlcp.grasp.limits.kernels.parts import Place, none_known
-from handlcp.grasp.limits.kernels.trace import EVENTS, trace
+from handlcp.grasp.limits.kernels.trace import EVENTS
 from handlcp.grasp.limits.path import TracedPath
-from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind, Later, LoadLimit
+from handlcp.grasp.limits.result import (
+    EQUILIBRIUM,
+    MOTION,
+    OBJECT,
+    RANGE,
+    TORQUE,
+    Bind,
+    Later,
+    LimitEvent,
+    LoadLimit,
+    Reached,
+    Rest,
+)  # fmt: skip
 from handlcp.grasp.limits.start import begun_of
-from handlcp.grasp.limits.stepped import confirms, stepped_limit
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
 
@@ -32,26 +45,45 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        return LoadLimit(0.0, wrench, binds, begun.why, (), "fixed", _later(none, 0.0))
+        return LoadLimit(0.0, wrench, binds, begun.why, "fixed", _later(none, 0.0, 0.0, ()))
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
     w, known = system.load(wrench), none_known(p)
-    status, factor, which, events, count = trace(p, place, w, np.inf, watch, known, log, points)
+    status, factor, which, events, count = onward(
+        p, place, w, system.load(system.weight), watch, system.sets, known, log, points
+    )
     path = TracedPath(system, wrench, points[:count].copy(), place)
-    if status == GIVES_UP or not path.sound:
-        slower = stepped_limit(spec, section, wrench, most, float(points[count - 1, 0]))
-        if status != GIVES_UP or not confirms(slower, factor):
-            return slower
+    if status == GIVES_UP:
+        far = f"the path was walked up to {factor:.4g} times the load; its limit is not known"
+        return LoadLimit(np.nan, wrench, (), far, "fixed", _later(path, factor, None, events_of(system, log[:events])))
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])
-    return LoadLimit(factor, wrench, binds, why_of(factor, wrench, binds), happened, "fixed", _later(path, factor))
+    first = next((e.factor for e in happened if e.kind == "slips"), None)
+    lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
+    return LoadLimit(
+        factor, wrench, binds, why(binds, factor, wrench, spec), "fixed", _later(path, factor, lost, happened), first
+    )  # fmt: skip
 
 
-def _later(path: TracedPath, factor: float) -> Later:
+def _later(path: TracedPath, factor: float, lost: float | None, events: tuple[LimitEvent, ...]) -> Later:
     spec, section, weight, wrench = path.system.spec, path.system.section, path.system.weight, path.wrench
 
     def beyond(bound: float) -> float:
         return largest_held(spec, section, weight, wrench, factor, bound)
 
-    return Later(path.arrays, path.solution, beyond)
+    def rest() -> Rest:
+        arrays = path.arrays()
+        named = [("first_slip", e.factor) for e in events if e.kind == "slips"][:1]
+        if lost is not None:
+            named.append(("lost", lost))
+        named += [("limit", factor)] if lost is None and np.isfinite(factor) else []
+        marks = dict[str, Reached]()
+        for name, x in named:
+            if len(arrays.factors):
+                moved = arrays.displacement - arrays.displacement[0]
+                there = np.array([np.interp(x, arrays.factors, column) for column in moved.T])
+                marks[name] = Reached(x, float(np.linalg.norm(there[:3])), float(np.linalg.norm(there[3:])))
+        return Rest(lost, marks, events)
+
+    return Later(path.arrays, path.solution, beyond, rest)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, number, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, load_of, tolerance
 from handlcp.grasp.limits.fixed import fixed_limit
-from handlcp.grasp.limits.followed.answers import followed_limit
+from handlcp.grasp.limits.followed import accurate_limit, followed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.paths import PathSensitivity
@@ -21,11 +21,12 @@ __all__ = ["load_limit"]
 
 
 def load_limit(
-    spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any
+    spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
     follows, most = is_followed(spec, geometry), (tolerance("motion", motion), tolerance("turn", turn))
-    return _Question(spec, section, load_of(spec, wrench), follows, most).limit()
+    near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
+    return _Question(spec, section, load_of(spec, wrench), follows, most, near).limit()
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,7 @@ class _Question:
     wrench: Array
     follows: bool
     most: tuple[float, float]
+    accuracy: float | None = None
 
     def limit(self) -> LoadLimit:
         """The answer."""
@@ -46,7 +48,11 @@ class _Question:
 
     def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
         """The same of another grasp, or of another load."""
-        return (followed_limit if self.follows else fixed_limit)(spec, self.section, wrench, self.most)
+        if not self.follows:
+            return fixed_limit(spec, self.section, wrench, self.most)
+        if self.accuracy is None:
+            return followed_limit(spec, self.section, wrench, self.most)
+        return accurate_limit(spec, self.section, wrench, self.most, self.accuracy)
 
     def bound(self) -> float:
         """See `LoadLimit.bound`."""

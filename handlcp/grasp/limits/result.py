@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -12,6 +12,9 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, OPENS, RANGE, SLIPS, TORQUE, Bind
+from handlcp.grasp.cause.wording import happens
+from handlcp.grasp.path.events import jump
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
@@ -19,45 +22,55 @@ from handlcp.views import view
 
 __all__ = [
     "EQUILIBRIUM", "MOTION", "OBJECT", "OPENS", "RANGE", "SLIPS", "TORQUE", "Bind", "Later", "LimitEvent", "LimitPath",
-    "LoadLimit",
+    "LoadLimit", "Reached", "Rest", "told",
 ]  # fmt: skip
 
-# What binds
-SLIPS, OPENS, TORQUE, RANGE, EQUILIBRIUM, MOTION = "slips", "opens", "torque", "range", "equilibrium", "motion"
-OBJECT = "the object"
+_CALLED = {
+    "first_slip": "first slip", "slides": "slides through", "lost": "lost", "limit": "limit reached",
+}  # fmt: skip
 _SAME = 1e-6  # factors that differ by less are the same
-
-
-@dataclass(frozen=True, slots=True)
-class Bind:
-    """What ends a load's growth. kind : "slips" (a finger that slips), "opens" (a contact that lets go),
-    "torque" (a joint at its torque limit), "range" (a joint at the end of its range), "equilibrium" (forces can no
-    longer balance the load), "motion" (the object moves farther than was allowed). who : the finger, the joint or
-    "the object".
-    """
-
-    kind: str
-    who: str
 
 
 @dataclass(frozen=True, slots=True)
 class LimitEvent:
     """What happens while the load grows. kind : "slips", "sticks", "opens", "touches" (a contact), "yields", "holds"
-    (what is limited, such as a joint with `TorqueSaturation`), "snaps" (the object, to another place). who : its name.
-    factor : on the load, when it happens.
+    (what is limited, such as a joint with `TorqueSaturation`), "snaps", "slides through" (the object). who : its name.
+    factor : on the load, when it happens. moved [m], turned [rad] : how far the object snaps.
     """
 
     kind: str
     who: str
     factor: float
+    moved: float = 0.0
+    turned: float = 0.0
 
     def __str__(self) -> str:
-        return f"{self.factor:.4g} times the load: {self.who} {self.kind}"
+        return f"{self.factor:.4g} times the load: {happens(self.kind, (self.who,))}{jump(self.moved, self.turned)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """A load on a path that matters. factor : on the load. moved [m], turned [rad] : of the object there, since the
+    load began.
+    """
+
+    factor: float
+    moved: float
+    turned: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """Of a whole path: the factor at which the object is lost, how far it has moved where it matters, what happens."""
+
+    lost: float | None
+    marks: dict[str, Reached]
+    events: tuple[LimitEvent, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class LimitPath:
-    """The path at its events, m of them, the first before there is any load and the last at the limit.
+    """The path, m states of it, the first before there is any load and the last at its end.
 
     factors (m,) on the load. forces (m, n, 3) on the object, contact axes [N]. torques (m, nv) of the joints [N·m].
     displacement (m, 6) of the object since the squeeze began: of the reference point [m], and rotation vector [rad].
@@ -73,20 +86,48 @@ class LimitPath:
 class LoadLimit(Data):
     """The largest factor on a load that a grasp holds when the load grows slowly; made by `Grasp.load_limit`.
 
-    factor : times `wrench`; inf where nothing binds however large the load, 0 where squeeze or weight alone are not
-    held. wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one
-    or several. why : one sentence. events : on the way, in order. geometry : "fixed" or "followed".
-    made : computes what is asked for later. question : what was asked, as which it is pickled.
+    factor : times `wrench`; the load at which the object slides through or is lost, or a joint is at a limit, whichever
+    comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are not held.
+    wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
+    several. why : one sentence. events : on the way, in order. geometry : "fixed" or "followed".
+    first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides :
+    nothing that presses sticks any more and the object gives way ten times as fast as before, or it snaps: from here
+    inertia and damping decide how far it jumps. lost : no static rest on the path beyond, found when it is asked for.
+    accuracy : estimated relative error of the factor; NaN: not asked for. made : computes what is asked for later.
+    question : what was asked, as which it is pickled.
     """
 
     factor: float
     wrench: Array
     binds: tuple[Bind, ...]
     why: str
-    events: tuple[LimitEvent, ...]
     geometry: str
     made: Later
+    first_slip: float | None = None
+    slides: float | None = None
+    accuracy: float = np.nan
     question: Question | None = None
+
+    @lazy
+    def _rest(self) -> Rest:
+        return self.made.rest()
+
+    @property
+    def lost(self) -> float | None:
+        """The factor beyond which the path has no static rest; None: it has, or a joint's limit ends it before."""
+        return self._rest.lost
+
+    @property
+    def events(self) -> tuple[LimitEvent, ...]:
+        """What happens on the way, to the end of the path, in order."""
+        return self._rest.events
+
+    @property
+    def marks(self) -> dict[str, Reached]:
+        """How far the object has moved where it matters: at "first_slip", "slides", "lost", and at the "limit" of a
+        joint or of the motion.
+        """
+        return self._rest.marks
 
     def sensitivity(self) -> PathSensitivity:
         """Derivatives of the factor, by differences of whole load limits: `.factor_by_friction` (n,), and so on;
@@ -139,15 +180,23 @@ class LoadLimit(Data):
             "factor": _finite(self.factor), "load_asked_N_Nm": self.wrench.tolist(),
             "load_held_N_Nm": [_finite(x) for x in self.load.tolist()], "geometry": self.geometry, "why": self.why,
             "binds": [{"kind": b.kind, "who": b.who} for b in self.binds],
+            "first_slip": self.first_slip, "slides": self.slides, "lost": self.lost, "accuracy": _finite(self.accuracy),
+            "motion": {name: {"factor": _finite(m.factor), "moved_m": m.moved, "turned_rad": m.turned}
+                       for name, m in self.marks.items()},
             "events": [{"kind": e.kind, "who": e.who, "factor": e.factor} for e in self.events],
         }  # fmt: skip
 
     def __str__(self) -> str:
         """The sentence, and what happens on the way."""
         lines = [wrapped(self.why, "  ")]
-        lines += [wrapped(f"{e}", "    ", "  ") for e in self.events]
+        for name, mark in self.marks.items():
+            moved = f"the object has moved {words.length(mark.moved)}, {words.angle(mark.turned)}"
+            said = f"{_CALLED[name]} at {mark.factor:.4g} times the load: {moved}"
+            lines.append(wrapped(said, "    ", "  "))
+        others = [e for e in self.events if e.kind != "slides through"]  # which `marks` tell
+        lines += [wrapped(line, "    ", "  ") for line in told(others, lambda factor: f"{factor:.4g} times the load")]
         most = self.__dict__.get("some_equilibrium", self.factor)  # as far as anybody asked
-        if most > (1.0 + _SAME) * self.factor:
+        if most > (1.0 + _SAME) * max(self.factor, self.lost or 0.0):
             said = (
                 f"an equilibrium was found up to {most:.4g} times the load; a load that grows slowly never reaches it"
             )
@@ -164,19 +213,31 @@ class LoadLimit(Data):
         return f"LoadLimit(factor={self.factor:.6g}, binds={binds})"
 
 
+def told(events: Iterable[LimitEvent], load: Callable[[float], str]) -> list[str]:
+    """A line for each; what several do at one load as one. load : the words for a factor."""
+    groups = dict[tuple[str, str], list[LimitEvent]]()
+    for e in events:
+        groups.setdefault((e.kind, load(e.factor)), []).append(e)
+    return [
+        f"{at}: {happens(kind, [e.who for e in same])}{jump(same[0].moved, same[0].turned)}"
+        for (kind, at), same in groups.items()
+    ]
+
+
 def _finite(x: float) -> float | None:
     return x if np.isfinite(x) else None
 
 
 @dataclass(frozen=True, slots=True)
 class Later:
-    """What a load limit computes when it is asked for. beyond : from the bound, the largest factor for which there is
-    an equilibrium.
+    """What a load limit computes when it is asked for. rest : what follows beyond the factor. beyond : from the bound,
+    the largest factor for which there is an equilibrium.
     """
 
     path: Callable[[], LimitPath]
     at_limit: Callable[[], GraspSolution]
     beyond: Callable[[float], float]
+    rest: Callable[[], Rest]
 
 
 class Question(Protocol):

@@ -17,15 +17,15 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.kernels.happens import GIVES_UP, REACHED
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, REACHED, TURNS
 from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Place, none_known
 from handlcp.grasp.limits.kernels.standing import faces_reached
 from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.system import System, system_of
-from handlcp.grasp.loading.follow import follow
-from handlcp.grasp.loading.stage import Stage
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
+from handlcp.grasp.path.follow import follow
+from handlcp.grasp.path.program import Stage
 from handlcp.grasp.solve.solve_spec import solve_spec
 
 __all__ = ["Start", "begun_of"]
@@ -72,7 +72,7 @@ def _start_of(system: System) -> Start:
     free = watch._replace(rows=watch.rows[:0], level=watch.level[:0])
     log, path = np.empty((EVENTS, 3)), np.empty((EVENTS, width))
     status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, none_known(p), log, path)
-    if status == GIVES_UP:
+    if status in (GIVES_UP, TURNS):
         return _followed(system, ("squeeze", Stage("weight", weight=1.0)))
     if status != REACHED:
         share = f"{factor:.0%}" if factor > 0.0 else "nothing"

@@ -10,6 +10,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.assembly.contact_form import outward
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
@@ -17,12 +18,13 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Cone, Section, limit_set
 from handlcp.grasp.limits.kernels.happens import Watch
+from handlcp.grasp.limits.kernels.onward import Sets
 from handlcp.grasp.limits.kernels.parts import Parts
-from handlcp.grasp.loading.geometry import supports
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.path.geometry import supports
 
 __all__ = ["System", "system_of"]
 
@@ -31,7 +33,7 @@ __all__ = ["System", "system_of"]
 class System:
     """spec : the grasp, with the flexibility and the effects that count in one posture. scene : of it. weight (6,) : of
     the object, about the reference. limits : that give way, in the order of their unknowns. watched : (kind, name) of
-    each row of `watch`.
+    each row of `watch`. sets : of friction.
     """
 
     spec: GraspSpec
@@ -42,6 +44,7 @@ class System:
     limits: tuple[Limit, ...]
     watched: tuple[tuple[str, str], ...]
     watch: Watch
+    sets: Sets
 
     def load(self, wrench: Array) -> Array:
         """(dof,) in natural units, from a wrench (6,) about the reference."""
@@ -83,7 +86,9 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array | None) -> System
         scene = build(spec)
     limits = tuple([limit for e in effects for limit in e.present(scene)])
     watched, watch = _watch(spec, scene, effects, limits)
-    return System(spec, section, scene, _parts(scene, section, limits), weight, limits, watched, watch)
+    return System(
+        spec, section, scene, _parts(scene, section, limits), weight, limits, watched, watch, _sets(scene, section)
+    )
 
 
 def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
@@ -108,6 +113,11 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
         _own(blocks.E), _own(blocks.G), _own(rows[:, kind.index]), contacts, _own(scene.limits(section)),
         np.array(owner, dtype=np.int64), _own(every), np.array(moving, dtype=np.int64),
     )  # fmt: skip
+
+
+def _sets(scene: Scene, section: Section) -> Sets:
+    round_ = [int(isinstance(section, Cone) and t > 1) for t in scene.kind.tangents]
+    return Sets(section.faces, _own(outward(scene, section)), np.array(round_, dtype=np.int64))
 
 
 def _own(a: Array) -> Array:

@@ -16,6 +16,8 @@ from handlcp.check import number
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.cause.judge import most_used
+from handlcp.grasp.cause.wording import said
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
@@ -66,7 +68,7 @@ class Margins(Data):
         used = self.solution.friction_used
         if not np.isfinite(used).any():
             return None
-        k = int(np.nanargmax(used >= np.nanmax(used) * (1.0 - 1e-9)))  # the first of equals
+        k = most_used(used)
         return Least(self.spec.names[k], float(self.solution.friction_margin[k]), 1.0 - float(used[k]))
 
     @lazy
@@ -180,7 +182,7 @@ class Margins(Data):
         if isinstance(self._load, str):
             rows.append(("load", "–", "", self._load))
         else:
-            rows.append(("load", _times(self._load.factor), "", _what(self._load)))
+            rows.append(("load", _times(self._load.factor), "", said(self._load.binds, self.spec, brief=True)))
         lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))]
         if not self.solution.held:
             lines.append("no margins of friction and torque: no equilibrium was found")
@@ -226,12 +228,6 @@ def _space(space: WrenchSpace) -> str:
 def _between(low: float, high: float) -> str:
     one, other = f"{low:.3g}", f"{high:.3g}"
     return one if one == other else f"{one} to {other}"
-
-
-def _what(load: LoadLimit) -> str:
-    """Who gives out; the object stands for what is lost of it."""
-    lost = {"equilibrium": "balance is lost", "motion": "its motion"}
-    return words.listed([lost.get(b.kind, b.who) for b in load.binds]) or "nothing"
 
 
 def _times(factor: float) -> str:

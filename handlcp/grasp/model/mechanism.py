@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Bools, read_only
 from handlcp.lcp.kernels.compile import kernel
 
 __all__ = ["JointReading", "Mechanism", "joint_flexibility"]
@@ -77,10 +77,21 @@ class Mechanism:
         """Whether the flexibility of a grasp is that of these joints and the pads, and follows them."""
         return False
 
-    def varied(self, spec: Any, what: str, k: int, step: float) -> Any:
+    def varied(self, spec: Any, what: str, k: int, step: float, inside: Array | None = None) -> Any:
         """The grasp made again, as it was asked for, with the k-th "posture" [rad, m], "lengths" [m], "stiffness" or
         "torque_limits" [N·m] larger by a step. Contacts with an object are detected anew; those that were given stay.
+        inside : (k,) [m] how far fingertips count as inside the object, in place of what is detected.
         """
+        raise NotImplementedError
+
+    def inside(self, spec: Any) -> tuple[Array, Bools] | None:
+        """(k,) how far each fingertip counts as inside the object [m], and (k,) which ones just touch it. None where
+        contacts were given, so that nothing counts as inside.
+        """
+        return None
+
+    def gaps(self) -> Array:
+        """(k,) of the fingertips, as `inside` has found them [m]."""
         raise NotImplementedError
 
     @property

@@ -36,15 +36,17 @@ _ROUNDS = 100  # in search of the direction of a slip that begins
 @dataclass(frozen=True, slots=True)
 class Kink:
     """Why a derivative has two sides. who : a finger, or the name of a limit. what : "touches without force", "is at
-    the limit of its friction", or "is just reached". contact : its number; None for a limit.
+    the limit of its friction", "is just reached", or "just touches where it was detected". contact : its number; None
+    for a limit. by : the parameters whose derivatives alone have two sides; () for all.
     """
 
     who: str
     what: str
     contact: int | None
+    by: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return f"{self.who} {self.what}"
+        return f"{self.who} {self.what}" + (f" (by {' and '.join(self.by)})" if self.by else "")
 
 
 def kinks_at(at: Stand) -> tuple[Kink, ...]:
@@ -74,9 +76,10 @@ def _grazes(at: Stand, i: int) -> bool:
     return False
 
 
-def one_sided(at: Stand, kinks: tuple[Kink, ...], b: Array) -> Array:
-    """(c + dof + m,) the changes in natural units for right-hand sides b (c + dof + n + m,) as `Stand` has them, with
-    all m limits that are reached; NaN where no next state is consistent: nothing near is an answer on that side.
+def one_sided(at: Stand, kinks: tuple[Kink, ...], b: Array) -> tuple[Array, Array]:
+    """(x (c + dof + m,), N (c + dof + m, j)): the changes in natural units for right-hand sides b (c + dof + n + m,) as
+    `Stand` has them, with all m limits that are reached, and what spans the changes that no law of the next states
+    resists. NaN where no next state is consistent: nothing near is an answer on that side.
     """
     reached, contacts = at.answer.yielding, [k.contact for k in kinks if k.contact is not None]
     every = [next_states(at, i) for i in contacts]
@@ -85,20 +88,21 @@ def one_sided(at: Stand, kinks: tuple[Kink, ...], b: Array) -> Array:
     for way in itertools.islice(ways, _MOST):
         picked: list[Any] = list(way[: len(contacts)])
         yields = np.array((True,) * reached.active + way[len(contacts) :], bool)
-        x = _rates(at, contacts, picked, yields, b)
-        if x is not None:
-            return x
-    return np.full(at.answer.scene.components + at.answer.scene.dof + len(reached.at), np.nan)
+        found = _rates(at, contacts, picked, yields, b)
+        if found is not None:
+            return found
+    size = at.answer.scene.components + at.answer.scene.dof + len(reached.at)
+    return np.full(size, np.nan), np.zeros((size, 0))
 
 
-def _rates(at: Stand, contacts: list[int], picked: list[Next], yields: Array, b: Array) -> Array | None:
+def _rates(at: Stand, contacts: list[int], picked: list[Next], yields: Array, b: Array) -> tuple[Array, Array] | None:
     """The changes with these next states where they keep every sign; None where they do not."""
     s, rows = at.answer.scene, at.answer.yielding.rows
     free = [k for k, p in enumerate(picked) if p.follows]
     keep = np.concatenate([np.ones(len(b) - len(rows), bool), yields])
     for _ in range(_ROUNDS if free else 1):
         A, B = at.equations(_with(at.states, contacts, picked), rows[yields])
-        x, _ = solved(A, (B @ b[keep])[:, None], RANK)
+        x, N = solved(A, (B @ b[keep])[:, None], RANK)
         if np.isnan(x).any():
             return None
         dv = at.moved(x, rows[yields])[:, 0] + b[: s.components] * at.answer.sizes[1]
@@ -111,11 +115,11 @@ def _rates(at: Stand, contacts: list[int], picked: list[Next], yields: Array, b:
                 picked[k] = new
         if change <= 1e-14:
             break
-    whole = np.zeros(s.components + s.dof + len(rows))
-    whole[: s.components + s.dof] = x[: s.components + s.dof, 0]
-    whole[s.components + s.dof :][yields] = x[s.components + s.dof :, 0]
+    used = np.concatenate([np.ones(s.components + s.dof, bool), yields])
+    whole, left = np.zeros(len(used)), np.zeros((len(used), N.shape[1]))
+    whole[used], left[used] = x[:, 0], N
     fits = all(_keeps(at, i, p, whole, dv, b) for i, p in zip(contacts, picked, strict=True))
-    return whole if fits and _limits_keep(at, whole, yields, b) else None
+    return (whole, left) if fits and _limits_keep(at, whole, yields, b) else None
 
 
 def _keeps(at: Stand, i: int, state: Next, x: Array, dv: Array, b: Array) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.text_table import TextTable, wrapped
+from handlcp.words import first_largest
 
 __all__ = ["path_table"]
 
@@ -43,7 +44,7 @@ def _of_largest(here: Array, change: Array) -> float:
     if not here.size:
         return 0.0
     flat = here.reshape(-1)
-    k = int(abs(flat).argmax())
+    k = first_largest(abs(flat))
     return float(change.reshape(-1)[k] * (-1.0 if flat[k] < 0.0 else 1.0))
 
 

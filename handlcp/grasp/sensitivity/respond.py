@@ -97,28 +97,35 @@ class Response:
         at, reached = self.at, self.at.answer.yielding
         b, rows = at.right_hand_sides(change), reached.rows[: reached.active]
         if self.kinks:
-            columns = [one_sided(at, self.kinks, b[:, k]) for k in range(b.shape[1])]
-            x, rows = (
-                np.column_stack([np.zeros((len(self.inverse) + len(reached.at) - reached.active, 0)), *columns]),
-                reached.rows,
-            )
-        elif self.regular:
+            found = [one_sided(at, self.kinks, b[:, k]) for k in range(b.shape[1])]
+            none = np.zeros((len(self.inverse) + len(reached.at) - reached.active, 0))
+            rates = self._rates(np.column_stack([none, *[x for x, _ in found]]), reached.rows, change)
+            for k, (_, free) in enumerate(found):
+                self._leave_open(rates, slice(k, k + 1), free, reached.rows)
+            return rates
+        if self.regular:
             x = self.inverse @ b
         else:
             A, B = at.equations(at.states, rows)
             x = solved(A, B @ b, RANK)[0]
-        return self._rates(x, rows, change)
+        rates = self._rates(x, rows, change)
+        self._leave_open(rates, slice(None), self.free, rows)
+        return rates
 
     def _rates(self, x: Array, limits: Array, change: Change) -> Rates:
-        """In SI and contact axes; NaN for what is left free."""
+        """In SI and contact axes."""
         at, c = self.at, self.at.answer.scene.components
         scale = at.answer.scale[:, None]
         forces, motion = x[:c] * at.answer.sizes[0] * scale, at.motion(x)
         slip = (at.moved(x, limits) + change.motion) / scale
-        if not self.kinks and self.free.shape[1]:
-            N, units = self.free, at.answer.sizes
-            forces[abs(N[:c]).max(axis=1) > _FREE] = np.nan
-            moved = at.motion(N) / (units[1] / np.array((1.0,) * 3 + (units[2],) * 3))[:, None]
-            motion[abs(moved).max(axis=1) > _FREE] = np.nan
-            slip[abs(at.moved(N, limits)).max(axis=1) > _FREE * units[1]] = np.nan
         return Rates(forces, motion, slip)
+
+    def _leave_open(self, rates: Rates, columns: slice, N: Array, limits: Array) -> None:
+        """Write NaN into columns of rates, for what N (k, j) leaves free."""
+        if not N.shape[1]:
+            return
+        at, units, c = self.at, self.at.answer.sizes, self.at.answer.scene.components
+        rates.forces[abs(N[:c]).max(axis=1) > _FREE, columns] = np.nan
+        moved = at.motion(N) / (units[1] / np.array((1.0,) * 3 + (units[2],) * 3))[:, None]
+        rates.motion[abs(moved).max(axis=1) > _FREE, columns] = np.nan
+        rates.slip[abs(at.moved(N, limits)).max(axis=1) > _FREE * units[1], columns] = np.nan

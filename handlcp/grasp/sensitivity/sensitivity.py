@@ -11,6 +11,7 @@ from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.by.parameters import PARAMETERS
+from handlcp.grasp.sensitivity.by.places import touching_kinks
 from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
 from handlcp.grasp.sensitivity.quantities import QUANTITIES
@@ -50,8 +51,10 @@ class Sensitivity:
     are central differences of what is detected, not of answers.)
 
     Contacts keep their states. Where a state depends on the direction of a change, `kinks` says which, and each entry
-    is the derivative for a parameter that grows; `along` has both sides. NaN: not determined, because the solution
-    leaves it free, or no answer lies in that direction.
+    is the derivative for a parameter that grows; `along` has both sides. By posture and lengths alone, a fingertip that
+    just touches the object it was detected on is such a kink: what is deeper counts as squeezed as `close_on` squeezes,
+    with the sideways motion of the tip, and a gap does not. NaN: not determined, because the solution leaves it free,
+    or no answer lies in that direction.
     """
 
     def __init__(self, answer: Answer) -> None:
@@ -80,7 +83,7 @@ class Sensitivity:
     @property
     def kinks(self) -> tuple[Kink, ...]:
         """Where a derivative has two sides; () where nothing does."""
-        return self._response.kinks
+        return (*self._response.kinks, *touching_kinks(self._answer))
 
     @property
     def free(self) -> int:
@@ -94,7 +97,7 @@ class Sensitivity:
         if quantity not in QUANTITIES or (QUANTITIES[quantity].joints and self._answer.spec.mechanism is None):
             raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
         rates, change = self._by(parameter)
-        found = QUANTITIES[quantity].rate(self._answer, rates, change)
+        found = QUANTITIES[quantity].rate(self._answer, rates, change.ahead)
         return read_only(found.reshape(*found.shape[:-1], *PARAMETERS[parameter].shape(self._answer)))
 
     def along(self, parameter: str, direction: Any) -> Along:
@@ -117,7 +120,7 @@ class Sensitivity:
             raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
         if (known := self._response.ordinary.get(parameter)) is None:
             change = PARAMETERS[parameter].change(self._answer)
-            known = self._response.to(change), change
+            known = self._response.to(change.ahead), change
         self._rates[parameter] = known
         return known
 

@@ -10,6 +10,7 @@ from handlcp.check import Array
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.by.vary import sizes_of
 from handlcp.text_table import TextTable, wrapped
+from handlcp.words import first_largest
 
 __all__ = ["what_matters"]
 
@@ -29,15 +30,15 @@ def what_matters(s: Any, answer: Answer) -> str:
     largest = np.nan_to_num(abs(np.concatenate(effects))).max(axis=0)
     scale, cells = np.where(largest > 0.0, largest, 1.0), []
     for (name, _, ways), each in zip(changes, effects, strict=True):
-        most = int((np.nan_to_num(abs(each)) / scale).sum(axis=1).argmax())  # all columns count alike
+        most = first_largest((np.nan_to_num(abs(each)) / scale).sum(axis=1))  # all columns count alike
         rounded = np.where(abs(each[most]) < _ROUNDING * scale, 0.0, each[most])
         cells.append((name, ways[most][0], *_written(rounded.tolist())))
     torque = ("torque\nN·m",) if "torques" in s.quantities else ()
     heads = ("change", "where", "force\nN", "to spare\nN", *torque, "motion\nmm")
     lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2)))]
     lines.append(wrapped(_legend(answer, least, bool(torque))))
-    if s.kinks:
-        lines.append(wrapped(f"Two sides, of which this is one: {'; '.join(map(str, s.kinks))}.", "  "))
+    if kinks := [str(k) for k in s.kinks if not k.by]:  # of these rows
+        lines.append(wrapped(f"Two sides, of which this is one: {'; '.join(kinks)}.", "  "))
     if s.free:
         count = f"{s.free} direction{'s' if s.free > 1 else ''}"
         lines.append(wrapped(f"Left free in {count}: – is what they change, or a change without an answer.", "  "))
@@ -98,12 +99,12 @@ def _effect(rate: dict[str, Array], answer: Answer, least: int | None) -> list[f
     motion, in mm.
     """
     sizes = np.sqrt((answer.forces**2).sum(axis=1))
-    i = int(sizes.argmax())
+    i = first_largest(sizes)
     found = [float(answer.forces[i] @ rate["forces"][i] / sizes[i]) if sizes[i] > 0.0 else 0.0]
     found.append(np.nan if least is None else float(rate["friction_margin"][least]))
     if "torques" in rate:
         torque = answer.joints.torque
-        j = int(abs(torque).argmax())
+        j = first_largest(abs(torque))
         found.append(float(np.sign(torque[j]) * rate["torques"][j]))
     moved = rate["displacement"][:3]
     return [*found, 1e3 * float(np.sqrt(moved @ moved))]
@@ -119,8 +120,7 @@ def _least(answer: Answer) -> int | None:
         spare = scene.mu[i] * push - float(np.sqrt(lawful[own] @ lawful[own]))
         if own and push > answer.weak and spare > answer.weak:
             margins[i] = spare
-    least = int(margins.argmin())
-    return least if np.isfinite(margins[least]) else None
+    return first_largest(-margins) if np.isfinite(margins).any() else None
 
 
 def _written(effect: list[float]) -> list[str]:

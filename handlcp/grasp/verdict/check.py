@@ -12,19 +12,28 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD, OVER_LIMIT, UNDECIDED, Reason, Verdict, verdict_of
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.follow import Loading, follow
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.advance import Outcome
+from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.others import other_equilibria
-from handlcp.grasp.verdict.path_reasons import compared, lost_reason, place_reasons, reached_reasons, rigid_reasons
+from handlcp.grasp.verdict.path_reasons import (
+    compared,
+    lost_reason,
+    place_reasons,
+    reached_reasons,
+    rigid_reasons,
+    slides_reason,
+)  # fmt: skip
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
 
-__all__ = ["check", "judged"]
+__all__ = ["STEPS", "check", "judged"]
 
 _CHAIN = Auto(search_seconds=0.0)
 STEPS = 8  # of a stage; where something happens there are more
+_MORE = 2  # times as many are twice as many, where fewer end differently
 
 
 def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
@@ -44,17 +53,45 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
 def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
     """The same without advice, which takes many times as long where the grasp does not hold."""
     try:
-        path = follow(spec, section, None, order, None, STEPS, None)
+        path, agree = followed_to(spec, section, order)
     except Unsupported as why:
         told = Reason("not_followed", "warning", f"the loading was not followed: {why}")
         return verdict_of([*solution.verdict.reasons, told])
-    return verdict_of(_reasons(spec, scene, section, solution, path), path)
+    reasons = [*_reasons(spec, scene, section, solution, path)]
+    if not agree:
+        text = "fewer and more steps of loading end differently: one says that it holds, another that it does not"
+        reasons.append(Reason("steps_differ", "decides", text))
+        reasons = [r for r in reasons if r.code not in ("lost", "slides_through")]
+    return verdict_of(reasons, path)
+
+
+def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading, bool]:
+    """The loading, and whether its end is the same with half the steps; where it is not, with twice as many, and twice
+    as many again. Raises Unsupported.
+    """
+    path = follow(spec, section, None, order, None, STEPS, None)
+    if not _slid(path):  # steps in which nothing slides and nothing opens are as good as any others
+        return path, True
+    coarse, count = follow(spec, section, None, order, None, STEPS // 2, None), STEPS
+    for _ in range(_MORE):
+        if coarse.held == path.held:
+            return path, True
+        count *= 2
+        coarse, path = path, follow(spec, section, None, order, None, count, None)
+    return path, coarse.held == path.held
+
+
+def _slid(path: Loading) -> bool:
+    return not path.held or any("sliding" in kinds for kinds in path.steps.contact_state)
 
 
 def _reasons(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
 ) -> Iterator[Reason]:
-    if path.reached:
+    if path.outcome is Outcome.GAVE_UP:
+        yield Reason("follow_stopped", "decides", "the loading was given up, after more steps than paths of use take")
+        return
+    if path.held:
         yield from reached_reasons(spec, scene, path)
         if solution.held:
             yield from compared(solution, path)
@@ -65,7 +102,7 @@ def _reasons(
         return
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
         yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
-    yield lost_reason(path)
+    yield slides_reason(path) if path.reached else lost_reason(path)
     if spec.mechanism is not None:
         yield from spec.mechanism.command_reasons(spec)
     yield from place_reasons(spec, path)

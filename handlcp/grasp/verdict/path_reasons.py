@@ -19,21 +19,42 @@ from handlcp.grasp.answer.reasons import (
 from handlcp.grasp.answer.small_motions import NOTICED, Motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.loading.follow import Loading
-from handlcp.grasp.loading.geometry import RIGID
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.follow import Loading
+from handlcp.grasp.path.geometry import RIGID
 
-__all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons", "rigid_reasons"]
+__all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons", "rigid_reasons", "slides_reason"]
 
 _SLIDES = 1e-4  # of the grasp's size: what slides less on its way, and sticks at its end, is not said to slide
+_BEFORE = 0.98  # of the load at which it is lost: what slides through only from there on is not said to
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn
 
 
 def lost_reason(path: Loading) -> Reason:
     """Where the object is lost, and why."""
     values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
-    return Reason("lost", "decides", f"the object is {path.why}", values)
+    text = f"the object is {path.why}"
+    if (slides := path.slides) is not None and slides.share < _BEFORE * (path.lost_at or 0.0):
+        values["slides_at"] = slides.share
+        text += f"; it slides through from {words.percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
+    return Reason("lost", "decides", text, values)
+
+
+def slides_reason(path: Loading) -> Reason:
+    """From which load on the object slides through or snaps, and how far it goes if it is loaded slowly."""
+    slides, steps = path.slides, path.steps
+    assert slides is not None  # the caller saw to it
+    first = max(int((steps.stage < slides.stage).sum()) - 1, 0)  # before the stage
+    moved = steps.geometry.between(steps.states[first].where.pose, steps.states[-1].where.pose)
+    shift, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
+    at = f"from {words.percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
+    end = f"loaded slowly it moves by {words.length(shift)} and {words.angle(turn)} in all"
+    text = f"the object slides through {at}: no finger that presses sticks any more; {end}; a jerk takes it further"
+    if any(e.kind == "snaps" for e in path.events):
+        text = f"the object snaps {at}: it jumps to another place; {end}; a jerk takes it further"
+    values = {"stage": path.stages[slides.stage], "share": slides.share, "moved_m": shift, "turned_rad": turn}
+    return Reason("slides_through", "decides", text, values)
 
 
 def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:

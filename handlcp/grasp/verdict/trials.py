@@ -19,16 +19,17 @@ from handlcp.grasp.analysis.advice import MOST
 from handlcp.grasp.analysis.required import with_friction
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.cause.judge import limits_of, over
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.follow import follow
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto
 from handlcp.tolerances import SEMIDEFINITE
 
 __all__ = ["advice", "stiffened"]
 
-_STEPS, _FINEST = 5, 0.25  # of a stage; of a step: a path that is lost is tried no further
+_STEPS = 5  # of a stage
 _FRICTION = (0.3, 0.5, 0.8, 1.0, 1.2)  # coefficients; hardly anything grips better
 _STIFFER = (2.0, 5.0, 10.0)  # times as stiff
 _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried
@@ -102,12 +103,12 @@ def _bears(spec: GraspSpec, section: Section) -> bool:
 def _holds(spec: GraspSpec, section: Section, order: Any) -> bool:
     """Whether the end of the loading is reached within the torque limits."""
     try:
-        path = follow(spec, section, None, order, None, _STEPS, None, finest=_FINEST)
+        path = follow(spec, section, None, order, None, _STEPS, None)
     except Unsupported:
         return False
-    if not path.reached or spec.mechanism is None:
-        return path.reached
-    return bool((abs(path.steps.torques[-1]) <= spec.mechanism.limits * (1 + 1e-9)).all())
+    if not path.held or spec.mechanism is None:
+        return path.held
+    return not over(limits_of(spec), path.steps.torques[-1])
 
 
 def stiffened(spec: GraspSpec, factor: float) -> GraspSpec | None:

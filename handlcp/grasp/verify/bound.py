@@ -15,6 +15,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.cause.cause import OPENS, SLIPS, TORQUE
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -57,8 +58,8 @@ class Bounds:
         """(kind, who) of all that binds at the factor of wrench number k; kind: "slips", "opens", "torque", "force"
         (a limit of an effect). Empty where the factor is not finite.
         """
-        every = (("slips", self.slips, self.names), ("opens", self.opens, self.names),
-                 ("torque", self.torque, self.joints), ("force", self.limited, self.effects))  # fmt: skip
+        every = ((SLIPS, self.slips, self.names), (OPENS, self.opens, self.names),
+                 (TORQUE, self.torque, self.joints), ("force", self.limited, self.effects))  # fmt: skip
         return tuple([(kind, names[j]) for kind, mask, names in every for j in np.flatnonzero(mask[k])])
 
 

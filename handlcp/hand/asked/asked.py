@@ -36,6 +36,7 @@ class HandAsked:
 
     flexibility : of the fingers, in place of the hand's own; None: that. load : the whole load, in place of wrench and
     weight; None: these. found : contacts and offsets (k, 3) of the fingers as they are, in place of a detection.
+    inside : (k,) [m] how far fingertips count as inside the object; None: as detected.
     """
 
     state: Posture
@@ -58,6 +59,7 @@ class HandAsked:
     flexibility: Any = None
     load: Any = None
     found: tuple[tuple[Contact, ...], Array] | None = None
+    inside: Array | None = None
 
     def __post_init__(self) -> None:
         fastened(self)
@@ -79,7 +81,7 @@ class HandAsked:
         if self.found is not None:
             mechanism = replace(mechanism, stand_off=self.found[1])
         elif obj is not None:
-            mechanism = standing_off(mechanism, gaps, planar)
+            mechanism = standing_off(mechanism, gaps, planar, self.inside)
         d = offset_beside(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset).copy()
         d[:k] += mechanism.stand_off
         if around is not None:

@@ -11,6 +11,8 @@ from handlcp import words
 from handlcp.check import Array, Bools
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.cause.judge import exceeded
+from handlcp.grasp.cause.wording import needs_more
 from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["RequiredTorque"]
@@ -69,7 +71,7 @@ class RequiredTorque(Data):
 
     @property
     def _short(self) -> Bools:
-        return np.asarray(self.torque > self.limits)
+        return np.asarray(exceeded(self.torque / self.limits))
 
     @property
     def rows(self) -> tuple[tuple[str, str, str, str, str, str], ...]:
@@ -79,7 +81,7 @@ class RequiredTorque(Data):
             finite = np.isfinite(limit)
             most = f"{limit:.4g}" if finite else "none" if self.known[k] else "unknown"
             share = words.percent(float(self.torque[k] / limit)) if finite else "–"
-            rows.append((joint, torque[k], most, share, load, "too weak" if self._short[k] else ""))
+            rows.append((joint, torque[k], most, share, load, "over limit" if self._short[k] else ""))
         return tuple(rows)
 
     @property
@@ -114,7 +116,7 @@ class RequiredTorque(Data):
         if self.fails is not None and self.lost is not None:
             parts.append(f"With {100 * self.fails:.4g} % of it, {self.lost[0]} is lost.")
         if self.weak:
-            parts.append(f"Too weak as it is: {words.listed(self.weak)}.")
+            parts.append(f"As the hand is, {needs_more(self.weak)}.")
         elif self.enough:
             parts.append("The hand's own torque limits are enough.")
         return wrapped(" ".join(parts))

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.design.followed import ORDER
 from handlcp.grasp.friction import Section
-from handlcp.grasp.loading.follow import Loading, follow
+from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.verdict.check import STEPS
 from handlcp.hand.design.brief import Case
 from handlcp.hand.design.changed import gripped
@@ -95,9 +95,9 @@ class Trials:
         torque, squeeze = np.zeros((m, nv)), np.zeros(nv)
         for k in sorted(range(m), key=lambda k: k != self.first):
             path = self.path(k, force)
-            if not path.reached:
+            if not path.held:
                 self.first = k
-                share = (path.lost_at or 0.0) - (path.lost_stage == ORDER[0])
+                share = path.held_to - (path.lost_stage == ORDER[0])
                 return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, path.why), share)
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.hand.elasticity.pads import tip_flexibility
-from handlcp.hand.followed.motions import rotation_vector, transported
+from handlcp.hand.followed.motions import rotation_vector, turned_from
 from handlcp.hand.robot.contact_jacobian import contact_jacobian
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import product
 
 __all__ = ["Bodies", "contacts_at", "slip_between"]
 
@@ -27,9 +27,8 @@ class Bodies(NamedTuple):
 
 
 @kernel
-def turned_frames(old: Array, normals: Array) -> Array:
-    """(n, 3, 3) frames `old`, turned by the smallest rotations that take their z axes to these normals (n, 3)."""
-    out = np.empty_like(old)
+def turn_frames(old: Array, normals: Array, out: Array) -> None:
+    """Write frames `old` (n, 3, 3), turned by the smallest rotations that take their z axes to these normals (n, 3)."""
     for i in range(len(old)):
         x, y, z = old[i, 0, 2], old[i, 1, 2], old[i, 2, 2]
         a, b, c = normals[i, 0], normals[i, 1], normals[i, 2]
@@ -44,23 +43,23 @@ def turned_frames(old: Array, normals: Array) -> Array:
             out[i, 1, k] = v + f + (r * e - p * g) / (1.0 + cosine)
             out[i, 2, k] = w + g + (p * f - q * e) / (1.0 + cosine)
         out[i, 0, 2], out[i, 1, 2], out[i, 2, 2] = a, b, c
-    return out
 
 
 @kernel
 def contacts_at(
-    J: Array, support: Array, coupling: Array, root: Array, pads: Array, around: Array, turns: Array, positions: Array,
-    old: Array, normals: Array,
-) -> tuple[Array, Array, Array, Array]:  # fmt: skip
-    """Frames (n, 3, 3), `old` ones turned to these normals (n, 3), and in their axes E (3n, 3n), J (3n, nv) and the
-    turning (n, nv) of fingertips about the normals.
+    J: Array, support: Array, coupling: Array, pads: Array, around: Array, turns: Array, positions: Array, old: Array,
+    normals: Array, frames: Array, P: Array, every: Array, turning: Array,
+) -> None:  # fmt: skip
+    """Write frames (n, 3, 3), `old` ones turned to these normals (n, 3), and in their axes P (3n, 3n), the flexibility
+    of pads and environment, `every` (3n, nv), the Jacobian, and the turning (n, nv) of fingertips about the normals.
 
     J (joints, 6), support (k, joints), coupling : as in `contact_jacobian`, of k fingers. pads (k, 3, 3) : their
     flexibility in tip axes; turns (n, 3, 3) : of those axes. around : flexibility of the environment, (3(n-k), 3(n-k)).
     """
-    k, n, joints = len(support), len(positions), support.shape[1]
-    frames = turned_frames(old, normals)
-    own, turned, A = np.zeros((k, 3, 3)), np.zeros((k, joints)), np.empty((3, 3))
+    k, joints = support.shape
+    turn_frames(old, normals, frames)
+    turned, A, m = np.zeros((k, joints)), np.empty((3, 3)), 3 * k
+    P[:], every[:], turning[:] = 0.0, 0.0, 0.0
     for i in range(k):
         for a in range(3):
             for b in range(3):
@@ -69,24 +68,21 @@ def contacts_at(
                     A[a, b] += frames[i, c, a] * turns[i, c, b]
         for a in range(3):
             for b in range(a + 1):
+                total = 0.0
                 for c in range(3):
                     for d in range(3):
-                        own[i, a, b] += A[a, c] * pads[i, c, d] * A[b, d]
-                own[i, b, a] = own[i, a, b]
+                        total += A[a, c] * pads[i, c, d] * A[b, d]
+                P[3 * i + a, 3 * i + b] = P[3 * i + b, 3 * i + a] = total
         for j in range(joints):
             if support[i, j] != 0.0:
                 for a in range(3):
                     turned[i, j] += frames[i, a, 2] * J[j, 3 + a]
     fingers = contact_jacobian(J, support, coupling, positions[:k], frames[:k])
     if len(coupling) > 0:
-        turned = np.dot(turned, coupling)
-    nv, m = fingers.shape[1], 3 * k
-    E, every, turning = np.zeros((3 * n, 3 * n)), np.zeros((3 * n, nv)), np.zeros((n, nv))
-    E[:m, :m] = tip_flexibility(fingers, root, own)
-    E[m:, m:] = around
+        turned = product(turned, coupling)
+    P[m:, m:] = around
     every[:m] = fingers
     turning[:k] = turned
-    return frames, E, every, turning
 
 
 @kernel
@@ -98,21 +94,20 @@ def slip_between(at: Array, old: Array, A: Bodies, to: Array, new: Array, B: Bod
     where they were at first. From B to A it is the opposite, so that a path and its reverse cancel. carry (n, 3) : is
     taken off.
     """
-    n, out = len(at), -carry
-    R = np.dot(B.R, np.ascontiguousarray(A.R.T))
-    t = B.t - transported(R, np.zeros(3), A.t)
-    omega = rotation_vector(R)
-    none = np.zeros(3)
+    n, out, moved, R = len(at), -carry, np.empty(3), turned_from(A.R, B.R)
+    t, omega = np.empty(3), rotation_vector(R)
+    for b in range(3):
+        t[b] = B.t[b] - R[b, 0] * A.t[0] - R[b, 1] * A.t[1] - R[b, 2] * A.t[2]
     for i in range(n):
-        Q = np.dot(np.ascontiguousarray(B.turns[i]), np.ascontiguousarray(A.turns[i].T))
-        ahead = transported(R, t, at[i])
-        back = transported(np.ascontiguousarray(R.T), none, to[i] - t)
-        tip_ahead = transported(Q, B.places[i], at[i] - A.places[i])
-        tip_back = transported(np.ascontiguousarray(Q.T), A.places[i], to[i] - B.places[i])
-        moved = 0.5 * (ahead - tip_ahead + tip_back - back)
-        spun = omega - rotation_vector(Q)
+        Q, p, q = turned_from(A.turns[i], B.turns[i]), A.places[i], B.places[i]
+        spun = rotation_vector(Q)
+        for b in range(3):
+            moved[b] = t[b] - q[b] + p[b]
+            for a in range(3):  # the points of the object, ahead and back, less those of the fingertip
+                moved[b] += R[b, a] * at[i, a] - Q[b, a] * (at[i, a] - p[a])
+                moved[b] += Q[a, b] * (to[i, a] - q[a]) - R[a, b] * (to[i, a] - t[a])
         for b in range(3):
             for a in range(2):
-                out[i, a] += 0.5 * (old[i, b, a] + new[i, b, a]) * moved[b]
-            out[i, 2] += 0.5 * (old[i, b, 2] + new[i, b, 2]) * spun[b]
+                out[i, a] += 0.25 * (old[i, b, a] + new[i, b, a]) * moved[b]
+            out[i, 2] += 0.5 * (old[i, b, 2] + new[i, b, 2]) * (omega[b] - spun[b])
     return out

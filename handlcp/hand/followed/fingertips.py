@@ -1,72 +1,128 @@
-"""Which way a hand's fingertips find their contacts while the object moves: compiled, by detection, or as given."""
+"""How a hand's fingertips find their contacts while the object moves, and how these contacts turn: in compiled code for
+balls on primitives, by detection for other shapes, on planes for contacts that were given without an object.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.objects.detect import nearest
+from handlcp.hand.followed.balls import ball_contacts, moved_along
+from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.surface import touched
 
-__all__ = ["Find", "finger_contacts"]
+__all__ = ["Balls", "Find", "finger_contacts"]
 
-# (places (n, 3), turns (n, 3, 3) of fingertips, R (3, 3), t (3,) of the object's motion, and what is written: positions
-# (n, 3), normals (n, 3), gaps (n,)), the first k rows of which belong to fingers
-Find = Callable[[Array, Array, Array, Array, Array, Array, Array], None]
+_STEP = 2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less
 
 
-def finger_contacts(hand: Any, spec: GraspSpec, mechanism: Any) -> Find:
-    """For the k fingers of a grasp. hand : a `HandModel`; mechanism : its `HandMechanism`."""
-    if mechanism.target is None:
-        return _given(spec, mechanism)
+class Find(Protocol):
+    """Contacts of the first k of n fingertips. noise : of what is found, as a share of the object's size."""
+
+    noise: float
+
+    def __call__(
+        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
+    ) -> None:
+        """Fingertips stand at places (n, 3) with rotations turns (n, 3, 3); the object has moved by x ↦ R x + t. Writes
+        the first k rows of positions (n, 3), normals (n, 3), gaps (n,), and of turn, shift (n, 3, 6) as `Touch` has
+        them.
+        """
+
+
+def finger_contacts(spec: GraspSpec, mechanism: Any) -> Find:
+    """For the k fingers of a grasp. mechanism : its `HandMechanism`."""
+    obj, hand = mechanism.target, mechanism.posture.hand
+    if obj is None:
+        return _Given(spec, mechanism)
     shapes = [hand.tip_shapes(i) for i in mechanism.tips]
-    solid = mechanism.target.known
-    if solid is not None and all(len(s) == 1 and s[0].radius is not None for s in shapes):
-        return _balls(solid, mechanism.target, [s[0] for s in shapes])
-    return _detected(mechanism.target, shapes)
+    if obj.known is not None and all(len(s) == 1 and s[0].radius is not None for s in shapes):
+        return Balls(obj, [s[0] for s in shapes])
+    return _Detected(obj, shapes)
 
 
-def _balls(solid: tuple[int, Array], obj: Object, tips: list[Any]) -> Find:
-    kind, sizes = solid
-    own, at = np.ascontiguousarray(obj.placement.rotation), obj.placement.translation.copy()
-    radii, k = np.array([tip.radius for tip in tips]), len(tips)
-    beside = np.array([tip.translation for tip in tips])
-    central = not beside.any()
+class Balls:
+    """Spherical fingertips on an object whose surface is known in closed form."""
 
-    def find(places: Array, turns: Array, R: Array, t: Array, positions: Array, normals: Array, gaps: Array) -> None:
-        centres = places[:k] if central else places[:k] + np.einsum("nij,nj->ni", turns[:k], beside)
-        touched(kind, sizes, R @ own, R @ at + t, centres, radii, positions[:k], normals[:k], gaps[:k])
+    noise = 0.0
 
-    return find
+    def __init__(self, obj: Object, tips: list[Any]) -> None:
+        assert obj.known is not None  # `finger_contacts` saw to it
+        self.kind, self.sizes = obj.known[0], np.array(obj.known[1], dtype=float)
+        self.own, self.at = np.ascontiguousarray(obj.placement.rotation), obj.placement.translation.copy()
+        self.radii = np.array([tip.radius for tip in tips], dtype=float)
+        self.beside = np.array([tip.translation for tip in tips], dtype=float)
+
+    def __call__(
+        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
+    ) -> None:
+        """See `Find`."""
+        ball_contacts(
+            self.kind, self.sizes, R @ self.own, R @ self.at + t, places, turns, self.beside, self.radii, *out
+        )
 
 
-def _detected(obj: Object, shapes: list[Any]) -> Find:
-    """Detected where the object was at the start: fingertips are moved back instead of the object."""
+class _Detected:
+    """Shapes that are detected, in the axes of the object where it was at the start: fingertips are moved back instead
+    of the object. How contacts turn follows from differences.
+    """
 
-    def find(places: Array, turns: Array, R: Array, t: Array, positions: Array, normals: Array, gaps: Array) -> None:
-        for i, tip in enumerate(shapes):
-            near = nearest(tip, R.T @ (places[i] - t), R.T @ turns[i], obj)
+    noise = 1e-8
+
+    def __init__(self, obj: Object, shapes: list[Any]) -> None:
+        self.obj, self.shapes = obj, shapes
+        self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
+        self.size = self.step / _STEP
+
+    def __call__(
+        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
+    ) -> None:
+        """See `Find`."""
+        positions, normals, gaps, turn, shift = out
+        for i, tip in enumerate(self.shapes):
+            at, own = R.T @ (places[i] - t), R.T @ turns[i]
+            near = nearest(tip, at, own, self.obj)
             positions[i], normals[i], gaps[i] = R @ near.position + t, R @ near.normal, near.gap
+            for a in range(6):
+                step = self.step / (1.0 if a < 3 else self.size)
+                by = np.zeros(3)
+                by[a % 3] = step
+                some, other = (self._moved(tip, at, own, R.T @ by * sign, a >= 3) for sign in (1.0, -1.0))
+                turn[i, :, a] = R @ (some.normal - other.normal) / (2.0 * step)
+                shift[i, :, a] = R @ (some.position - other.position) / (2.0 * step)
 
-    return find
+    def _moved(self, tip: Any, at: Array, own: Array, by: Array, turns: bool) -> Proximity:
+        if turns:
+            return nearest(tip, at, pin.exp3(by) @ own, self.obj)
+        return nearest(tip, at + by, own, self.obj)
 
 
-def _given(spec: GraspSpec, mechanism: Any) -> Find:
+class _Given:
     """Points of the fingertips, on planes of the object."""
-    k, tips, first = len(mechanism.tips), list(mechanism.tips), mechanism.posture
-    turned = first.tip_rotations[tips]
-    points = np.einsum("nji,nj->ni", turned, spec.positions[:k] - first.tip_positions[tips])
-    planes, out = spec.positions[:k], spec.frames[:k, :, 2]
 
-    def find(places: Array, turns: Array, R: Array, t: Array, positions: Array, normals: Array, gaps: Array) -> None:
-        touching = places[:k] + np.einsum("nij,nj->ni", turns[:k], points)
-        normals[:k] = out @ R.T
-        gaps[:k] = (normals[:k] * (planes @ R.T + t - touching)).sum(axis=1)
+    noise = 0.0
+
+    def __init__(self, spec: GraspSpec, mechanism: Any) -> None:
+        k, tips, first = len(mechanism.tips), list(mechanism.tips), mechanism.posture
+        turned = first.tip_rotations[tips]
+        self.points = np.einsum("nji,nj->ni", turned, spec.positions[:k] - first.tip_positions[tips])
+        self.planes, self.out = spec.positions[:k].copy(), spec.frames[:k, :, 2].copy()
+
+    def __call__(
+        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
+    ) -> None:
+        """See `Find`."""
+        positions, normals, gaps, turn, shift = out
+        k = len(self.points)
+        arms = np.einsum("nij,nj->ni", turns[:k], self.points)
+        touching = places[:k] + arms
+        normals[:k] = self.out @ R.T
+        gaps[:k] = (normals[:k] * (self.planes @ R.T + t - touching)).sum(axis=1)
         positions[:k] = touching + gaps[:k, None] * normals[:k]
-
-    return find
+        flat = np.zeros((3, 3))
+        for i in range(k):
+            moved_along(turn[i], shift[i], flat, normals[i].copy(), 0.0, arms[i].copy())

@@ -15,18 +15,23 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.loading.geometry import Geometry, Look, Where, least_flexibility, supports
-from handlcp.grasp.loading.numbers import Elastic
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.geometry import Geometry, Look, Where, least_flexibility, supports
+from handlcp.grasp.path.look.numbers import Elastic
+from handlcp.grasp.path.look.tangent import Moving, Touch
+from handlcp.hand.followed.balls import ball_look
 from handlcp.hand.followed.contacts import Bodies, contacts_at, slip_between
-from handlcp.hand.followed.fingertips import finger_contacts
-from handlcp.hand.followed.motions import gone_on, moved_on
+from handlcp.hand.followed.fingertips import Balls, finger_contacts
+from handlcp.hand.followed.motions import displaced, gone_on, motion_between, moved_on
 from handlcp.hand.objects.plane_contacts import rolling_point
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import TipMotions, overlaps
 
 __all__ = ["FollowedHand"]
+
+_FAR = -0.9  # trace of a rotation by almost half a turn, whose axis takes more care
+_TURN = 1e-5  # [rad] differences of where a round object touches a plane
 
 
 class FollowedHand(Geometry):
@@ -39,9 +44,10 @@ class FollowedHand(Geometry):
         self.spec, self._mechanism, hand = spec, mechanism, mechanism.posture.hand
         self.hand, self.object, self.k, self.n = hand, mechanism.target, len(mechanism.tips), spec.n
         k, tips = self.k, list(mechanism.tips)
-        self._find = finger_contacts(hand, spec, mechanism)
+        self._find = finger_contacts(spec, mechanism)
+        self.noise = self._find.noise
         self._frames = [hand.tips.frames[i] for i in tips]
-        self._support = np.ascontiguousarray(hand.tips.support[tips, 0])
+        self._support = np.array(hand.tips.support[tips, 0], dtype=float, order="C")
         self._coupling = np.empty((0, 0)) if hand.kinematics.coupling is None else np.array(hand.kinematics.coupling)
         self._pads = _never_rigid(hand.pads.blocks[tips], least_flexibility(spec))
         self._around = supports(spec)
@@ -49,9 +55,16 @@ class FollowedHand(Geometry):
         self._reference = spec.reference
         self._centre = spec.positions[:k].mean(axis=0) if self.object is None else self.object.center_of_mass
         self._arm = self._centre - spec.reference if self.object is not None else np.zeros(3)
-        self._radius = read_only(np.sqrt(((spec.positions - self._centre) ** 2).sum(axis=1)) + 1e-9)
+        self._first_frames, self._root = spec.frames.copy(), np.array(mechanism.root, dtype=float, order="C")
+        axes = spec.frames[:, :, 2]
+        self._round = [
+            i >= k and self.object is not None and rolling_point(self.object, axes[i], spec.positions[i]) is not None
+            for i in range(self.n)
+        ]
+        self._radius = np.sqrt(((spec.positions - self._centre) ** 2).sum(axis=1)) + 1e-9
         self._least = float(self._radius.min())
-        self._places, self._turns = np.zeros((self.n, 3)), np.tile(np.eye(3), (self.n, 1, 1))
+        self._turns = np.tile(np.eye(3), (self.n, 1, 1))
+        self._balls_alone = self.k == self.n and isinstance(self._find, Balls)
         self._none = np.zeros(hand.nv)
         still = (np.eye(3), np.zeros(3))
         self.posture = mechanism.posture.q
@@ -76,26 +89,56 @@ class FollowedHand(Geometry):
     # ---- where the contacts are
     def look(self, at: Where, before: Look | None) -> Look:
         R, t = at.pose
-        k, n, kinematics = self.k, self.n, self.hand.kinematics
+        n, nv, kinematics, balls = self.n, self.hand.nv, self.hand.kinematics, self._find
         placements, columns = kinematics.frames_at(at.q, self._frames)
-        places, turns = self._places.copy(), self._turns.copy()
+        moving = Moving(np.ascontiguousarray(columns.T), self._support, self._coupling)
+        places, turns = np.zeros((n, 3)), self._turns.copy()
+        touch = Touch(np.empty((n, 3)), np.empty((n, 3)), np.empty(n), places, np.zeros((n, 3, 6)), np.zeros((n, 3, 6)))
+        weight = kinematics.gravity_torque(at.q, self._mechanism.gravity) if self.weighs else self._none
+        frames = np.empty((n, 3, 3))
+        el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), self._root, weight)
+        old = self._first_frames if before is None else before.frames
+        if self._balls_alone and isinstance(balls, Balls):
+            ball_look(
+                placements, *moving, self._pads, self._around, balls.kind, balls.sizes, balls.own, balls.at,
+                balls.beside, balls.radii, R, t, at.give, old, places, turns, touch.positions, touch.normals, touch.gap,
+                touch.turn, touch.shift, frames, el.P, el.J, el.turning,
+            )  # fmt: skip
+        else:
+            self._detect(at, placements, touch, turns)
+            contacts_at(
+                *moving, self._pads, self._around, turns, touch.positions, old, touch.normals, frames, el.P, el.J,
+                el.turning,
+            )  # fmt: skip
+        reference, bodies = R.dot(self._reference) + t, Bodies(R, t, turns, places)
+        return Look(at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), bodies)
+
+    def _detect(self, at: Where, placements: Array, touch: Touch, turns: Array) -> None:
+        """Write the contacts of fingers and environment, one after the other."""
+        (R, t), k, places = at.pose, self.k, touch.places
         places[:k], turns[:k] = placements[:, :3, 3], placements[:, :3, :3]
         places += at.give
-        positions, normals, gap = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
-        self._find(places, turns, R, t, positions, normals, gap)
-        for i in range(k, n):
-            positions[i], normals[i], gap[i] = self._supported(i, at.give[i], R, t)
-        frames, E, J, turning = contacts_at(
-            columns.T, self._support, self._coupling, self._mechanism.root, self._pads, self._around, turns, positions,
-            self.spec.frames if before is None else before.frames, normals,
-        )  # fmt: skip
-        weight = self._none
-        if self.weighs:
-            weight = kinematics.gravity_torque(at.q, self._mechanism.gravity)
-        return Look(
-            at, read_only(positions), read_only(frames), gap, Elastic(E, J, turning, self._mechanism.root, weight),
-            self._radius, R @ self._reference + t, R @ self._arm, Bodies(R, t, turns, places),
-        )  # fmt: skip
+        self._find(places, turns, R, t, (touch.positions, touch.normals, touch.gap, touch.turn, touch.shift))
+        for i in range(k, self.n):
+            touch.positions[i], touch.normals[i], touch.gap[i] = self._supported(i, at.give[i], R, t)
+            self._rolls(i, R, t, touch.normals[i], touch.turn[i], touch.shift[i])
+            places[i] = touch.positions[i]
+
+    def _rolls(self, i: int, R: Array, t: Array, normal: Array, turn: Array, shift: Array) -> None:
+        """Write how a contact of the environment moves as the object turns on its plane, whose normal stays."""
+        for a in range(3):
+            turn[:, 3 + a] = np.cross(np.eye(3)[a], normal)  # takes back that normals turn with the object
+        if self.object is None or not self._round[i]:
+            return
+        for a in range(3):
+            by = np.zeros(3)
+            by[a] = _TURN
+            ends = list[Array]()
+            for sign in (1.0, -1.0):
+                on = rolling_point(self.object, (pin.exp3(sign * by) @ R).T @ normal, self.spec.positions[i])
+                assert on is not None  # `_round` says so
+                ends.append(on)
+            shift[:, 3 + a] = -R @ (ends[0] - ends[1]) / (2.0 * _TURN)
 
     def _supported(self, i: int, give: Array, R: Array, t: Array) -> tuple[Array, Array, float]:
         """Contact point, normal and gap of a contact of the environment, whose plane stays but for how it gives way."""
@@ -115,10 +158,17 @@ class FollowedHand(Geometry):
     def slipped(self, a: Look, b: Look, carry: Array) -> Array:
         return slip_between(a.positions, a.frames, a.bodies, b.positions, b.frames, b.bodies, carry)
 
-    def moved(self, pose: Any, twist: Array, centre: Array, since: Any) -> tuple[Any, float]:
-        (R, t), (R0, t0) = pose, since
-        R, t, far, turned = moved_on(R, t, twist, centre, R0, t0, self._centre)
-        return (R, t), max(far / self._least, turned)
+    def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
+        R, t = pose
+        return moved_on(R, t, twist, centre)
+
+    def between(self, a: Any, b: Any) -> Array:
+        (R0, t0), (R1, t1) = a, b
+        return motion_between(R0, t0, R1, t1, self._reference)
+
+    def turned(self, pose: Any) -> Array:
+        R, _ = pose
+        return np.asarray(R if self.object is None else R @ self.object.frame[0])
 
     def further(self, before: Any, now: Any, share: float) -> tuple[Array, Array]:
         (R0, t0), (R1, t1) = before, now
@@ -126,7 +176,10 @@ class FollowedHand(Geometry):
 
     def displacement(self, pose: Any) -> Array:
         R, t = pose
-        return read_only(np.concatenate([R @ self._reference + t - self._reference, pin.log3(R)]))
+        moved = displaced(R, t, self._reference)
+        if R[0, 0] + R[1, 1] + R[2, 2] < _FAR:
+            moved[3:] = pin.log3(R)
+        return read_only(moved)
 
 
 def _never_rigid(pads: Array, least: float) -> Array:

@@ -6,40 +6,59 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import product
 
-__all__ = ["gone_on", "moved_on", "rotation_vector", "transported"]
+__all__ = ["displaced", "gone_on", "motion_between", "moved_on", "rotation_vector", "transported", "turned_from"]
 
 
 @kernel
-def moved_on(
-    R: Array, t: Array, twist: Array, about: Array, R0: Array, t0: Array, centre: Array
-) -> tuple[Array, Array, float, float]:
-    """The motion (R, t) and then a small one, x ↦ c + v + exp(ω) (x - c), (v, ω) = twist (6,) about c (3,): its R and
-    t; and how far its object with this centre (3,) is from the motion (R0, t0): moved [m], and turned [rad, nearly].
-    """
+def moved_on(R: Array, t: Array, twist: Array, about: Array) -> tuple[Array, Array]:
+    """The motion (R, t) and then a small one, x ↦ c + v + exp(ω) (x - c), (v, ω) = twist (6,) about c (3,)."""
     turn = _rotation(twist[3:])
     arm = np.empty(3)
     for a in range(3):
         arm[a] = t[a] - about[a]
-    new = np.dot(turn, R)
     at = transported(turn, about, arm)
-    moved, turned = 0.0, 0.0
     for a in range(3):
         at[a] += twist[a]
-        step = at[a] - t0[a]
+    return product(turn, R), at
+
+
+@kernel
+def motion_between(R0: Array, t0: Array, R1: Array, t1: Array, point: Array) -> Array:
+    """(6,) from one motion to another: of a point (3,) of the object, and turned [rad]."""
+    out, turn = np.empty(6), rotation_vector(turned_from(R0, R1))
+    before, now = transported(R0, t0, point), transported(R1, t1, point)
+    for a in range(3):
+        out[a], out[3 + a] = now[a] - before[a], turn[a]
+    return out
+
+
+@kernel
+def displaced(R: Array, t: Array, point: Array) -> Array:
+    """(6,) the motion: of a point (3,) of the object, and its rotation vector."""
+    out, turn, now = np.empty(6), rotation_vector(R), transported(R, t, point)
+    for a in range(3):
+        out[a], out[3 + a] = now[a] - point[a], turn[a]
+    return out
+
+
+@kernel
+def turned_from(R0: Array, R1: Array) -> Array:
+    """(3, 3) the rotation R1 R0ᵀ from one to another."""
+    out = np.empty((3, 3))
+    for a in range(3):
         for b in range(3):
-            step += (new[a, b] - R0[a, b]) * centre[b]
-            turned += (new[a, b] - R0[a, b]) ** 2
-        moved += step**2
-    return new, at, np.sqrt(moved), np.sqrt(0.5 * turned)
+            out[a, b] = R1[a, 0] * R0[b, 0] + R1[a, 1] * R0[b, 1] + R1[a, 2] * R0[b, 2]
+    return out
 
 
 @kernel
 def gone_on(R0: Array, t0: Array, R1: Array, t1: Array, centre: Array, share: float) -> tuple[Array, Array]:
     """The motion that goes on from the first to the second by this share of the way between them."""
-    R = np.dot(_rotation(share * rotation_vector(np.dot(R1, np.ascontiguousarray(R0.T)))), R1)
+    R = product(_rotation(share * rotation_vector(turned_from(R0, R1))), R1)
     c0, c1 = transported(R0, t0, centre), transported(R1, t1, centre)
-    return R, c1 + share * (c1 - c0) - np.dot(R, centre)
+    return R, c1 + share * (c1 - c0) - transported(R, np.zeros(3), centre)
 
 
 @kernel

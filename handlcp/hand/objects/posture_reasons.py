@@ -9,13 +9,13 @@ import numpy as np
 from handlcp import words
 from handlcp.errors import URDFError
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.cause.judge import Limits, exceeded, used
 from handlcp.hand.objects.inside import Inside, links_inside
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 
 __all__ = ["posture_reasons"]
 
-_RANGE = 1e-6  # [rad, m] what a joint may be past its range, for rounding
 _FAR = 0.05  # [rad]; past its range by more, the joint cannot be there
 _TOUCHES = 2e-4  # [m] collision geometry is no more exact than that
 _DEEP = 1e-3  # [m] a link deeper in the object cannot be there
@@ -62,7 +62,9 @@ def _inside(links: list[Inside], beside_tip: bool, far: bool) -> Reason:
 def _ranges(posture: Posture) -> Iterator[Reason]:
     hand, q = posture.hand, posture.q
     past = np.maximum(hand.lower - q, q - hand.upper)
-    for k in np.flatnonzero(past > _RANGE):
+    limits = Limits((), hand.joint_names, hand.torque_limits, hand.lower, hand.upper)
+    shares = used(limits, np.zeros(hand.nv), q)[hand.nv :]
+    for k in np.flatnonzero(exceeded(shares)):
         name, by = hand.joint_names[k], float(past[k])
         kinds = {f.name: f.kind for f in hand.kinematics.facts}
         much = words.length(by) if kinds[name] == "prismatic" else words.angle(by)

@@ -79,7 +79,7 @@ class Varied:
         """Names of joints and fingertips, in the order of `longer`."""
         return (*self.posture.hand.kinematics.movable, *self.posture.hand.fingertips)
 
-    def varied(self, spec: GraspSpec, what: str, k: int, step: float) -> GraspSpec:
+    def varied(self, spec: GraspSpec, what: str, k: int, step: float, inside: Array | None = None) -> GraspSpec:
         """See `Mechanism.varied`. Where nobody knows what was asked, contacts and commands of the joints stay."""
         hand, q = self.posture.hand, self.posture.q
         if what == "posture":
@@ -93,7 +93,7 @@ class Varied:
             hand = longer(hand, k, step)
         posture = type(self.posture)(hand, read_only(q))
         if hasattr(spec.asked, "state"):
-            made: GraspSpec = replace(spec.asked, state=posture).spec()
+            made: GraspSpec = replace(spec.asked, state=posture, inside=inside).spec()
             return made
         return _follow(self, spec, posture)
 

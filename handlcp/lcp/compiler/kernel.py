@@ -103,7 +103,7 @@ class Kernel:
             if code not in seen:
                 seen[code] = len(code.co_code) // 2
                 found = [function.__globals__.get(name) for name in code.co_names]
-                for module in [m for m in found if isinstance(m, ModuleType)]:
+                for module in [m for m in found if isinstance(m, ModuleType) and m.__name__.startswith("handlcp")]:
                     found += [getattr(module, name, None) for name in code.co_names]
                 todo += [k.function for k in found if isinstance(k, Kernel)]
         return sum(seen.values())

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["multiply_add", "solve_ranked"]
+__all__ = ["multiply_add", "product", "solve_ranked", "solve_wide"]
 
 _NEAR = 0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
 
@@ -18,6 +20,56 @@ def multiply_add(M: Array, z: Array, q: Array, w: Array) -> None:
         for j in range(len(q)):
             total += M[i, j] * z[j]
         w[i] = total
+
+
+@kernel
+def product(A: Array, B: Array) -> Array:
+    """(i, j) A B of small or sparse matrices: zeros of A (i, k) cost nothing."""
+    out = np.zeros((A.shape[0], B.shape[1]))
+    for i in range(A.shape[0]):
+        row = out[i]
+        for k in range(A.shape[1]):
+            a, other = A[i, k], B[k]
+            if a != 0.0:
+                for j in range(len(row)):
+                    row[j] += a * other[j]
+    return out
+
+
+@kernel
+def solve_wide(A: Array) -> bool:
+    """Solve L X = B in place: A (k, k + m) is [L, B] before, and X is in its last m columns after; False where L has no
+    inverse or is not finite. Unknowns are eliminated from the last to the first, zeros of L cost nothing.
+    """
+    k, wide = A.shape
+    for s in range(k - 1, -1, -1):
+        p = s
+        for i in range(s):
+            if abs(A[i, s]) > abs(A[p, s]):
+                p = i
+        if not abs(A[p, s]) > 0.0:
+            return False
+        if p != s:
+            for j in range(wide):
+                A[p, j], A[s, j] = A[s, j], A[p, j]
+        top, pivot = A[s], 1.0 / A[s, s]
+        for i in range(s):
+            f, row = A[i, s] * pivot, A[i]
+            if f != 0.0:
+                for j in range(s):
+                    row[j] -= f * top[j]
+                for j in range(k, wide):
+                    row[j] -= f * top[j]
+    for s in range(k):
+        top, pivot = A[s], 1.0 / A[s, s]
+        for j in range(k, wide):
+            top[j] *= pivot
+        for i in range(s + 1, k):
+            f, row = A[i, s], A[i]
+            if f != 0.0:
+                for j in range(k, wide):
+                    row[j] -= f * top[j]
+    return True
 
 
 @kernel

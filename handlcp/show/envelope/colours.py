@@ -8,22 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Ints
-from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE
-from handlcp.study.envelope.causes import UNDECIDED, Cause
+from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
+from handlcp.study.envelope.causes import Sector
 
-__all__ = ["NOTHING", "OTHERS", "Key", "keys_of"]
+__all__ = ["NOTHING", "OTHERS", "SHADES", "Key", "keys_of"]
 
-NOTHING, OTHERS = "#E3E5E8", "#8E949B"  # nothing gives out; causes beyond those that have a colour
+NOTHING, OTHERS = "#D9DCE0", "#8E949B"  # nothing gives out; causes beyond those that have a colour
 MOST = 10  # causes with a colour of their own
-# From dark to light, so that neighbours on the surface differ; hues after Okabe and Ito
-_SHADES = {
-    SLIPS: ("#D55E00", "#F0A050", "#A33C00", "#FFC98B", "#7A2E05", "#E87F2B", "#FFDDB5"),
-    OPENS: ("#009E73", "#6CCBA9", "#00694C", "#A8E3CC", "#014A36", "#37B48C"),
-    TORQUE: ("#0072B2", "#86C5EA", "#4A45A0", "#B4AEE8", "#1B4A73", "#3FA7C9", "#7C8FD8", "#D2E6F5"),
-    RANGE: ("#A0307A", "#D58ABB", "#6F1B54", "#EBBBDA", "#8B4C9E", "#C56AA5"),
-    EQUILIBRIUM: ("#767B82", "#4A4E54", "#9A8F80", "#5E5346"),
-    MOTION: ("#B8A000", "#E3CF4A", "#857300", "#F2E69B"),
-    UNDECIDED: ("#F4F0FA",),
+# One hue a kind; its shades differ in hue as well as in lightness, as the light on a surface changes lightness alone.
+# Found by a search for the largest least distance (CIEDE2000), also as people see them who lack red or green cones.
+SHADES = {
+    SLIPS: ("#F7E552", "#A00024", "#E27563", "#BF6F02", "#B14920", "#CA4E65", "#E0A933"),
+    OPENS: ("#2F794E", "#88D882", "#68EEBD", "#63AF8A", "#134604"),
+    TORQUE: ("#5AABE4", "#265C7E", "#AFCBFF", "#3C819F", "#222E4E"),
+    RANGE: ("#8B3FBC", "#8B71E3", "#322FA6", "#5A4360"),
+    EQUILIBRIUM: ("#43403E",),
+    MOTION: ("#47C0C6",),
+    SLIDES: ("#ED7BAE",),
+    UNDECIDED: ("#F3E6FF",),
 }
 
 
@@ -38,7 +40,7 @@ class Key:
     causes: tuple[int, ...]
 
 
-def keys_of(causes: Sequence[Cause]) -> tuple[tuple[Key, ...], Ints]:
+def keys_of(causes: Sequence[Sector]) -> tuple[tuple[Key, ...], Ints]:
     """The colours, the most frequent cause first; and the number of the colour of each cause."""
     used = dict[str, int]()
     found, rest = list[Key](), list[int]()
@@ -63,6 +65,6 @@ def keys_of(causes: Sequence[Cause]) -> tuple[tuple[Key, ...], Ints]:
 
 def _next(kind: str, used: dict[str, int]) -> str | None:
     """The next shade of a hue; None where all have been given away."""
-    shades = _SHADES[kind]
+    shades = SHADES[kind]
     k = used[kind] = used.get(kind, -1) + 1
     return shades[k] if k < len(shades) else None

@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.show.axes import SMALL
 from handlcp.show.envelope.legend import Legend, head
 from handlcp.show.envelope.polar import polar_figure
-from handlcp.show.envelope.surface import Surface, surface_of, wires
+from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.camera import Camera, Frame, camera_for, frame
@@ -85,6 +85,9 @@ def _surface(ax: Any, camera: Camera, env: Envelope, s: Surface, inches: tuple[f
     bodies = [Body(s.points[s.cells[s.key == k]], _rgb(key.colour)) for k, key in enumerate(s.keys)]
     before = paint(ax, camera, [b for b in bodies if len(b.triangles)], None, view, DPI)
     over = Overlay(ax, camera, inch)
+    if len(lines := borders(s)):
+        near = before(lines.mean(axis=1))[:, 0] < 0.01 * s.reach
+        ax.add_collection(LineCollection(list(camera.project(lines[near])), colors="white", linewidths=0.8, zorder=2.9))
     if s.bound_beyond and len(lines := wires(s)):
         hidden = before(lines.mean(axis=1))[:, 0] > 0.01 * s.reach
         cut = np.linalg.norm(lines, axis=2).min(axis=1) > 0.999 * s.reach

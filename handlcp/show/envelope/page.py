@@ -11,7 +11,8 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.errors import InputError
-from handlcp.show.envelope.surface import Surface, surface_of, wires
+from handlcp.show.envelope.sight import facing
+from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
 from handlcp.show.page import file
 from handlcp.show.page.content import packed, view_of
 from handlcp.show.page.document import Own, document, web_files
@@ -77,24 +78,43 @@ def _content(env: Envelope) -> dict[str, Any]:
         notes.append(f"The surface is cut at {s.reach:g} {env.unit}: what reaches farther is drawn there.")
     return {
         "size": grasp.scene.units.length, "parts": [packed(p, meshes) for p in parts], "packed": meshes.packed(),
-        "view": view_of(drawn, parts, frame["joints"]), "frame": {k: frame[k] for k in ("joints", "object")},
+        "view": _view(env, s, drawn, view_of(drawn, parts, frame["joints"])),
+        "frame": {k: frame[k] for k in ("joints", "object")},
         "legend": [*keys, *legend, ["labels", "text", "#5f5f5f", "the weakest direction, and axes"]],
         "surface": surface, "notes": notes, "colours": {}, "frames": [],
     }  # fmt: skip
 
 
+def _view(env: Envelope, s: Surface, drawn: Content, usual: dict[str, Any]) -> dict[str, Any]:
+    """The usual view, turned so that the weakest direction is seen."""
+    factor = env.weakest.factor
+    if not 0.0 < factor < np.inf:
+        return usual
+    centre, scale = _placed(env, s, drawn)
+    points = scale * s.points
+    solids = [b.triangles for b in drawn.solids] + [centre + points[s.cells]]
+    axes = facing(points[env.weakest.number], usual["axes"], usual["up"], centre, np.concatenate(solids))
+    return usual | {"axes": axes}
+
+
+def _placed(env: Envelope, s: Surface, drawn: Content) -> tuple[Array, float]:
+    """Centre of the surface (3,) [m], and metres for a unit of the factors."""
+    at = env.question.load.at
+    return (at if np.isfinite(at).all() else drawn.acts_at), _REACH * drawn.size / s.reach
+
+
 def _surface(env: Envelope, s: Surface, drawn: Content) -> dict[str, Any]:
     """Lengths in metres about the centre; what each direction says."""
-    at = env.question.load.at
-    centre = at if np.isfinite(at).all() else drawn.acts_at
-    scale = _REACH * drawn.size / s.reach
+    centre, scale = _placed(env, s, drawn)
     lines = wires(s) if s.bound_beyond else np.zeros((0, 2, 3))
     return {
         "centre": centre, "scale": scale, "reach": _REACH * drawn.size, "points": scale * s.points, "cells": s.cells,
         "key": s.key, "colours": [key.colour for key in s.keys], "wires": (scale * lines).reshape(-1, 6),
+        "borders": (scale * borders(s)).reshape(-1, 6),
         "directions": env.directions, "cause": env.cause, "causes": [cause.says for cause in env.causes],
         "held": [_short(env, x) for x in env.factors], "bound": [_short(env, x) for x in env.bound],
-        "rows": _rows(env), "columns": ["gives out first", "share", f"least\n{env.unit}", f"median\n{env.unit}"],
+        "rows": _rows(env), "row_colours": _colours(s, len(env.causes)),
+        "columns": ["gives out first", "share", f"least\n{env.unit}", f"median\n{env.unit}"],
         "weakest": _mark(env, env.weakest, scale * s.points), "strongest": _mark(env, env.strongest, scale * s.points),
     }  # fmt: skip
 
@@ -102,6 +122,12 @@ def _surface(env: Envelope, s: Surface, drawn: Content) -> dict[str, Any]:
 def _rows(env: Envelope) -> list[list[str]]:
     """Of the table of causes."""
     return [[c.says, words.percent(c.share), _number(c.least), _number(c.median)] for c in env.causes]
+
+
+def _colours(s: Surface, causes: int) -> list[str]:
+    """Of each cause."""
+    of = {k: key.colour for key in s.keys for k in key.causes}
+    return [of[k] for k in range(causes)]
 
 
 def _mark(env: Envelope, extreme: Extreme, points: Array) -> dict[str, Any]:

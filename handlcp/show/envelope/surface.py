@@ -13,7 +13,7 @@ from handlcp.show.envelope.colours import Key, keys_of
 from handlcp.show.picture.overlay import nice
 from handlcp.study.envelope import Envelope
 
-__all__ = ["Surface", "section", "surface_of", "wires"]
+__all__ = ["Surface", "borders", "section", "surface_of", "wires"]
 
 _MANY = 3.0  # so many medians are seen well beside the weak directions: what reaches farther is cut
 _FAR = 4.0  # reaches up to which the bound is known to its section
@@ -129,6 +129,18 @@ def wires(s: Surface) -> Array:
     lines = np.concatenate([section(s.bound, s.cells, n)[0] for n in normals])
     long = np.linalg.norm(lines, axis=2, keepdims=True)
     return np.asarray(lines * np.minimum(1.0, s.reach / np.maximum(long, 1e-300)))
+
+
+def borders(s: Surface) -> Array:
+    """(b, 2, 3) lines on the surface between cells of different colours."""
+    if s.cells.shape[1] != 3:
+        return np.zeros((0, 2, 3))
+    edges = np.sort(s.cells[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+    own = np.repeat(s.key, 3)
+    order = np.lexsort(edges.T)
+    edges, own = edges[order], own[order]
+    between = (edges[1:] == edges[:-1]).all(axis=1) & (own[1:] != own[:-1])
+    return np.asarray(s.points[edges[1:][between]])
 
 
 def _reach(env: Envelope) -> tuple[float, bool]:

@@ -12,10 +12,10 @@ from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp
 from handlcp.grasp.answer.friction_used import friction_used
 from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.loading.events import Event, summary
+from handlcp.grasp.path.events import Event, summary
 from handlcp.show.file import Figure, checked, write
 from handlcp.show.limit.axis import LoadAxis
-from handlcp.show.limit.report import size, way
+from handlcp.show.limit.report import moved, size, way
 from handlcp.show.loading.draw import DPI, compose
 from handlcp.show.loading.head import outcome
 from handlcp.show.loading.marks import Mark, Marks
@@ -51,7 +51,9 @@ def figure(limit: LoadLimit, title: str = "") -> Figure:
         raise Unsupported(f"there is no load to draw: {limit.why}; `grasp.follow().plot()` draws how it is lost")
     axis, grasp = LoadAxis(limit), _grasp(limit)
     last = float(limit.path.factors[-1]) or 1.0
-    events = [Event(e.kind, e.who, "load", e.factor / last) for e in limit.events]
+    until = max(last, limit.factor if np.isfinite(limit.factor) else last)
+    events = [Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned)
+              for e in limit.events if e.factor <= until]  # fmt: skip
     told = summary(events, grasp.spec)
     marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
     return compose(axis, _panels(limit, grasp), marks, lambda drawn: _head(drawn, limit, title))
@@ -68,10 +70,14 @@ def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:
     """Title, the limit and what gives out; which load, and what friction and torque limits alone would allow."""
     held = np.isfinite(limit.factor)
     below = f"The load that grows: {way(limit.wrench)}."
+    if (there := moved(limit)) != "–":
+        below += f" At the limit the object has moved {there}."
+    if limit.lost is not None and limit.lost > limit.factor * (1.0 + 1e-6):
+        below += f" It is lost at {size(limit.wrench, limit.lost)}."
     if held and np.isfinite(limit.bound) and limit.bound > limit.factor * (1.0 + 1e-6):
         below += f" Friction and torque limits alone would allow {size(limit.wrench, limit.bound)}."
     beyond = limit.some_equilibrium
-    if beyond > limit.factor * (1.0 + 1e-6) and not np.isclose(beyond, limit.bound, rtol=1e-3):
+    if beyond > max(limit.factor, limit.lost or 0.0) * (1.0 + 1e-6) and not np.isclose(beyond, limit.bound, rtol=1e-3):
         most = size(limit.wrench, beyond)
         below += f" Up to {most} there are forces in balance, which a load that grows does not reach."
     return outcome(drawn, title, "LIMIT" if held else "NO LIMIT", f"{limit.why}.", not held, below)

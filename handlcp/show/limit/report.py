@@ -12,31 +12,16 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE, Bind, LoadLimit
+from handlcp.grasp.cause.wording import said
+from handlcp.grasp.limits.result import LoadLimit
 from handlcp.show import tables
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["cause", "limit_table", "record", "share_of_bound", "size", "way"]
+__all__ = ["limit_table", "moved", "record", "share_of_bound", "size", "way"]
 
-_CAUSES = {  # of one, of several
-    SLIPS: ("slips", "slip"), OPENS: ("lets go", "let go"), TORQUE: ("at its torque limit", "at their torque limits"),
-    RANGE: ("at the end of its range", "at the ends of their ranges"),
-}  # fmt: skip
+_SAME = 1e-6  # loads that differ by less are the same
 _AXES = ("x", "y", "z")
-
-
-def cause(binds: Sequence[Bind]) -> str:
-    """What gives out, such as "finger_1_tip slips"; "nothing" where the load may grow without end."""
-    if not binds:
-        return "nothing"
-    kind = binds[0].kind
-    if kind == EQUILIBRIUM:
-        return "no contact forces balance the load"
-    if kind == MOTION:
-        return "the object has moved too far"
-    who = words.listed([b.who for b in binds])
-    return f"{who} {_CAUSES[kind][len(binds) > 1]}"
 
 
 def size(wrench: Array, factor: float) -> str:
@@ -73,16 +58,37 @@ def share_of_bound(limit: LoadLimit) -> str:
 
 
 def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
-    """A row for each load: how much is held, what gives out, and how much friction and torque limits alone allow."""
+    """A row for each load: where a finger slips first, how much is held, what gives out, how far the object has moved
+    there, where it is lost, and how much friction and torque limits alone allow.
+    """
     table = tables.empty(title, "at most: what friction and torque limits alone would allow, whatever the springs")
     table.add_column("load", no_wrap=True)
+    tables.numbers(table, "first slip")
     tables.numbers(table, "held up to")
     table.add_column("what gives out", overflow="fold")
     tables.numbers(table, "at most")
     for limit in limits:
-        row = (Text(way(limit.wrench)), size(limit.wrench, limit.factor), Text(cause(limit.binds)))
-        table.add_row(*row, size(limit.wrench, limit.bound), style="bold red" if limit.factor == 0.0 else None)
+        held = limit.factor > 0.0
+        first = size(limit.wrench, limit.first_slip) if held and limit.first_slip is not None else "–"
+        row = (way(limit.wrench), first, size(limit.wrench, limit.factor), _ends(limit))
+        table.add_row(*map(Text, row), size(limit.wrench, limit.bound), style=None if held else "bold red")
     return table
+
+
+def _ends(limit: LoadLimit) -> str:
+    """What gives out; how far the object has moved there, and where it is lost."""
+    parts = [said(limit.binds, brief=True)]
+    if (there := moved(limit)) != "–":
+        parts.append(f"moved {there}")
+    if limit.lost is not None and limit.lost > limit.factor * (1.0 + _SAME):
+        parts.append(f"lost at {size(limit.wrench, limit.lost)}")
+    return "; ".join(parts)
+
+
+def moved(limit: LoadLimit) -> str:
+    """How far the object has moved and turned at the limit, such as "4 mm, 4°"; "–" where that is not known."""
+    there = [m for m in limit.marks.values() if m.factor == limit.factor > 0.0]
+    return f"{words.length(there[0].moved)}, {words.angle(there[0].turned)}" if there else "–"
 
 
 def record(limits: Sequence[LoadLimit], title: str = "", motion: float | None = None) -> dict[str, Any]:

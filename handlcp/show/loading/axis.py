@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 from handlcp.check import Array
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.follow import Loading
 from handlcp.show.axes import SMALL, TEXT
 from handlcp.show.style import INK
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from handlcp.grasp.loading.events import summary
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.events import summary
+from handlcp.grasp.path.follow import Loading
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.loading.axis import Axis, StageAxis
 from handlcp.show.loading.curves import draw_panel

@@ -9,7 +9,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.follow import Loading
 from handlcp.hand.hand_grasp import grasp_of
 
 __all__ = ["STILL", "grasp_at_end", "moved", "slipped", "solution_at_end"]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.grasp import Grasp, Verdict
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.follow import Loading
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.loading.end import grasp_at_end, moved, solution_at_end
 from handlcp.show.loading.head import headline

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.follow import Loading
 from handlcp.show.style import BOLD, INK, title_lines, width, wrapped
 
 __all__ = ["LINE", "headline", "outcome"]

@@ -12,8 +12,8 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.grasp import GraspSolution
-from handlcp.grasp.loading.events import summary
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.events import summary
+from handlcp.grasp.path.follow import Loading
 from handlcp.show import tables
 from handlcp.show.loading.end import moved, slipped, solution_at_end
 from handlcp.show.loading.series import friction_used

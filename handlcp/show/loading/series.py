@@ -11,7 +11,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp
 from handlcp.grasp.answer.friction_used import friction_used as used_by
-from handlcp.grasp.loading.follow import Loading
+from handlcp.grasp.path.follow import Loading
 from handlcp.show.loading.end import STILL
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
 

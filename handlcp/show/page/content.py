@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, Loading
-from handlcp.grasp.loading.events import summary
+from handlcp.grasp.path.events import summary
 from handlcp.show.page.frames import Frames
 from handlcp.show.page.meshes import Meshes
 from handlcp.show.page.parts import FIXED, Part, notes_of, parts_of

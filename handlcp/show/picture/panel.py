@@ -102,7 +102,7 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
     longest = max(len(name) + len(words) for name, words in zip(names, said, strict=True))
     size = 9.0 * min(1.0, LETTERS / longest)
     for k, r in enumerate(rows):
-        over, binding = r.utilisation > 1.0, r.joint == check.binding
+        over, binding = r.over, r.joint == check.binding
         colour = RED if over else BLUE if binding else "#8FB8D4"
         ax.barh(k + 0.72, 1.0, height=0.26, color="#ECEEF0", zorder=1)
         ax.barh(k + 0.72, r.utilisation, height=0.26, color=colour, zorder=2)

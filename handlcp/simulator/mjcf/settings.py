@@ -23,20 +23,22 @@ class SimulatorSettings:
     timestep : [s] of the integration. contact_time : [s] in which an overlap of two surfaces decays; at least some 10
     time steps, or contacts chatter. friction_time : [s] the same for slip. In MuJoCo a contact that slides opens by
     about 2 μ · speed · contact_time² / friction_time; where that is more than the force pushes in, it hops.
-    impedance, support_impedance : of fingers, and of supports and equations; nearer to 1 they are stiffer, at 0.998 a
-    finger's contact gives way by about 2e-7 m/N. friction_impedance : how many times stiffer friction is.
+    impedance, support_impedance : of fingers, and of supports and equations; nearer to 1 they are stiffer, at 0.99 a
+    finger's contact gives way by about 1e-6 m/N. friction_impedance : how many times stiffer friction is.
     damping : [s] of joints and pads: they come to rest in about this time, without swinging.
-    object_mass : [kg] that the object has besides its own, without weight. Raises InputError.
+    object_mass : [kg] with which the object moves, whatever it weighs. object_damping : [N·s/m] against its motion; its
+    turning is damped as much in proportion to its inertia. Raises InputError.
     """
 
-    timestep: float = 2e-4
+    timestep: float = 1e-4
     contact_time: float = 2e-3
-    impedance: float = 0.998
+    impedance: float = 0.99
     support_impedance: float = 0.999
-    friction_impedance: float = 1e5
-    friction_time: float = 0.02
-    damping: float = 0.01
+    friction_impedance: float = 3e4
+    friction_time: float = 0.1
+    damping: float = 0.02
     object_mass: float = 0.1
+    object_damping: float = 20.0
 
     def __post_init__(self) -> None:
         for f in fields(self):

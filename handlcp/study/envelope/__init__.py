@@ -1,8 +1,8 @@
 """How much a grasp holds in each direction, what gives out first, and what passive compliance gives away."""
 
-from handlcp.study.envelope.causes import Cause
+from handlcp.study.envelope.causes import Sector
 from handlcp.study.envelope.compliance import Compliance
 from handlcp.study.envelope.measure import envelope
 from handlcp.study.envelope.result import Envelope, Extreme
 
-__all__ = ["Cause", "Compliance", "Envelope", "Extreme", "envelope"]
+__all__ = ["Compliance", "Envelope", "Extreme", "Sector", "envelope"]

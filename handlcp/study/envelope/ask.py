@@ -8,19 +8,18 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.batch.progress import Progress, told
+from handlcp.grasp.cause.cause import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.grasp.limits.result import OBJECT, Bind
 from handlcp.grasp.verify.bound import bound_of
 from handlcp.lcp.kernels.compile import at_once
-from handlcp.study.envelope.causes import UNDECIDED
 from handlcp.study.envelope.load import Load
 
 __all__ = ["Binds", "Question"]
 
 _PIECE = {"fixed": 64, "followed": 4}  # directions that are asked for at once
 
-Binds = tuple[Bind, ...]
+Binds = tuple[Cause, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +60,7 @@ class Question:
                     if len(endless):
                         known = bound_of(spec, self.section, wrenches[endless]).factors
                         for k in endless[np.isfinite(known)].tolist():
-                            factors[k], binds[k] = np.nan, (Bind(UNDECIDED, OBJECT),)
+                            factors[k], binds[k] = np.nan, (Cause(UNDECIDED, OBJECT),)
                     done(len(here))
         return factors, tuple(binds)
 

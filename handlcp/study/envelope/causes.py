@@ -7,29 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp import words
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.result import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIPS, TORQUE, Bind
+from handlcp.grasp.cause.cause import Cause
+from handlcp.grasp.cause.wording import said
+from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["NOTHING", "UNDECIDED", "Cause", "causes_of", "said"]
+__all__ = ["Sector", "causes_of"]
 
-NOTHING = "nothing gives out"
-UNDECIDED = "undecided"  # kind of what binds where no limit was found, although there must be one
-_ONE = {
-    SLIPS: "{} slips through", OPENS: "{} lets go", TORQUE: "{} at its torque limit", RANGE: "{} at its range’s end",
-    EQUILIBRIUM: "balance is lost", MOTION: "the object moves too far", UNDECIDED: "undecided",
-}  # fmt: skip
-_SEVERAL = _ONE | {
-    SLIPS: "{} slip through", OPENS: "{} let go", TORQUE: "{} at their torque limits",
-    RANGE: "{} at their ranges’ ends",
-}  # fmt: skip
-
-Binds = tuple[Bind, ...]
+Binds = tuple[Cause, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Cause:
-    """What gives out first, in some of the directions.
+class Sector:
+    """Directions in which the same gives out first.
 
     binds : as in `Envelope.binds`; () where nothing gives out. says : in words. share : of all directions.
     least, median : of the factors there, by solid angle; infinite where nothing gives out, NaN where undecided.
@@ -43,13 +33,13 @@ class Cause:
 
 
 def causes_of(
-    binds: Sequence[Binds], factors: Array, shares: Array, contacts: Sequence[str]
-) -> tuple[tuple[Cause, ...], Ints]:
+    binds: Sequence[Binds], factors: Array, shares: Array, spec: GraspSpec
+) -> tuple[tuple[Sector, ...], Ints]:
     """The causes, the most frequent first; and (m,) the number of each direction's cause. shares (m,) : what part of
-    all directions each stands for. contacts : their names.
+    all directions each stands for. spec : of the grasp.
     """
     keys = [frozenset(some) for some in binds]
-    first = dict[frozenset[Bind], int]()
+    first = dict[frozenset[Cause], int]()
     for k, key in enumerate(keys):
         first.setdefault(key, k)
     number = {key: k for k, key in enumerate(first)}
@@ -63,21 +53,8 @@ def causes_of(
         here = own == k
         some = binds[int(np.flatnonzero(here)[0])]
         middle = _median(factors[here], shares[here])
-        found.append(Cause(some, said(some, contacts), float(part[k]), float(factors[here].min()), middle))
+        found.append(Sector(some, said(some, spec), float(part[k]), float(factors[here].min()), middle))
     return tuple(found), rank[own]
-
-
-def said(binds: Binds, contacts: Sequence[str]) -> str:
-    """Such as "all contacts slip through", "finger 1, finger 2 slip through", "finger_1_distal at its torque limit"."""
-    if not binds:
-        return NOTHING
-    kinds = dict.fromkeys(b.kind for b in binds)
-    return "; ".join(_of_a_kind(kind, [b.who for b in binds if b.kind == kind], contacts) for kind in kinds)
-
-
-def _of_a_kind(kind: str, who: list[str], contacts: Sequence[str]) -> str:
-    every = len(who) > 2 and sorted(who) == sorted(contacts)
-    return (_ONE if len(who) == 1 else _SEVERAL)[kind].format("all contacts" if every else words.listed(who))
 
 
 def _median(values: Array, shares: Array) -> float:

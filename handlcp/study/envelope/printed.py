@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.study.envelope.causes import NOTHING, said
+from handlcp.grasp.cause.wording import NOTHING, said
 from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["amount", "direction", "geometry", "given_away", "headline", "printed"]
@@ -74,7 +74,7 @@ def direction(d: Array) -> str:
 
 
 def _what(env: Any, extreme: Any) -> str:
-    return said(extreme.binds, env.grasp.names)
+    return said(extreme.binds, env.grasp.spec)
 
 
 def _in_any(env: Any) -> str:

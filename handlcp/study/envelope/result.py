@@ -13,7 +13,7 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.answer.shown import Data
 from handlcp.lazy import lazy
 from handlcp.study.envelope.ask import Binds, Question
-from handlcp.study.envelope.causes import Cause, causes_of
+from handlcp.study.envelope.causes import Sector, causes_of
 from handlcp.study.envelope.compliance import Compliance
 from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.printed import printed
@@ -108,7 +108,7 @@ class Envelope(Data):
         return self._at(int(np.argmax(np.where(np.isnan(self.factors), -1.0, self.factors))))
 
     @property
-    def causes(self) -> tuple[Cause, ...]:
+    def causes(self) -> tuple[Sector, ...]:
         """What gives out first, the most frequent cause first. Each has `binds`, as here; `says`, in words; `share` of
         all directions; the `least` and the `median` factor there.
         """
@@ -134,8 +134,8 @@ class Envelope(Data):
         return Compliance.of(self.factors, self.bound, self.shares)
 
     @lazy
-    def _causes(self) -> tuple[tuple[Cause, ...], Ints]:
-        return causes_of(self.binds, self.factors, self.shares, self.grasp.names)
+    def _causes(self) -> tuple[tuple[Sector, ...], Ints]:
+        return causes_of(self.binds, self.factors, self.shares, self.grasp.spec)
 
     @lazy
     def _bound(self) -> Array:

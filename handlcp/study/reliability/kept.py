@@ -21,7 +21,7 @@ from handlcp.version import VERSION
 
 __all__ = ["Kept", "question_of"]
 
-_FIELDS = ("codes", "margin", "again")
+_FIELDS = ("codes", "margin", "again", "unplaced")
 
 
 def question_of(spec: GraspSpec, dimensions: Sequence[Dimension], **more: Any) -> dict[str, Any]:
@@ -62,10 +62,8 @@ class Kept:
         new = self.path.with_name(self.path.name + ".new")
         with writing("resume", self.path):
             with new.open("wb") as out:
-                np.savez(
-                    out, question=np.array(json.dumps(self.question)), codes=done.codes, margin=done.margin,
-                    again=done.again,
-                )  # fmt: skip
+                arrays: dict[str, Any] = {name: getattr(done, name) for name in _FIELDS}
+                np.savez(out, question=np.array(json.dumps(self.question)), **arrays)
                 out.flush()
                 os.fsync(out.fileno())
             new.replace(self.path)

@@ -9,7 +9,7 @@ is over its limit, and there is none (NaN) where nothing holds the object.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,13 @@ from handlcp.check import Array, Bools, Ints
 from handlcp.grasp import GraspSolution, Solutions, solve_many
 from handlcp.grasp.answer.friction_used import friction_margin
 from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
+from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.verdict.check import judged
 from handlcp.lcp import Status
 
-__all__ = ["CHECK", "SOLVE", "WORDS", "Outcomes", "checked", "joined", "solved"]
+__all__ = ["CHECK", "SOLVE", "WORDS", "Outcomes", "among", "checked", "joined", "solved"]
 
 SOLVE, CHECK = "solve", "check"
 WORDS = (HELD, OVER_LIMIT, NOT_HELD, UNDECIDED)  # by their codes
@@ -32,17 +33,29 @@ WORDS = (HELD, OVER_LIMIT, NOT_HELD, UNDECIDED)  # by their codes
 @dataclass(frozen=True, slots=True)
 class Outcomes:
     """codes (m,) : of `WORDS`. margin (m,). again (m,) : which samples were left by the solver's first stage, and were
-    solved in full.
+    solved in full. unplaced (m,) : which ones are no grasp that could be judged; they are UNDECIDED.
     """
 
     codes: Ints
     margin: Array
     again: Bools
+    unplaced: Bools
 
 
 def joined(parts: Sequence[Outcomes]) -> Outcomes:
     """One after the other."""
-    return Outcomes(*[np.concatenate([getattr(p, name) for p in parts]) for name in ("codes", "margin", "again")])
+    names = [one.name for one in fields(Outcomes)]
+    return Outcomes(*[np.concatenate([getattr(p, name) for p in parts]) for name in names])
+
+
+def among(found: Outcomes, placed: Bools) -> Outcomes:
+    """Of all samples (m,), where `found` is of those that could be placed."""
+    if placed.all():
+        return found
+    m = len(placed)
+    codes, margin, again = np.full(m, WORDS.index(UNDECIDED)), np.full(m, np.nan), np.zeros(m, bool)
+    codes[placed], margin[placed], again[placed] = found.codes, found.margin, found.again
+    return Outcomes(codes, margin, again, ~placed)
 
 
 def solved(grasps: Sequence[Grasp], faces: int | str | Pyramid, workers: int | None, decide: int) -> Outcomes:
@@ -55,7 +68,7 @@ def solved(grasps: Sequence[Grasp], faces: int | str | Pyramid, workers: int | N
         some = [grasps[k] for k in chosen.tolist()]
         fully = solve_many(some, faces, workers=workers)
         codes[chosen], margin[chosen], again[chosen] = _codes(fully), _margins(some, fully), True
-    return Outcomes(codes, margin, again)
+    return Outcomes(codes, margin, again, np.zeros(len(grasps), bool))
 
 
 def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
@@ -67,10 +80,10 @@ def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
         verdict = judged(g.spec, g.scene, section, ("squeeze", "load"), one)
         codes[k] = WORDS.index(verdict.word)
         path = verdict.loading
-        end = one if path is None else path.solution if path.reached else None
+        end = one if path is None else path.solution if path.held else None
         if end is not None and end.held:
             margin[k] = margin_of(end)
-    return Outcomes(codes, margin, np.zeros(len(grasps), bool))
+    return Outcomes(codes, margin, np.zeros(len(grasps), bool), np.zeros(len(grasps), bool))
 
 
 def margin_of(solution: GraspSolution) -> float:
@@ -95,7 +108,7 @@ def _codes(found: Solutions) -> Ints:
     none = (names == Status.NOT_HOLDABLE.name) | (names == Status.NO_EQUILIBRIUM.name)
     codes[none] = WORDS.index(NOT_HELD)
     codes[found.held] = WORDS.index(HELD)
-    codes[found.held & (_most_used(found) > 1.0)] = WORDS.index(OVER_LIMIT)
+    codes[found.held & exceeded(_most_used(found))] = WORDS.index(OVER_LIMIT)
     return codes
 
 

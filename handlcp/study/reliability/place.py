@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp import words
+from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.grasp import Grasp
@@ -29,9 +30,16 @@ from handlcp.study.reliability.slide import slid
 from handlcp.study.reliability.spread import Dimension
 from handlcp.study.reliability.values import Values
 
-__all__ = ["Placer"]
+__all__ = ["Placed", "Placer"]
 
 _HAND = {"stiffness", "pads", "posture", "positions"}  # what changes the Jacobian or the flexibility of a hand
+
+
+class Placed(NamedTuple):
+    """The grasp of a sample. why_not : why it is none that could be judged, in words; None: it is one."""
+
+    grasp: Grasp
+    why_not: str | None
 
 
 class Placer:
@@ -56,11 +64,11 @@ class Placer:
         made = finger_flexibility(replace(hand, jacobian=hand.jacobian[:c]))
         return bool(np.allclose(self.spec.flexibility[:c, :c], made, rtol=1e-12, atol=0.0))
 
-    def grasps(self, rows: Array) -> list[Grasp]:
+    def placed(self, rows: Array) -> list[Placed]:
         """One for each row of values (m, d) of the dimensions."""
         spec, values, m = self.spec, Values(self.dimensions, rows), len(rows)
         laws = values.each("friction", spec.n, np.array([c.mu for c in spec.contacts]))
-        places = self._places(values.shifts(self._k), m)
+        places, past = self._places(values.shifts(self._k), m)
         masses, loads, squeezes = (values.one(name) for name in ("mass", "load", "squeeze"))
         hands: list[Any] = [self._hand] * m
         if self._hand is not None and self._varies & (_HAND | {"mass"}):
@@ -80,18 +88,28 @@ class Placer:
                 changes["flexibility"] = self._softened(factor)
             made = spec.replace(**changes)
             share = squeezes[k]
-            out.append(type(self.grasp)(made if share is None else _eased(made, share)))
+            why = self._why_not(past[k])
+            out.append(Placed(type(self.grasp)(made if share is None else _eased(made, share)), why))
         return out
 
-    def _places(self, shifts: Array | None, m: int) -> tuple[Array, Array] | None:
-        """(m, n, 3) positions and (m, n, 3, 3) frames, read-only, the fingers' contacts slid; None: they stay."""
-        if shifts is None:
+    def _why_not(self, past: Bools) -> str | None:
+        """What is wrong with a sample, some of whose fingers (k,) are past an edge."""
+        if not past.any():
             return None
+        names = [self.spec.names[i] for i in np.flatnonzero(past)]
+        return f"{words.listed(names)} would be past an edge of the object, where a contact has no normal"
+
+    def _places(self, shifts: Array | None, m: int) -> tuple[tuple[Array, Array] | None, Bools]:
+        """(m, n, 3) positions and (m, n, 3, 3) frames, read-only, the fingers' contacts slid, None: they stay; and
+        which fingers (m, k) are past an edge.
+        """
+        if shifts is None:
+            return None, np.zeros((m, self._k), bool)
         spec, k = self.spec, self._k
         target = None if self._hand is None or spec.planar else self._hand.target
         positions, frames = np.tile(spec.positions, (m, 1, 1)), np.tile(spec.frames, (m, 1, 1, 1))
-        positions[:, :k], frames[:, :k] = slid(spec.positions[:k], spec.frames[:k], shifts, target)
-        return read_only(positions), read_only(frames)
+        positions[:, :k], frames[:, :k], past = slid(spec.positions[:k], spec.frames[:k], shifts, target)
+        return (read_only(positions), read_only(frames)), past
 
     def _contacts(self, mu: list[float] | None, places: tuple[Array, Array] | None, k: int) -> tuple[Contact, ...]:
         made: dict[tuple[int, float], FrictionLaw] = {}

@@ -14,6 +14,7 @@ from handlcp.check import Array, Ints
 from handlcp.errors import InputError
 from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
 from handlcp.study.plain import plain
 from handlcp.study.reliability.influence import Influence, value_with
@@ -35,7 +36,8 @@ OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes
 @dataclass(frozen=True, eq=False)
 class Sample(Data):
     """One sample: number, its values by name (SI units), word ("HELD", "OVER LIMIT", "NOT HELD", "UNDECIDED"), margin
-    (NaN where nothing holds), and its grasp, which is made and solved when it is looked at.
+    (NaN where nothing holds), and its grasp, which is made and solved when it is looked at. why_not : why it is
+    UNDECIDED without a look at the grasp, such as a contact past an edge, which then has its nominal axes; else None.
     """
 
     number: int
@@ -44,6 +46,7 @@ class Sample(Data):
     margin: float
     grasp: Grasp = field(repr=False)
     method: Method = field(repr=False)
+    why_not: str | None = None
 
     @cached_property
     def solution(self) -> GraspSolution:
@@ -53,6 +56,8 @@ class Sample(Data):
     @cached_property
     def verdict(self) -> Verdict:
         """As the sample was judged: of one solve, or of `grasp.check()`."""
+        if self.why_not is not None:
+            return Verdict(self.word, (Reason("unplaced", "decides", self.why_not),))
         if self.method.by == "check":
             return self.grasp.check(faces=self.method.faces, solution=self.solution)
         return self.solution.verdict
@@ -126,7 +131,14 @@ class Reliability(Data):
         row = values_at(self.placer.dimensions, self.blocks.points(k, k + 1))[0]
         values = dict(zip(self.names, row.tolist(), strict=True))
         word = WORDS[int(self.codes[k])]
-        return Sample(k, values, word, float(self.margin[k]), self.placer.grasps(row[None])[0], self.method)
+        (placed,) = self.placer.placed(row[None])
+        return Sample(k, values, word, float(self.margin[k]), placed.grasp, self.method, placed.why_not)
+
+    @cached_property
+    def why_not(self) -> dict[int, str]:
+        """Why samples are UNDECIDED without a look at their grasp, by number, such as a contact past an edge."""
+        some = np.flatnonzero(self.outcomes.unplaced)
+        return {int(k): str(one.why_not) for k, one in zip(some, self.placer.placed(self.values[some]), strict=True)}
 
     @cached_property
     def worst(self) -> Sample:
@@ -178,12 +190,13 @@ class Reliability(Data):
         return dict(plain(found))
 
     def to_frame(self) -> Any:
-        """A pandas table with a row for each sample: its values, "word" and "margin". Raises Unsupported without
-        pandas.
+        """A pandas table with a row for each sample: its values, "word", "margin", and "why_not": why it is UNDECIDED
+        without a look at its grasp, "" of all others. Raises Unsupported without pandas.
         """
         columns = {name: self.values[:, k] for k, name in enumerate(self.names)}
         said = np.array(WORDS)[self.codes]
-        return view("data_frame")({**columns, "word": said, "margin": self.margin})
+        why = [self.why_not.get(k, "") for k in range(self.samples)]
+        return view("data_frame")({**columns, "word": said, "margin": self.margin, "why_not": why})
 
     def plot(self, path: Any = None, *, title: str = "") -> Path | Any:
         """The margins of all samples, and what matters most: a matplotlib figure, or the file. Raises as
@@ -223,11 +236,12 @@ class Reliability(Data):
     @property
     def _estimated(self) -> str:
         """What is known of samples that nobody looked at in full."""
-        looked = self.outcomes.again
-        if not looked.any() or not (~looked & (self.codes == UNDECIDED)).any():
-            return ""
+        looked, past = self.outcomes.again, int(self.outcomes.unplaced.sum())
+        said = f"; {past:,} are no grasp, with a contact past an edge" if past else ""
+        if not looked.any() or not (~looked & ~self.outcomes.unplaced & (self.codes == UNDECIDED)).any():
+            return said
         held = int((looked & (self.codes < NOT_HELD)).sum())
-        return f"; {held} of {int(looked.sum())} such samples hold, solved in full, and so the rest is counted"
+        return f"{said}; {held} of {int(looked.sum())} such samples hold, solved in full, and so the rest is counted"
 
     def _told(self, sample: Sample) -> str:
         """With the values that matter most."""

@@ -13,7 +13,7 @@ from handlcp.grasp.batch.progress import Progress, told
 from handlcp.grasp.friction import Pyramid
 from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.reliability.kept import Kept
-from handlcp.study.reliability.outcome import SOLVE, Outcomes, checked, joined, solved
+from handlcp.study.reliability.outcome import SOLVE, Outcomes, among, checked, joined, solved
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.points import Blocks
 from handlcp.study.reliability.spread import Dimension
@@ -64,10 +64,17 @@ def run(placer: Placer, blocks: Blocks, method: Method, kept: Kept, progress: Pr
 
 
 def _slice(placer: Placer, points: Array, method: Method, quota: int) -> Outcomes:
-    grasps = placer.grasps(values_at(placer.dimensions, points))
-    if method.by == SOLVE:
-        return solved(grasps, method.faces, method.workers, quota)
-    return checked(grasps, method.faces)
+    return _judged(placer, values_at(placer.dimensions, points), method, quota)
+
+
+def _judged(placer: Placer, rows: Array, method: Method, quota: int, by: str | None = None) -> Outcomes:
+    """Of samples with values (m, d). by : another way to judge them."""
+    every = placer.placed(rows)
+    placed = np.array([one.why_not is None for one in every])
+    grasps = [one.grasp for one in every if one.why_not is None]
+    if (method.by if by is None else by) == SOLVE:
+        return among(solved(grasps, method.faces, method.workers, quota), placed)
+    return among(checked(grasps, method.faces), placed)
 
 
 def values_at(dimensions: Sequence[Dimension], points: Array) -> Array:
@@ -84,7 +91,7 @@ def slopes_of(placer: Placer, method: Method) -> Array:
     d, middle = len(laws), np.array([law.mean for law in laws])
     steps = np.diag([_STEP * law.sd for law in laws])
     rows = np.concatenate([middle + steps, middle - steps, middle[None]])
-    margin = solved(placer.grasps(rows), method.faces, method.workers, 0).margin
+    margin = _judged(placer, rows, method, 0, SOLVE).margin
     up, down, here = margin[:d], margin[d : 2 * d], margin[-1]
     central = (up - down) / (2.0 * _STEP)
     one_sided = np.where(np.isnan(down), up - here, here - down) / _STEP

@@ -43,7 +43,9 @@ def reliability(
         "load" : what loads the object besides its weight. A share, or a distribution of a factor.
         "squeeze" : how hard the hand closes, preloads and commands. A share, or a distribution of a factor.
         "positions" : where each contact is, along both tangents [m]. It stays on the surface of a ball, box, cylinder
-            or ellipsoid, and its normal turns with that; elsewhere it moves in its tangent plane. By finger: those.
+            or ellipsoid, and its normal turns with that; elsewhere it moves in its tangent plane. By finger: those. A
+            sample with a contact past an edge of a box or a rim of a cylinder is UNDECIDED, whatever `by` is: it has no
+            normal there.
         "posture" : how far each joint stands from where it is said to be [rad, m]; the fingertip goes along, and its
             squeeze changes by as much. By joint: those.
         A share of 0.1 is lognormal with the nominal value as its mean and a tenth of it as its standard deviation: it
@@ -94,5 +96,5 @@ def reliability(
 def _chance(found: Outcomes, worse: int, size: int, level: float) -> Chance:
     """Of a code below `worse`."""
     good, unknown = found.codes < worse, found.codes == len(WORDS) - 1
-    left = unknown & ~found.again if found.again.any() else np.zeros(len(good), bool)
+    left = unknown & ~found.again & ~found.unplaced if found.again.any() else np.zeros(len(good), bool)
     return chance_of(good, left, unknown & ~left, (found.again, found.again & good), size, level)

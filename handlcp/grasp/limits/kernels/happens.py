@@ -21,6 +21,7 @@ __all__ = [
     "LOST",
     "RAY",
     "REACHED",
+    "TURNS",
     "WATCHED",
     "Watch",
     "conditions",
@@ -30,8 +31,8 @@ __all__ = [
     "settle_at",
 ]  # fmt: skip
 
-# How a path ends, and that it does not
-REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES = 0, 1, 2, 3, 4, 5
+# How a path ends, that it does not, and that a force turns on its cone
+REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES, TURNS = 0, 1, 2, 3, 4, 5, 6
 _TIE = 1e-11  # of the largest force, gap or motion: what is no farther from its end is there
 _NEVER = 1e300
 

@@ -61,7 +61,7 @@ def _rates(p: Parts, x: Array, give: Array) -> Rates:
 
 
 @kernel
-def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[int, Rates, Solved]:
+def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[int, Rates]:
     """The rates under the load w (dof,), and what contacts and limits do, written into s; whether there are SOME, NONE
     or it is UNKNOWN.
     """
@@ -106,8 +106,8 @@ def decide(p: Parts, s: Place, w: Array, known: Inverse) -> tuple[int, Rates, So
         if _penetrates(s, closed, found.gap):
             continue
         _settle(p, s, closed, kinds, index, gamma, found)
-        return SOME, found, at
-    return none, _rates(p, x, np.zeros(k)), Solved(known.W, x0)
+        return SOME, found
+    return none, _rates(p, x, np.zeros(k))
 
 
 @kernel

@@ -2,7 +2,8 @@
 
 Between events the rates are constant. An event is where a contact's force reaches a face or leaves the normal, where a
 gap closes, where a limit is reached or left. What is watched besides (joints' torques, ends of their ranges, the
-object's motion) ends the path where it is reached first.
+object's motion) ends the path where it is reached first. Where a contact slides on a round cone its force turns, and
+rates change: there the path is left to a walk (`onward`).
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.limits.kernels.curve import follow_curve
 from handlcp.grasp.limits.kernels.happens import (
     CONTINUES,
     GIVES_UP,
     LOST,
     RAY,
     REACHED,
+    TURNS,
     WATCHED,
     Watch,
     conditions,
@@ -27,11 +28,9 @@ from handlcp.grasp.limits.kernels.happens import (
 from handlcp.grasp.limits.kernels.pairs import NONE, SOME
 from handlcp.grasp.limits.kernels.parts import OPEN, Inverse, Parts, Place
 from handlcp.grasp.limits.kernels.rates import Rates, decide
-from handlcp.grasp.limits.kernels.standing import is_sound
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.tolerances import CERTIFY
 
-__all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "trace", "trace_each"]
+__all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "logged", "trace"]
 
 # What happens on a path
 SLIPS, STICKS, OPENED, TOUCHES, YIELDS, HOLDS = 0, 1, 2, 3, 4, 5
@@ -59,16 +58,15 @@ def trace(
     if end <= 0.0:
         return REACHED, factor, -1, events, points
     while points < EVENTS - 1 and events < EVENTS - len(before):
-        found, rates, at = decide(p, s, w, known)
+        found, rates = decide(p, s, w, known)
         if found != SOME:
             return (LOST if found == NONE else GIVES_UP), factor, -1, events, points
         now = kinds_of(p, s)
-        events = _logged(before, now, len(p.mu), factor, log, events)
+        events = logged(before, now, len(p.mu), factor, log, events)
         before = now
         if _slides_round(p, s):
-            status, step, which = follow_curve(p, s, w, end - factor, watch, at)
-        else:
-            status, step, which = _straight(p, s, rates, end - factor, watch)
+            return TURNS, factor, -1, events, points
+        status, step, which = _straight(p, s, rates, end - factor, watch)
         if status == RAY:
             return RAY, np.inf, -1, events, points
         factor += step
@@ -80,33 +78,6 @@ def trace(
         if idle > _STUCK:
             break
     return GIVES_UP, factor, -1, events, points
-
-
-@kernel
-def trace_each(
-    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, known: Inverse, answers: Array, ends: Ints
-) -> None:  # fmt: skip
-    """The paths under each of loads (m, dof), all from the same place, where the load is `carried` (dof,). answers
-    (m, 4) : its status (GIVES_UP, too, where its end is not sound), what was watched, its factor, how many events.
-    ends (m, n + f) : `closed` and `active` there.
-    """
-    log = np.empty((EVENTS, 3))
-    path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
-    n, first = len(begun.gap), known.W.copy()
-    closed, yields, Z, loose = known.closed.copy(), known.yields.copy(), known.Z.copy(), known.loose[0]
-    for a in range(len(loads)):
-        known.W[:, :], known.Z[:, :], known.loose[0] = first, Z, loose
-        known.closed[:], known.yields[:] = closed, yields
-        s = Place(
-            begun.r.copy(), begun.u.copy(), begun.gap.copy(), begun.give.copy(), begun.slack.copy(),
-            begun.closed.copy(), begun.yields.copy(), begun.active.copy(), begun.slides.copy(),
-        )  # fmt: skip
-        status, factor, which, events, points = trace(p, s, loads[a], np.inf, watch, known, log, path)
-        if not is_sound(p, s, carried + path[points - 1, 0] * loads[a], CERTIFY):
-            status, factor = GIVES_UP, path[points - 1, 0]
-        answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
-        ends[a, :n] = s.closed
-        ends[a, n:] = s.active
 
 
 @kernel
@@ -135,7 +106,7 @@ def kinds_of(p: Parts, s: Place) -> Ints:
 
 
 @kernel
-def _logged(before: Ints, now: Ints, n: int, factor: float, log: Array, events: int) -> int:
+def logged(before: Ints, now: Ints, n: int, factor: float, log: Array, events: int) -> int:
     for i in range(len(now)):
         a, b = before[i], now[i]
         if a == b:

@@ -3,11 +3,12 @@
 const SOLID = 0.9, CLEAR = 0.35;
 
 class Ball {
-  constructor({ centre, points, cells, key, colours, wires, reach, weakest }) {
+  constructor({ centre, points, cells, key, colours, wires, borders, reach, weakest }) {
     this.root = new THREE.Group();
     this.root.position.fromArray(centre);
     this.layers = {};
     this.meshes = colours.map((colour, k) => this.mesh(`key${k}`, colour, points, cells.filter((_, i) => key[i] === k)));
+    if (borders.length) this.lines("borders", borders, 0xffffff, 0.9);
     if (wires.length) this.lines("bound", wires, 0x222222, 0.75);
     this.lines("axes", [0, 1, 2].flatMap((k) => [1, -1].map((sign) => {
       const end = [0, 0, 0];
@@ -17,14 +18,14 @@ class Ball {
     this.spot(weakest.at, 0.025 * reach);
   }
 
-  /** The weakest direction: a ball, which also shows faintly through what is before it. */
+  /** The weakest direction: a ball with a white rim, which also shows faintly through what is before it. */
   spot(at, radius) {
     this.layers.spot = new THREE.Group();
-    for (const [depthTest, opacity] of [[true, 1], [false, 0.35]]) {
-      const paint = new THREE.MeshBasicMaterial({ color: 0xc8102e, transparent: true, opacity, depthTest });
-      const ball = new THREE.Mesh(new THREE.SphereGeometry(radius, 20, 14), paint);
+    for (const [color, size, depthTest, opacity] of [[0xffffff, 1.4, true, 1], [0xc8102e, 1, true, 1], [0xc8102e, 1, false, 0.35]]) {
+      const paint = new THREE.MeshBasicMaterial({ color, transparent: true, opacity, depthTest, depthWrite: false });
+      const ball = new THREE.Mesh(new THREE.SphereGeometry(size * radius, 20, 14), paint);
       ball.position.fromArray(at);
-      ball.renderOrder = 6;
+      ball.renderOrder = color === 0xffffff ? 6 : 7;
       this.layers.spot.add(ball);
     }
     this.root.add(this.layers.spot);

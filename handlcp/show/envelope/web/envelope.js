@@ -52,12 +52,15 @@ function marks({ centre, weakest, reach }) {
   return [{ at: at(weakest.at), away: middle, name: "weakest", says: weakest.says, colour: "#c8102e" }, ...axes];
 }
 
-function fillCauses(table, { columns, rows, colours }) {
+function fillCauses(table, { columns, rows, row_colours }) {
   const head = element("tr");
   head.append(...columns.map((title) => element("th", title)));
-  table.replaceChildren(head, ...rows.map((cells) => {
+  table.replaceChildren(head, ...rows.map((cells, i) => {
     const row = element("tr");
     row.append(...cells.map((text, k) => k ? element("td", text) : named("td", text)));
+    const dot = element("i");
+    dot.style.background = row_colours[i];
+    row.firstChild.prepend(dot);
     return row;
   }));
 }

@@ -1,0 +1,1 @@
+"""What gives out: one judge of a state, one table of words."""

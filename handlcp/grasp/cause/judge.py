@@ -1,0 +1,183 @@
+"""The judge: what in a state is beyond its limit, what is at it, and which contacts give way.
+
+    share = |τ| / τ_max            of a torque limit
+    share = 1 + outside / span     of a joint's range; outside < 0 within it
+    share = moved / allowed        of the object's motion
+
+Each share is 1 at the limit. A state is beyond a limit where a share is more than 1 + OVER (`tolerances.py`), and
+nowhere is this compared in another way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import hypot
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Bools, read_only
+from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, OPENS, RANGE, SLIDES, SLIPS, TORQUE, Cause
+from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.tolerances import OVER
+
+__all__ = ["Limits", "binding", "exceeded", "limits_of", "most_used", "over", "slides_through", "slipping", "used"]
+
+_MOST = 1.0 + OVER
+_NONE = 1e-12  # [N·m]: a limit of a joint without torque counts as this
+_FREE = (np.inf, np.inf)
+
+
+def exceeded(share: Any) -> Any:
+    """Whether shares of a limit, a number or an array, are beyond it; NaN is not."""
+    return share > _MOST
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """What a state must not exceed.
+
+    names (n,) : of the contacts. joints (nv,) : names. torque (nv,) : limits [N·m, N], inf where there is none.
+    lower, upper (nv,) : ends of the ranges [rad, m], infinite where there is none. motion : how far the object may
+    move [m] and turn [rad].
+    """
+
+    names: tuple[str, ...]
+    joints: tuple[str, ...]
+    torque: Array
+    lower: Array
+    upper: Array
+    motion: tuple[float, float] = _FREE
+    by_torque: Array = field(init=False, repr=False)  # 1 / τ_max
+    by_span: Array = field(init=False, repr=False)  # 1 / span; 1 where a range has none
+    most: tuple[Array, Array, Array] = field(init=False, repr=False)  # beyond which τ, q and -q are beyond a limit
+
+    def __post_init__(self) -> None:
+        span = self.upper - self.lower
+        ranged = np.isfinite(span) & (span > 0.0)
+        object.__setattr__(self, "by_torque", read_only(1.0 / np.maximum(self.torque, _NONE)))
+        object.__setattr__(self, "by_span", read_only(1.0 / np.where(ranged, span, 1.0)))
+        slack = OVER / self.by_span
+        object.__setattr__(self, "most", (_MOST * self.torque, self.upper + slack, slack - self.lower))
+
+    def cause(self, k: int, share: float) -> Cause:
+        """What the k-th share of `used` is of."""
+        nv = len(self.joints)
+        if k >= 2 * nv:
+            return Cause(MOTION, OBJECT, 1.0 - share)
+        return Cause(TORQUE if k < nv else RANGE, self.joints[k % nv], 1.0 - share)
+
+
+def limits_of(
+    spec: GraspSpec, *, motion: tuple[float, float] = _FREE, ranges: bool = True, stands: Array | None = None
+) -> Limits:
+    """The limits of a grasp. With `TorqueSaturation` torques have no limit to exceed: joints yield at it.
+
+    motion : how far the object may move [m] and turn [rad]. ranges : whether the ends of ranges count. stands (nv,) :
+    where the joints are before they move; a range that a joint has left there already does not count.
+    """
+    mechanism = spec.mechanism
+    if mechanism is None:
+        none = np.zeros(0)
+        return Limits(spec.names, (), none, none, none, motion)
+    torque, free = mechanism.limits, np.full(len(mechanism.names), np.inf)
+    if any(isinstance(e, TorqueSaturation) for e in spec.effects):
+        torque = free
+    lower, upper = (mechanism.ranges if ranges else None) or (-free, free)
+    if stands is not None:
+        left = exceeded(Limits((), mechanism.names, free, lower, upper).by_span * _outside(lower, upper, stands) + 1.0)
+        lower, upper = np.where(left, -np.inf, lower), np.where(left, np.inf, upper)
+    return Limits(spec.names, mechanism.names, torque, lower, upper, motion)
+
+
+def used(limits: Limits, torque: Array, q: Array | None = None, moved: Array | None = None) -> Array:
+    """Shares of the limits: (nv,) of torques; with q (nv,) of ranges too, (2 nv,); with moved (6,) of the object's
+    motion too, (2 nv + 2,), of shift and turn. NaN where a torque is.
+    """
+    parts = [abs(torque) * limits.by_torque]
+    if q is not None:
+        parts.append(_outside(limits.lower, limits.upper, q) * limits.by_span + 1.0)
+    if moved is not None:
+        if q is None:
+            parts.append(np.full(len(limits.joints), -np.inf))
+        parts.append(np.array(_motion(limits, moved)))
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def over(limits: Limits, torque: Array, q: Array | None = None, moved: Array | None = None) -> tuple[Cause, ...]:
+    """What is beyond its limit in a state: torques first, then ranges, then the object's motion; arguments as in
+    `used`.
+    """
+    most, upper, lower = limits.most
+    some = np.count_nonzero(abs(torque) > most)
+    if q is not None:
+        some += np.count_nonzero(q > upper) + np.count_nonzero(-q > lower)
+    if moved is not None:
+        some += bool(exceeded(max(_motion(limits, moved))))
+    if not some:  # the common case, in which no share is worked out
+        return ()
+    share = used(limits, torque, q, moved)
+    return _causes(limits, share, exceeded(share))
+
+
+def binding(
+    limits: Limits, torque: Array, q: Array | None = None, moved: Array | None = None, near: float = OVER
+) -> tuple[Cause, ...]:
+    """What ends a path in a state: all that is at its limit or beyond, or else what is nearest to it. () where nothing
+    has a limit. near : shares that differ by no more, relative, are equal: as exactly as the state is located.
+    """
+    share = used(limits, torque, q, moved)
+    most = float(np.nanmax(share, initial=0.0))
+    if not most > 0.0:
+        return ()
+    return _causes(limits, share, share >= min(most, 1.0) * (1.0 - near))
+
+
+def slipping(names: Sequence[str], kinds: Sequence[str], before: Sequence[str] | None = None) -> tuple[Cause, ...]:
+    """What gives way where no more load is balanced: contacts that open there; or else all that slide; or else balance
+    itself. kinds (n,) : "separated", "sticking", "sliding". before (n,) : the same short of that place; None: nothing
+    opens there.
+    """
+    if before is not None:
+        opened = [n for n, a, b in zip(names, before, kinds, strict=True) if b == "separated" != a]
+        if opened:
+            return tuple([Cause(OPENS, name) for name in opened])
+    every = zip(names, kinds if before is None else before, kinds, strict=True)
+    sliding = [name for name, a, b in every if "sliding" in (a, b)]
+    return tuple([Cause(SLIPS, name) for name in sliding]) or (Cause(EQUILIBRIUM, OBJECT),)
+
+
+def slides_through(kinds: Sequence[str]) -> tuple[Cause, ...]:
+    """That the object slides through, where contacts press and none of them sticks; else ()."""
+    return (Cause(SLIDES, OBJECT),) if "sliding" in kinds and "sticking" not in kinds else ()
+
+
+def most_used(share: Array) -> int:
+    """Which share is the largest: the first of those that differ from it by rounding alone; NaN is none."""
+    known = np.where(np.isnan(share), -np.inf, share)
+    most = float(known.max())
+    return int(np.argmax(known >= most - OVER * abs(most)))
+
+
+def _outside(lower: Array, upper: Array, q: Array) -> Array:
+    """(nv,) how far joints are past an end of their range [rad, m]; below 0 within it."""
+    past: Array = np.maximum(q - upper, lower - q)
+    return past
+
+
+def _motion(limits: Limits, moved: Array) -> tuple[float, float]:
+    """Shares of the object's shift and turn."""
+    x, y, z, a, b, c = moved.tolist()
+    return hypot(x, y, z) / limits.motion[0], hypot(a, b, c) / limits.motion[1]
+
+
+def _causes(limits: Limits, share: Array, which: Bools) -> tuple[Cause, ...]:
+    """The same cause once."""
+    found = dict[Cause, Cause]()
+    for k in np.flatnonzero(which).tolist():
+        one = limits.cause(k, float(share[k]))
+        if one not in found or found[one].margin > one.margin:
+            found[one] = one
+    return tuple(found.values())

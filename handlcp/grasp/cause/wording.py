@@ -1,0 +1,137 @@
+"""The table of words for what gives out and what happens on the way, and the sentences that are made with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED, Cause
+from handlcp.grasp.model.spec import GraspSpec
+
+__all__ = ["BY_TURNS", "NOTHING", "amount", "called", "happens", "needs_more", "said", "why"]
+
+NOTHING = "nothing gives out"
+_GIVES_OUT = {  # of one, of several
+    SLIPS: ("slips", "slip"),
+    OPENS: ("lets go", "let go"),
+    TORQUE: ("reaches its torque limit", "reach their torque limits"),
+    RANGE: ("reaches the end of its range", "reach the ends of their ranges"),
+}  # fmt: skip
+_OF_OBJECT = {
+    EQUILIBRIUM: "no forces balance more load",
+    MOTION: "the object moves farther than allowed",
+    SLIDES: "the object slides through: nothing that presses sticks any more",
+    UNDECIDED: "undecided",
+}
+_HAPPENS = {  # of one, of several
+    "slips": ("begins to slip", "begin to slip"),
+    "sticks": ("sticks again", "stick again"),
+    "slips by turns": ("slips and sticks by turns", "slip and stick by turns"),
+    "opens": ("lets go", "let go"),
+    "touches": ("touches the object", "touch the object"),
+    "opens by turns": ("lets go and touches by turns", "let go and touch by turns"),
+    "over limit": ("needs more than its torque limit", "need more than their torque limits"),
+    "within limit": ("is within its torque limit again", "are within their torque limits again"),
+    "over limit by turns": ("goes over its torque limit and back by turns", "go over their torque limits and back by "
+                            "turns"),
+    "yields": ("yields at its torque limit", "yield at their torque limits"),
+    "holds": ("holds again, below its torque limit", "hold again, below their torque limits"),
+    "yields by turns": ("yields and holds by turns", "yield and hold by turns"),
+    "range end": ("passes the end of its range", "pass the ends of their ranges"),
+    "range": ("is within its range again", "are within their ranges again"),
+    "range end by turns": ("leaves its range and returns by turns", "leave their ranges and return by turns"),
+    "slides through": ("begins to slide through: nothing that presses sticks any more", "slide through"),
+    "snaps": ("snaps to another place", "snap to another place"),
+    "snaps by turns": ("snaps to other places, several times", "snap to other places, several times"),
+}  # fmt: skip
+BY_TURNS = " by turns"
+_JOINTS = ("over limit", "within limit", "yields", "holds", "range end", "range", TORQUE)
+_STRAIGHT = 1e-9  # of a load: less of it across an axis is none
+
+
+def said(causes: Sequence[Cause], spec: GraspSpec | None = None, *, brief: bool = False) -> str:
+    """What gives out, such as "finger 1 and finger 2 slip"; "nothing gives out" for no causes.
+
+    spec : of the grasp, by which all of its fingers are "all 3 fingers". brief : of several of a kind the first, and
+    how many more.
+    """
+    if not causes:
+        return NOTHING
+    kinds = dict[str, list[str]]()
+    for c in causes:
+        kinds.setdefault(c.kind, []).append(c.who)
+    return "; ".join([_of_a_kind(kind, who, spec, brief) for kind, who in kinds.items()])
+
+
+def why(
+    causes: Sequence[Cause], factor: float, wrench: Array, spec: GraspSpec | None = None, then: str = ""
+) -> str:  # fmt: skip
+    """One sentence: what ends the growth of a load at this factor on a wrench (6,) [N, N·m].
+
+    then : what the object does there, such as "slides through"; "": no more load is balanced.
+    """
+    if not causes:
+        return f"{NOTHING}, however large the load"
+    text, kind = said(causes, spec), causes[0].kind
+    if then:
+        text = f"{text}, and the object {then}" if kind in (SLIPS, OPENS) else f"the object {then}"
+    elif kind in (SLIPS, OPENS):
+        text += ", and nothing else balances more load"
+    if factor > 0.0:
+        load = amount(factor * wrench)
+        return f"at {factor:.4g} times the load{f', {load}' if load else ''}: {text}"
+    if kind in (TORQUE, RANGE):
+        return f"before there is any load, {text}"
+    return f"it holds nothing of this load: {text.replace('more load', 'it')}"
+
+
+def happens(kind: str, who: Sequence[str], spec: GraspSpec | None = None) -> str:
+    """What happens on the way, such as "all 5 fingers begin to slip". kind : of an event, or with " by turns"."""
+    return f"{called(who, spec, kind)} {_HAPPENS[kind][len(who) > 1]}"
+
+
+def needs_more(joints: Sequence[str], spec: GraspSpec | None = None) -> str:
+    """Of joints beyond their torque limits, such as "finger_1_proximal needs more than its torque limit"."""
+    return happens("over limit", joints, spec)
+
+
+def called(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -> str:
+    """Several names in a sentence; "both fingers", "all 3 contacts", "all 6 joints" where these are all of the grasp's.
+
+    kind : of what they do, which tells joints from contacts.
+    """
+    if spec is not None and len(who) > 1:
+        names, k = spec.names, spec.of_fingers
+        groups = [(names[:k], "fingers"), (names, "contacts")]
+        if kind.removesuffix(BY_TURNS) in _JOINTS:
+            groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]
+        for group, plural in groups:
+            if len(who) == len(group) and set(who) == set(group):
+                return f"{'both' if len(who) == 2 else f'all {len(who)}'} {plural}"
+    return words.all_of(who)
+
+
+def amount(load: Array) -> str:
+    """Such as "12.3 N along +x", "3 N and 0.4 N·m about -z"; "" for no load. load (6,) [N, N·m]."""
+    parts = []
+    for part, of, how in ((load[:3], words.force, "along"), (load[3:], words.torque, "about")):
+        if (size := float(np.linalg.norm(part))) > 0.0:
+            axis = int(abs(part).argmax())
+            straight = abs(part[axis]) >= (1.0 - _STRAIGHT) * size
+            where = f" {how} {'+' if part[axis] > 0 else '-'}{'xyz'[axis]}" if straight else ""
+            if not (text := of(size)).startswith("0 "):  # beside the rest of the load
+                parts.append(f"{text}{where}")
+    return " and ".join(parts)
+
+
+def _of_a_kind(kind: str, who: list[str], spec: GraspSpec | None, brief: bool) -> str:
+    if kind in _OF_OBJECT:
+        return _OF_OBJECT[kind]
+    several = len(who) > 1
+    names = called(who, spec, TORQUE if kind == RANGE else kind)
+    if brief and several and names == words.all_of(who):
+        names = f"{who[0]} and {len(who) - 1} more"
+    return f"{names} {_GIVES_OUT[kind][several]}"

@@ -1,0 +1,233 @@
+"""The load limit by following the path: squeeze, weight, then a load that grows until something ends it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.errors import Unsupported
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.cause.cause import EQUILIBRIUM, OBJECT, SLIPS, Cause
+from handlcp.grasp.cause.judge import Limits, binding, limits_of, over, slipping, used
+from handlcp.grasp.cause.wording import why
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.advance import Leg, Open, Outcome, Run, advance
+from handlcp.grasp.path.follow import TOLERANCE, Loading, begun, geometry_of, loading_of, solution_of
+from handlcp.grasp.path.locate import margins
+from handlcp.grasp.path.program import Stage
+from handlcp.grasp.path.state import State
+from handlcp.grasp.path.step import Stepper
+from handlcp.grasp.path.watch import watch_of
+from handlcp.tolerances import OVER
+
+__all__ = ["accurate_limit", "followed_limit"]
+
+_ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
+_STEPS = 8  # of squeeze and weight
+_FIRST = 0.1  # of the load that is as large as the forces before it: the first step
+_RAY = 1e4  # times that load: nothing binds that has not bound by then
+_DOUBLED = 6  # times: no more steps for an accuracy
+_AT = 1e-6  # of a limit: what is as near to it binds, too
+_NEAR = 1e-3  # of a load: what slides so near to where the object slides through is what gives way there
+_NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
+
+
+def followed_limit(
+    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], geometry: str = "followed",
+    finer: float = 1.0,
+) -> LoadLimit:  # fmt: skip
+    """Most : motion [m] and turn [rad] of the object that are allowed. finer : how many times as many steps."""
+    body = geometry_of(spec, geometry)
+    first, goals, stepper = begun(spec, section, body, TOLERANCE, _ORDER, wrench)
+    watch, count = watch_of(spec, body), max(int(np.ceil(finer * _STEPS)), 1)
+    before = advance(stepper, watch, first, goals[:-1], count)
+    if before.outcome is not Outcome.END:
+        return _nothing(spec, wrench, before, geometry, loading_of(before, goals[:-1], stepper, section))
+    start = before.states[-1]
+    size = _as_large(stepper, start, wrench)
+    at = stepper.geometry.displacement(start.where.pose)
+    stands = start.where.q if body.follows else None
+    limits = limits_of(spec, motion=most, ranges=body.follows, stands=stands)
+
+    # What stands at its limit before the load comes is at it no more than it was, and beyond it as everywhere
+    stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
+
+    def beyond(state: State) -> float:
+        share = _used(stepper, limits, at, state) - 1.0
+        return float(np.nanmax(np.where(stands_at & (share <= OVER), -1.0, share), initial=-1.0))
+
+    run = Run([start], [0], [0.0])
+    leg = Leg(stepper, watch, run, 0, goals[-1], 1.0, Open(_FIRST * size / finer, _RAY * size, beyond, 1.0 / finer))
+    leg.through(pause=True)
+    return _answer(_Followed(spec, section, wrench, run, leg, stepper, limits, at, geometry))
+
+
+def accurate_limit(
+    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], accuracy: float
+) -> LoadLimit:
+    """With twice as many steps until the factor changes by no more than `accuracy`, relative; its `accuracy` is that
+    change. Raises Unsupported where so many steps do not reach it.
+    """
+    last, finer, apart = followed_limit(spec, section, wrench, most), 1.0, np.inf
+    for _ in range(_DOUBLED):
+        finer *= 2.0
+        found = followed_limit(spec, section, wrench, most, finer=finer)
+        same = found.factor == last.factor  # such as infinite, or 0
+        apart = 0.0 if same else abs(found.factor - last.factor) / max(found.factor, last.factor)
+        if apart <= accuracy:
+            return replace(found, accuracy=apart)
+        last = found
+    raise Unsupported(
+        f"with {finer:g} times as many steps the limit still changes by {apart:.2g}, more than accuracy={accuracy:g}: "
+        "the path branches where its steps are"
+    )
+
+
+def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:
+    """The factor with which the load is as large as the forces before it; where there are none, with which it moves a
+    finger by a hundredth of the contacts' distances.
+    """
+    load = float(np.sqrt(wrench[:3] @ wrench[:3] + wrench[3:] @ wrench[3:] / stepper.length**2))
+    forces = float(np.linalg.norm(start.read.forces, axis=1).sum())
+    return (forces or 0.01 * stepper.stiffness * stepper.length) / load
+
+
+def _used(stepper: Stepper, limits: Limits, at: Array, state: State) -> Array:
+    moved = stepper.geometry.displacement(state.where.pose) - at
+    return used(limits, state.read.torque, state.where.q, moved)
+
+
+class _Followed(NamedTuple):
+    """A path whose load has grown: run, from `at` (6,), the object's motion before it."""
+
+    spec: GraspSpec
+    section: Section
+    wrench: Array
+    run: Run
+    leg: Leg
+    stepper: Stepper
+    limits: Limits
+    at: Array
+    geometry: str
+
+    def mark(self, factor: float) -> Reached:
+        """How far the object has moved at a factor, between two states."""
+        shares = np.array(self.run.shares)
+        moved = np.array([self.stepper.geometry.displacement(s.where.pose) - self.at for s in self.run.states])
+        there = np.array([np.interp(factor, shares, column) for column in moved.T])
+        return Reached(factor, float(np.linalg.norm(there[:3])), float(np.linalg.norm(there[3:])))
+
+
+def _answer(f: _Followed) -> LoadLimit:
+    run, end = f.run, f.run.shares[-1]
+    first = next((e.share for e in run.events if e.kind == "slips"), None)
+    slides = None if run.slides is None else run.slides.share
+    factor, number = np.inf if run.outcome is Outcome.UNBOUNDED else end, len(run.states) - 1
+    binds: tuple[Cause, ...] = ()
+    if run.outcome is Outcome.LIMIT:
+        if over(f.limits, *_read(f, run.states[0])):  # before there is any load
+            factor, number = 0.0, 0
+        binds = binding(f.limits, *_read(f, run.states[number]), near=_AT)
+        stood = [c for c in binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER]
+        binds = (factor > 0.0 and tuple([c for c in binds if c not in stood])) or binds
+    elif run.outcome is Outcome.LOST:
+        before = run.states[-2].kinds if len(run.states) > 1 else None
+        binds = slipping(f.spec.names, run.states[-1].kinds, before)
+    if run.slides is not None:
+        factor, number = run.slides.share, run.slides.number
+        binds = slipping(f.spec.names, _kinds_near(run, number))
+    if binds == (Cause(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
+        binds = _about_to_slip(f, run.states[number]) or binds
+    text = why(binds, factor, f.wrench, f.spec, _then(run))
+    if run.outcome is Outcome.GAVE_UP:
+        text = f"the path was given up at {end:.4g} times the load, after more steps than paths of use take: no limit"
+    later = Later(
+        lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
+        lambda: _rest(f),
+    )  # fmt: skip
+    return LoadLimit(factor, f.wrench, binds, text, f.geometry, later, first, slides)
+
+
+def _kinds_near(run: Run, number: int) -> list[str]:
+    """What contacts do where the object slides through; those that stick for a moment there slide."""
+    near = [s.kinds for s, x in zip(run.states, run.shares, strict=True) if x >= (1.0 - _NEAR) * run.shares[number]]
+    last = run.states[min(number + 1, len(run.states) - 1)].kinds
+    return ["sliding" if any(kinds[i] == "sliding" for kinds in near) else last[i] for i in range(len(last))]
+
+
+def _about_to_slip(f: _Followed, state: State) -> tuple[Cause, ...]:
+    """Contacts whose friction is all but used up."""
+    left, normal = margins(f.stepper, state)[:, 0], state.read.forces[:, 2]
+    pressed = normal > _AT * max(float(normal.max(initial=0.0)), 1e-300)
+    near = pressed & (left <= _NEAR * f.stepper.friction * normal)
+    return tuple([Cause(SLIPS, name) for name, slips in zip(f.spec.names, near.tolist(), strict=True) if slips])
+
+
+def _then(run: Run) -> str:
+    """What the object does at the limit, other than that it is lost; "" for nothing."""
+    if run.slides is None:
+        return ""
+    there = [s.rests for s in run.snaps if (s.stage, s.share) == (run.slides.stage, run.slides.share)]
+    return "slides through" if not there else "snaps to another place" if there[0] else ""
+
+
+def _through(f: _Followed) -> Run:
+    """The whole path, beyond where the object begins to slide through."""
+    if f.run.outcome is Outcome.END and f.run.slides is not None:
+        f.leg.through()
+    return f.run
+
+
+def _rest(f: _Followed) -> Rest:
+    run = _through(f)
+    lost = run.shares[-1] if run.outcome is Outcome.LOST else None
+    first = next((e.share for e in run.events if e.kind == "slips"), None)
+    slides = None if run.slides is None else run.slides.share
+    marks = {
+        name: f.mark(x) for name, x in (("first_slip", first), ("slides", slides), ("lost", lost)) if x is not None
+    }
+    if run.outcome is Outcome.LIMIT:
+        marks["limit"] = f.mark(run.shares[-1])
+    events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
+    events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned) for s in run.snaps if s.rests]
+    if slides is not None:
+        events.append(LimitEvent("slides through", OBJECT, slides))
+    return Rest(lost, marks, tuple(sorted(events, key=lambda e: e.factor)))
+
+
+def _read(f: _Followed, state: State) -> tuple[Array, Array, Array]:
+    moved = f.stepper.geometry.displacement(state.where.pose) - f.at
+    return state.read.torque, state.where.q, moved
+
+
+def _path(f: _Followed, number: int) -> LimitPath:
+    """To the limit, whatever is known of the path beyond; number : of the last state."""
+    states, displacement = f.run.states[: number + 1], f.stepper.geometry.displacement
+    return LimitPath(
+        read_only(np.array(f.run.shares[: number + 1])), read_only(np.array([s.read.forces for s in states])),
+        read_only(np.array([s.read.torque for s in states])),
+        read_only(np.array([displacement(s.where.pose) for s in states])),
+    )  # fmt: skip
+
+
+def _solution(f: _Followed, number: int, factor: float) -> GraspSolution:
+    state = f.leg.seen(number, factor) if np.isfinite(factor) else f.run.states[number]
+    return solution_of(f.stepper.grasp, state, f.section)
+
+
+def _nothing(spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading) -> LoadLimit:
+    """Where squeeze or weight alone are not held."""
+    binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
+    text = f"the {loading.lost_stage} alone is not held: {loading.why.partition(': ')[2]}"
+    none = np.zeros((0, spec.n, 3))
+    nv = loading.steps.torques.shape[1]
+    later = Later(
+        lambda: LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6))), lambda: loading.solution,
+        lambda _: 0.0, lambda: Rest(0.0, {"lost": Reached(0.0, 0.0, 0.0)}, ()),
+    )  # fmt: skip
+    return LoadLimit(0.0, wrench, binds, text, geometry, later)

@@ -1,0 +1,176 @@
+"""A path to its end: exact from event to event, then a walk in steps, and an end that is certified.
+
+A path that is exact ends where no rates balance more load. That is an end if its place obeys the laws, and no step
+leads to a place beyond it, from there or from contacts that all stick. Else, and where a force turns on its cone, the
+path goes on as a walk.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, RAY, WATCHED, Watch
+from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place
+from handlcp.grasp.limits.kernels.standing import faces_reached, is_sound
+from handlcp.grasp.limits.kernels.still import FREE, SLIDES, Still, still_of
+from handlcp.grasp.limits.kernels.still_walk import BOUNDED, UNBOUNDED, Bounds, Log, goes_on, walk
+from handlcp.grasp.limits.kernels.still_walk import LOST as ENDS
+from handlcp.grasp.limits.kernels.trace import EVENTS, kinds_of, logged, trace
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.tolerances import CERTIFY
+
+__all__ = ["Sets", "onward", "onward_each"]
+
+_ON = 1e-6  # of the largest force: a contact this close to its friction is at it, where a walk ends
+
+
+class Sets(NamedTuple):
+    """Of friction, as in `projection`: faces, normals (f, 3). round (n,) : 1 where a contact's set is."""
+
+    faces: int
+    normals: Array
+    round: Ints
+
+
+@kernel
+def onward(
+    p: Parts, s: Place, w: Array, carried: Array, watch: Watch, sets: Sets, known: Inverse, log: Array, path: Array
+) -> tuple[int, float, int, int, int]:  # fmt: skip
+    """As `trace`, under a load without end. carried (dof,) : the load at s."""
+    begun = _copy(s)
+    status, factor, which, events, points = trace(p, s, w, np.inf, watch, known, log, path)
+    sound = is_sound(p, s, carried + path[points - 1, 0] * w, CERTIFY)
+    if sound and (status in (WATCHED, RAY)):
+        return status, factor, which, events, points
+    if not sound:
+        events, points = 0, 1
+        s.r[:], s.u[:], s.gap[:], s.give[:], s.slack[:] = begun.r, begun.u, begun.gap, begun.give, begun.slack
+        s.closed[:], s.yields[:], s.active[:], s.slides[:] = begun.closed, begun.yields, begun.active, begun.slides
+    factor = path[points - 1, 0]
+    g, x, z, kinds = _stands(p, s, w, factor, sets)
+    before = kinds_of(p, s)
+    if sound and status == LOST:
+        more = goes_on(g, x, z, kinds, factor)
+        if np.isnan(more):
+            return LOST, factor, -1, events, points
+        factor = more
+    bounds = _bounds(watch, len(s.r), len(x))
+    marks = Log(path[points:], np.empty((len(path) - points, len(kinds)), np.int64), np.zeros(1, np.int64))
+    ends, factor, which = walk(g, x, z, kinds, factor, bounds, marks)
+    for k in range(marks.length[0]):
+        if events + len(kinds) < len(log):
+            events = logged(before, marks.kinds[k], len(p.mu), marks.path[k, 0], log, events)
+        before = marks.kinds[k].copy()
+    points += marks.length[0]
+    _put(p, s, g, x, kinds)
+    if ends == ENDS:
+        status = LOST
+    elif ends == BOUNDED:
+        status = WATCHED
+    else:
+        status = RAY if ends == UNBOUNDED else GIVES_UP
+    return status, factor, which, events, points
+
+
+@kernel
+def onward_each(
+    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, known: Inverse, answers: Array,
+    ends: Ints,
+) -> None:  # fmt: skip
+    """The paths under each of loads (m, dof), all from the same place. answers (m, 4) : its status, what was watched,
+    its factor, how many events. ends (m, n + f) : `closed` and `active` there.
+    """
+    log = np.empty((EVENTS, 3))
+    path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
+    n, first = len(begun.gap), known.W.copy()
+    closed, yields, Z, loose = known.closed.copy(), known.yields.copy(), known.Z.copy(), known.loose[0]
+    for a in range(len(loads)):
+        known.W[:, :], known.Z[:, :], known.loose[0] = first, Z, loose
+        known.closed[:], known.yields[:] = closed, yields
+        s = _copy(begun)
+        status, factor, which, events, _ = onward(p, s, loads[a], carried, watch, sets, known, log, path)
+        answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
+        ends[a, :n] = s.closed
+        ends[a, n:] = s.active
+
+
+@kernel
+def _copy(s: Place) -> Place:
+    return Place(
+        s.r.copy(), s.u.copy(), s.gap.copy(), s.give.copy(), s.slack.copy(), s.closed.copy(), s.yields.copy(),
+        s.active.copy(), s.slides.copy(),
+    )  # fmt: skip
+
+
+@kernel
+def _stands(p: Parts, s: Place, w: Array, factor: float, sets: Sets) -> tuple[Still, Array, Array, Ints]:
+    """(what walks, x, z, kinds) at a place under factor · w."""
+    m, dof, k, n = len(p.E), len(p.G), len(p.rows), len(p.mu)
+    x = np.concatenate((s.r, s.u, s.give))
+    v, room, load = np.zeros(m), s.slack.copy(), np.empty(dof)
+    for i in range(m):
+        for j in range(m):
+            v[i] += p.E[i, j] * s.r[j]
+        for a in range(dof):
+            v[i] += p.G[a, i] * s.u[a]
+        for b in range(k):
+            v[i] += p.rows[b, i] * s.give[b]
+            room[b] += p.rows[b, i] * s.r[i]
+    for a in range(dof):
+        load[a] = -factor * w[a]
+        for j in range(m):
+            load[a] -= p.G[a, j] * s.r[j]
+    gap, z = np.zeros(m), v.copy()
+    kinds = kinds_of(p, s)
+    for i in range(n):
+        j = p.contacts[i, 0]
+        if j >= 0:
+            gap[j] = (s.gap[i] if s.closed[i] == OPEN else 0.0) - v[j]
+            z[j] = 0.0
+            if not s.r[j] > 0.0:
+                kinds[i] = FREE
+        else:
+            kinds[i] = FREE
+    g = still_of(p.E, p.G, p.rows, p.contacts, sets.round, p.mu, sets.faces, sets.normals, gap, load, room, w)
+    return g, x, z, kinds
+
+
+@kernel
+def _bounds(watch: Watch, m: int, size: int) -> Bounds:
+    """With rows over all of x."""
+    rows, dof = np.zeros((len(watch.level), size)), watch.moves.shape[1]
+    for h in range(len(watch.level)):
+        for j in range(watch.rows.shape[1]):
+            rows[h, j if j < m else j + dof] = watch.rows[h, j]
+    return Bounds(rows, watch.level, watch.moves, watch.start, watch.motion, watch.turn)
+
+
+@kernel
+def _put(p: Parts, s: Place, g: Still, x: Array, kinds: Ints) -> None:
+    """Write the end of a walk into a place."""
+    m, dof, k, n = len(p.E), len(p.G), len(p.rows), len(p.mu)
+    s.r[:], s.u[:], s.give[:] = x[:m], x[m : m + dof], x[m + dof :]
+    force = np.max(np.abs(s.r))
+    for i in range(n):
+        j = p.contacts[i, 0]
+        s.gap[i] = 0.0
+        if j < 0:
+            continue
+        s.closed[i] = CLOSED if kinds[i] != FREE else OPEN
+        if kinds[i] == FREE:
+            s.gap[i] = g.base[j]
+            for c in range(len(x)):
+                s.gap[i] += g.problem.M[j, c] * x[c]
+        elif s.r[j] <= _ON * force:
+            s.closed[i] = OPENS
+    for b in range(k):
+        s.yields[b] = kinds[n + b]
+        s.slack[b] = g.base[m + dof + b]
+        for j in range(m):
+            s.slack[b] -= p.rows[b, j] * s.r[j]
+    faces_reached(p, s.r, s.closed, s.active, _ON * force)
+    for f in range(len(p.owner)):
+        s.slides[f] = 1 if s.active[f] == 1 and kinds[p.owner[f]] == SLIDES else 0

@@ -1,0 +1,402 @@
+"""A grasp driven through its program: quasi-static steps where there are any, a viscous flow where there are none.
+
+A step is predicted from the last two. Where a contact changes its state inside a step, the step ends there: the change
+is located on the contact's margin, by regula falsi. A step without an end is halved; where the shortest has none, or
+where a small push grows, the object moves on at constant load against a vanishing viscosity (`flow`): it comes to rest
+elsewhere, which is one event, or it leaves, and the path ends at the last load with a static state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.path.events import Event
+from handlcp.grasp.path.flow import REST, flow
+from handlcp.grasp.path.geometry import between
+from handlcp.grasp.path.locate import first_change
+from handlcp.grasp.path.program import Controls, Goal
+from handlcp.grasp.path.stability import GROWS, growing, growth
+from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, State
+from handlcp.grasp.path.step import Stepper
+from handlcp.grasp.path.watch import Watch
+
+__all__ = ["Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
+
+FINEST = 2.0**-9  # of a step: what has no end then has none
+_EXACT = 2.0**-16  # of a step: where the last load with a static state is found, once it is known that there is one
+_ALONG = 2.0  # a path is not continued further than this many times its last step
+_ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
+_MOST = 4000  # steps of a stage
+_GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
+_FASTER = 10.0  # times as fast as it gave way before, and it slides through
+_HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
+_ON = 1e-9  # of a limit: this near to it is at it
+_PUSH = 1e-3  # of the forces
+_SAME, _NO_SNAP = 1e-3, 2e-3  # of the contacts' distances: the same place; what is no jump
+_JUMPS = 5.0  # times as far as it would have gone on, and it jumps
+_CHAIN = 1.01  # steps between snaps that are one
+
+
+class Outcome(Enum):
+    """How a path ends: at the END of its program; at a LIMIT that was set, such as a joint's torque; LOST, no static
+    state follows and the object leaves; UNBOUNDED, nothing ends it however large the load; GAVE_UP, more steps than any
+    path of use takes: never a limit.
+    """
+
+    END = "end"
+    LIMIT = "limit"
+    LOST = "lost"
+    UNBOUNDED = "unbounded"
+    GAVE_UP = "gave up"
+
+
+class Snap(NamedTuple):
+    """The object moves at constant load from one static state to another, or leaves. stage, share : where it begins,
+    and `until` where a chain of them ends. moved [m], turned [rad] : of the object in all. rests : whether it comes to
+    rest. breaks : whether it leaves a state that is static, too, as a column that buckles does.
+    """
+
+    stage: int
+    share: float
+    until: float
+    moved: float
+    turned: float
+    rests: bool
+    breaks: bool
+
+
+class Slides(NamedTuple):
+    """Where nothing that presses sticks any more, and the object gives way ten times faster than before, or snaps.
+    stage, share : where. number : of the last state before.
+    """
+
+    stage: int
+    share: float
+    number: int
+
+
+@dataclass(slots=True)
+class Run:
+    """states, stages (number of the stage) and shares of all steps, the state before anything included; events; snaps;
+    slides : where the object begins to slide through, None: nowhere; how it ends: outcome, and failure : why there is
+    no next state.
+    """
+
+    states: list[State]
+    stages: list[int]
+    shares: list[float]
+    events: list[Event] = field(default_factory=list)
+    snaps: list[Snap] = field(default_factory=list)
+    slides: Slides | None = None
+    outcome: Outcome = Outcome.END
+    failure: Failure | None = None
+
+    def add(self, state: State, stage: int, share: float) -> None:
+        """One more step."""
+        self.states.append(state)
+        self.stages.append(stage)
+        self.shares.append(share)
+
+    def ends(self, outcome: Outcome, failure: Failure | None = None) -> bool:
+        """That the program is not finished: False."""
+        self.outcome, self.failure = outcome, failure
+        return False
+
+
+class Open(NamedTuple):
+    """A last stage that goes on beyond its end until something ends it. first : its first step, as a share. most : the
+    share beyond which nothing will. over : of a state, how far it is beyond a limit that was set, as a share of it.
+    coarse : times as long as usual are later steps.
+    """
+
+    first: float
+    most: float
+    over: Callable[[State], float]
+    coarse: float = 1.0
+
+
+def advance(stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int) -> Run:
+    """Every stage in about so many steps, until the end or until the object is lost.
+
+    first : the controls before anything is done.
+    """
+    state = stepper.beginning(first)
+    run = Run([state], [0], [0.0])
+    if stepper.grasp.sags:  # gaps open where fingers give way to their own weight
+        settled = stepper.step(state, first)
+        if isinstance(settled, Failure):
+            run.ends(Outcome.LOST, settled)
+            return run
+        run.states[0] = settled
+    for k, goal in enumerate(goals):
+        if not Leg(stepper, watch, run, k, goal, 1.0 / steps).through():
+            break
+    return run
+
+
+class Leg:
+    """One stage of a run, from its last state on. base : its step, as a share. beyond : for a stage without an end."""
+
+    def __init__(
+        self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float, beyond: Open | None = None
+    ) -> None:
+        self.stepper, self.watch, self.run, self.number, self.goal, self.base = stepper, watch, run, number, goal, base
+        self.beyond, self.last = beyond, 1.0 if beyond is None else beyond.most
+        if beyond is not None:
+            self.base = beyond.first
+        self.begin = run.states[-1].controls
+        self.share, self.step, self.count = 0.0, self.base, 0
+        self.exact = False  # the object leaves behind here, and the last static state is looked for
+        self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
+        self.calm: tuple[str, ...] = ()  # contact states in which a push that seemed to grow did not
+        load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
+        self.rate = _Rate(stepper, number, bool(load.any()) or weight)
+
+    def through(self, pause: bool = False) -> bool:
+        """Whether its end is reached; called again it goes on. pause : also where it slides through."""
+        run = self.run
+        while self.share < self.last * (1.0 - 1e-12):
+            self.count += 1
+            if self.count > _MOST:
+                return run.ends(Outcome.GAVE_UP, Failure("too many steps"))
+            if not self._advanced():
+                return False
+            if pause and run.slides is not None:
+                return True
+        if not run.states[-1].loaded and self._pushed_out():
+            return run.ends(Outcome.LOST, Failure("pushed out"))
+        return self.beyond is None or run.ends(Outcome.UNBOUNDED)
+
+    def _advanced(self) -> bool:
+        """One try of a step; whether the path goes on."""
+        run, share = self.run, self.share
+        state, size = run.states[-1], min(self.step, self.last - share)
+        if share + size > self.last * (1.0 - 1e-9):
+            size = self.last - share
+        found = self._found(state, share, size)
+        if isinstance(found, Failure):
+            return self._failed(state, found, size)
+        size, found = self._located(state, found, share, size)
+        if found.kinds != self.calm and growth(found) > GROWS:
+            size, found, breaks = self._stable(state, found, share, size)
+            if breaks:
+                return self._breaks(found, share + size) or run.ends(Outcome.LOST, Failure("unstable"))
+        if self.beyond is not None and self.beyond.over(found) > 0.0:
+            size, found = self._limit(state, found, share, size)
+            self._add(found, share + size)
+            return run.ends(Outcome.LIMIT)
+        happens = self.watch.changed(state, found)
+        self.share = share = share + size
+        self._slides(state, found, share, size)
+        self._add(found, share)
+        if state.loaded and not found.loaded:
+            return run.ends(Outcome.LOST, Failure("loose"))
+        self.before = None if happens else (state, size)
+        self.step = min(2.0 * size, self._next(share, found)) if not happens else self._next(share, found)
+        return True
+
+    def _failed(self, state: State, why: Failure, size: float) -> bool:
+        """A step without an end is halved; the shortest moves on by a flow. Whether the path goes on."""
+        if size > (_EXACT if self.exact else FINEST) * self.base:
+            self.step = size / 2.0
+            return True
+        if self.exact:
+            self._gives_way(state, self.share)
+            return self.run.ends(Outcome.LOST, why)
+        snapped = self._snap(state, self.share, size)
+        if snapped is None:
+            self.exact, self.step = True, size / 2.0
+            return True
+        self.share += size
+        self._add(snapped, self.share)
+        self.step, self.before = self.base, None
+        return True
+
+    def _next(self, share: float, found: State) -> float:
+        """The next step: of an open stage it grows with the load, the faster where nothing slides."""
+        if self.beyond is None:
+            return self.base
+        grows = _GROWS[SLIDES in found.kinds]
+        return max(self.base, self.beyond.coarse * grows * share)
+
+    def controls(self, share: float) -> Controls:
+        """At a share of the stage."""
+        return self.begin.toward(self.goal.end, share)
+
+    def seen(self, number: int, share: float) -> State:
+        """The state at a share of this stage that lies between a state of the run and the next one."""
+        run = self.run
+        state, begin = run.states[number], run.shares[number]
+        if share <= begin or number + 1 >= len(run.states):
+            return state
+        size = run.shares[number + 1] - begin
+        found = self._at(state, run.states[number + 1], begin, size, (share - begin) / size)
+        return state if isinstance(found, Failure) else found
+
+    def _found(self, state: State, share: float, size: float) -> State | Failure:
+        """One step, from where the path leads; and where that has no end, from where it stands."""
+        controls, guess = self.controls(share + size), None
+        if self.before is not None:
+            guess = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
+        found = self.stepper.step(state, controls, guess)
+        if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
+            found = self.stepper.step(state, controls)
+        return found
+
+    def _at(self, state: State, found: State, share: float, size: float, part: float) -> State | Failure:
+        """The state at a part of a step that is known to have an end."""
+        return self.stepper.step(state, self.controls(share + part * size), _part(self.stepper, state, found, part))
+
+    def _located(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
+        """The step up to where the first contact changes its state in it, or all of it."""
+        if not state.loaded:
+            return size, found
+        part, found = first_change(self.stepper, state, found, lambda part: self._at(state, found, share, size, part))
+        return part * size, found
+
+    def _stable(self, state: State, found: State, share: float, size: float) -> tuple[float, State, bool]:
+        """The step up to where a small push begins to grow, and that it does; all of it where a push that seemed to
+        grow comes to rest where the object was.
+        """
+        end, how = flow(self.stepper, found, found.controls, self._push(found))
+        if how == REST and self.stepper.far(found.where.pose, end.where.pose) < _SAME:
+            self.calm = found.kinds
+            return size, found, False
+        low, high, best = 0.0, 1.0, state
+        for _ in range(_HALVED):
+            middle = 0.5 * (low + high)
+            at = self._at(state, found, share, size, middle)
+            if isinstance(at, Failure) or growth(at) > GROWS:
+                high = middle
+            else:
+                low, best = middle, at
+        return low * size, best, True
+
+    def _breaks(self, state: State, share: float) -> bool:
+        """Whether the object comes to rest elsewhere, pushed a little under a little more load: the path goes on."""
+        if share > self.run.shares[-1]:
+            self._add(state, share)
+        more = min(share + 2.0**-_HALVED * self.base, self.last)
+        end, how = flow(self.stepper, state, self.controls(more), self._push(state))
+        self._snapped(state, end, share, more, how == REST, True)
+        if how == REST:
+            self._add(end, more)
+        self.share, self.step, self.before = self.run.shares[-1], self.base, None
+        return how == REST
+
+    def _push(self, state: State) -> Array:
+        """(6,) a small wrench along the motion that grows."""
+        stepper = self.stepper
+        motion = growing(state, stepper.laws.laws.freedom, stepper.geometry.turned(state.where.pose))
+        size = _PUSH * float(abs(state.read.forces).sum())
+        return np.asarray(size * motion * np.array([1.0] * 3 + [stepper.length] * 3))
+
+    def _snap(self, state: State, share: float, size: float) -> State | None:
+        """The state in which the object rests after it has moved on under a little more load; None where it leaves."""
+        end, how = flow(self.stepper, state, self.controls(share + size))
+        self._snapped(state, end, share, share + size, how == REST, False)
+        return end if how == REST else None
+
+    def _snapped(self, state: State, end: State, share: float, until: float, rests: bool, breaks: bool) -> None:
+        run = self.run
+        moved = self.stepper.between(state.where.pose, end.where.pose)
+        distance, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
+        if rests and distance / self.stepper.length + turn < _NO_SNAP + _JUMPS * self.rate.last[1] * (until - share):
+            return  # it goes on as it went: only Newton's method found no way there
+        if rests or breaks:  # else it leaves, and where is looked for
+            self._gives_way(state, share)
+        last = run.snaps[-1] if run.snaps else None
+        if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.base:
+            distance, turn, share = distance + last.moved, turn + last.turned, last.share
+            breaks = breaks or last.breaks
+            run.snaps.pop()
+        run.snaps.append(Snap(self.number, share, until, distance, turn, rests, breaks))
+
+    def _gives_way(self, state: State, share: float) -> None:
+        run = self.run
+        if state.loaded and self.rate.loads and run.slides is None:
+            run.slides = Slides(self.number, share, len(run.states) - 1)
+
+    def _limit(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
+        """The step up to a limit that was set, by regula falsi."""
+        assert self.beyond is not None
+        low, high, a, b, best = 0.0, 1.0, self.beyond.over(state), self.beyond.over(found), found
+        for _ in range(_HALVED):
+            part = low + (high - low) * min(max(-a / (b - a), 0.02), 0.98) if b > a else 0.5 * (low + high)
+            at = self._at(state, found, share, size, part)
+            if isinstance(at, Failure):
+                break
+            value = self.beyond.over(at)
+            if value > 0.0:
+                high, b = part, value
+            else:
+                low, a, best = part, value, at
+            if abs(value) < _ON or high - low < 1e-9:
+                best, low = at, part
+                break
+        return low * size, best
+
+    def _slides(self, state: State, found: State, share: float, size: float) -> None:
+        run = self.run
+        if run.slides is None and (at := self.rate.slides(state, found, share, size)) is not None:
+            run.slides = Slides(self.number, at, len(run.states) - 1)
+
+    def _add(self, found: State, share: float) -> None:
+        run = self.run
+        run.events += self.watch.events(run.states[-1], found, self.goal.name, self.number, share)
+        run.add(found, self.number, share)
+
+    def _pushed_out(self) -> bool:
+        """Whether nothing is held at the end, and the object has been pushed away by fingers that close."""
+        run, first = self.run, self.run.stages.index(self.number) if self.number else 0
+        moved = self.stepper.between(run.states[first].where.pose, run.states[-1].where.pose)
+        return float(abs(moved[:3]).max()) > self.watch.near
+
+
+class _Rate:
+    """How fast the object gives way in a stage, and whether it slides through. loads : whether a load changes in it."""
+
+    def __init__(self, stepper: Stepper, number: int, loads: bool) -> None:
+        self.stepper, self.number, self.loads = stepper, number, loads
+        self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest while something stuck; (middle, rate) of the last step
+
+    def slides(self, state: State, found: State, share: float, size: float) -> float | None:
+        """The share at which it begins to, in a step that ends at a share; None where it does not."""
+        now = (share - 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / size)
+        before, self.last = self.last, now
+        if not self.loads or not found.loaded or not state.loaded:
+            return None
+        if any(kind == STICKS for kind in found.kinds) or self.stuck == 0.0:
+            self.stuck = max(self.stuck, now[1])
+            return None
+        most = _FASTER * self.stuck
+        if now[1] < most:
+            return None
+        if state.kinds != found.kinds:  # the step ends where that begins
+            return share
+        if not 0.0 < before[1] < most:
+            return share - size
+        part = np.log(most / before[1]) / np.log(now[1] / before[1])
+        return float(min(max(before[0] + part * (now[0] - before[0]), share - size), share))
+
+
+def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:
+    """What goes on from `before` to `now` by this share of the way between them."""
+    where = between(stepper.geometry, before.where, now.where, 1.0 + share)
+    return Guess(where, _mixed(before.start, now.start, 1.0 + share), now.gives)
+
+
+def _part(stepper: Stepper, state: State, found: State, part: float) -> Guess:
+    """What is expected at this part of a step."""
+    where = between(stepper.geometry, state.where, found.where, part)
+    return Guess(where, _mixed(state.start, found.start, part), found.gives)
+
+
+def _mixed(a: Array, b: Array, share: float) -> Array:
+    return b if len(a) != len(b) else np.asarray(a + share * (b - a))

@@ -1,0 +1,318 @@
+"""A grasp followed through its loading: whether the end is reached, what happens on the way, and where it is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, integer, number, read_only
+from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.build import build
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.cause.cause import OBJECT
+from handlcp.grasp.cause.lost import under_load, why_lost
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.path.advance import Outcome, Run, Slides, advance
+from handlcp.grasp.path.events import Event, summary
+from handlcp.grasp.path.geometry import FixedGeometry, Geometry
+from handlcp.grasp.path.program import Controls, Goal, read_stages
+from handlcp.grasp.path.state import State
+from handlcp.grasp.path.step import Stepper
+from handlcp.grasp.path.step_grasp import StepGrasp
+from handlcp.grasp.path.trajectory import Steps
+from handlcp.grasp.path.watch import watch_of
+from handlcp.grasp.sensitivity.paths import PathSensitivity
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.solve.stages import certified
+from handlcp.lazy import lazy
+from handlcp.text_table import wrapped
+from handlcp.views import view
+
+__all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of", "loading_of", "solution_of"]
+
+_DOUBLED = 6  # times: no more steps for an accuracy
+_COARSER = 100.0  # steps of differences of a path, beside those of one solve: its own steps are no finer
+TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
+
+
+@dataclass(frozen=True, eq=False)
+class Loading(Data):
+    """What becomes of a grasp under loading in steps; made by `Grasp.follow`.
+
+    reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
+    reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
+    events : in order. steps : every step as arrays. stages : their names. section : of the friction cones. slides :
+    where the object begins to slide through, None: nowhere. outcome : how the path ends. accuracy : estimated relative
+    error of the forces at the end; NaN: not asked for. again : follows another grasp in the same way.
+    """
+
+    reached: bool
+    lost_at: float | None
+    lost_stage: str | None
+    why: str
+    events: tuple[Event, ...]
+    steps: Steps
+    stages: tuple[str, ...]
+    section: Section
+    slides: Slides | None = None
+    outcome: Outcome = Outcome.END
+    accuracy: float = np.nan
+    again: Callable[[GraspSpec], Loading] | None = field(default=None, repr=False)
+
+    @property
+    def held(self) -> bool:
+        """Whether the end is reached, and the object neither slides through nor snaps under load on the way: how far
+        it would jump is for its inertia to say, not for statics.
+        """
+        return self.reached and self.slides is None
+
+    @property
+    def held_to(self) -> float:
+        """Share of the last stage that was begun up to which the object is held; 1 at the end."""
+        if self.slides is not None and self.slides.stage == int(self.steps.stage[-1]):
+            return self.slides.share
+        return 1.0 if self.lost_at is None else self.lost_at
+
+    @property
+    def last(self) -> State:
+        """The last step."""
+        return self.steps.states[-1]
+
+    @lazy
+    def solution(self) -> GraspSolution:
+        """The last step as a certified solution of its own grasp: contact forces, torques, contact states. Its slip,
+        gap and object motion are those of that step; `displacement` is the whole motion.
+        """
+        return solution_of(self.steps.grasp, self.last, self.section)
+
+    def sensitivity(self) -> PathSensitivity:
+        """Derivatives of the end of the path, with all its history, by differences of whole paths: forces (n, 3),
+        torques (nv,), displacement (6,), such as `.displacement_by_wrench` (6, 6); `error` tells how far the two
+        sides differ, events of the path and the size of its steps included. NaN where an end is not reached.
+        """
+        assert self.again is not None  # `follow` saw to it
+        follow_again = self.again
+
+        def end(spec: GraspSpec) -> dict[str, Array]:
+            last = follow_again(spec)
+            share = 1.0 if last.reached else np.nan
+            read = last.last.read
+            return {
+                "forces": share * read.forces, "torques": share * read.torque, "displacement": share * last.displacement
+            }  # fmt: skip
+
+        return PathSensitivity(self.steps.grasp.spec, end, _COARSER)
+
+    @property
+    def displacement(self) -> Array:
+        """(6,) of the object since the start: of the reference point [m], and its rotation vector [rad], world axes."""
+        return self.steps.geometry.displacement(self.last.where.pose)
+
+    @property
+    def state(self) -> Any:
+        """The hand's posture at the last step; None without a hand."""
+        return self._end[0]
+
+    @property
+    def object(self) -> Any:
+        """The object where it is at the last step; None where it is not known."""
+        return self._end[1]
+
+    @lazy
+    def _end(self) -> tuple[Any, Any]:
+        mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
+        if mechanism is None or not self.steps.geometry.follows:
+            return None, None
+        return mechanism.at_end(where.q, where.pose)
+
+    def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
+        """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
+        written: Path = view("loading_page")(self, path, obj, title, verdict)
+        return written
+
+    def plot(self, path: Any = None, *, title: str = "") -> Any:
+        """The figure of the loading: forces, friction, object motion and torques over its stages, and its events.
+
+        path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
+        """
+        return view("loading_plot")(self, path, title)
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
+        return view("data_frame")(self.steps.to_dict(self.stages))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The whole path as plain data: SI units in the key names, None for what is not a finite number."""
+        found: dict[str, Any] = view("loading_dict")(self)
+        return found
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what prints."""
+        text: str = view("text_html")(self)
+        return text
+
+    def __str__(self) -> str:
+        """The outcome, what happens on the way, and what the last step is like."""
+        u, forces = self.displacement, self.steps.forces[-1, :, 2]
+        moved = f"the object has moved {words.length(float(np.linalg.norm(u[:3])))}"
+        if (turned := float(np.linalg.norm(u[3:]))) > 1e-4:
+            moved += f" and turned {words.angle(turned)}"
+        most = int(np.argmax(forces >= (1.0 - 1e-6) * forces.max()))  # the first of equals
+        pressed = f"the largest normal force is {words.force(float(forces[most]))}, at {self.steps.names[most]}"
+        if not forces[most] > 0.0:
+            pressed = "nothing presses on it"
+        when = "at the end" if self.reached else "at the last step"
+        told = [str(s) for s in summary(self.events, self.steps.grasp.spec)]
+        lines = [wrapped(self.why, "  "), *(wrapped(line, "    ", "  ") for line in told)]
+        return "\n".join([*lines, wrapped(f"{when}: {moved}; {pressed}", "    ", "  ")])
+
+
+def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSolution:
+    """A state of a path as a certified solution of its own grasp: its forces and motion, if the certifier agrees, else
+    those that a solve finds from there.
+    """
+    made = grasp.made(state.look, state.loads)
+    scene = build(made)
+    if len(state.start) and not grasp.general:
+        c = scene.components
+        known = Candidate(state.start[:c], state.start[c : c + 6], {}, len(scene.soft))
+        if (found := certified(made, scene, section, known, "a state of the path")).held:
+            return found
+    return solve_spec(made, section, start=state.start, proof=False)
+
+
+def follow(
+    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    accuracy: Any = None,
+) -> Loading:  # fmt: skip
+    """See `Grasp.follow`."""
+    if accuracy is not None:
+        return _accurate(
+            spec, section, load, order, geometry, steps, tolerance, number("accuracy", accuracy, above=0.0)
+        )
+    body = geometry_of(spec, geometry)
+    count = integer("steps", steps, 1)
+    limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
+    first, goals, stepper = begun(spec, section, body, limit, order, load)
+    run = advance(stepper, watch_of(spec, body), first, goals, count)
+
+    beside = beside_weight(spec, stepper) - spec.wrench if load is None else None
+    again = partial(_again, beside, load, section, order, geometry, steps, tolerance)
+    return replace(loading_of(run, goals, stepper, section), again=again)
+
+
+def _accurate(
+    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    accuracy: float,
+) -> Loading:  # fmt: skip
+    """With twice as many steps until the forces at the end change by no more than `accuracy`."""
+    count, apart = integer("steps", steps, 1), np.inf
+    last = follow(spec, section, load, order, geometry, count, tolerance)
+    for _ in range(_DOUBLED):
+        count *= 2
+        found = follow(spec, section, load, order, geometry, count, tolerance)
+        a, b = last.steps.forces[-1], found.steps.forces[-1]
+        if last.reached and found.reached:
+            apart = float(abs(a - b).max() / max(float(abs(b).max()), 1e-300))
+        elif last.lost_stage == found.lost_stage and last.lost_at is not None and found.lost_at is not None:
+            apart = abs(last.lost_at - found.lost_at) / max(last.lost_at, found.lost_at, 1e-300)
+        if apart <= accuracy:
+            return replace(found, accuracy=apart)
+        last = found
+    raise Unsupported(
+        f"with {count} steps a stage the end still changes by {apart:.2g}, more than accuracy={accuracy:g}: "
+        "the path branches where its steps are"
+    )
+
+
+def _again(
+    beside: Array | None, load: Any, section: Section, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    other: GraspSpec,
+) -> Loading:  # fmt: skip
+    """Another grasp followed in the same way; beside (6,) : from its own load to that beside the weight."""
+    return follow(other, section, load if beside is None else beside + other.wrench, order, geometry, steps, tolerance)
+
+
+def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
+    """(6,) the grasp's own load besides the object's weight, about its reference."""
+    beside = spec.wrench.copy()
+    beside[:3] -= stepper.grasp.weight
+    beside[3:] -= cross_rows(stepper.first.weight_arm, stepper.grasp.weight)
+    return read_only(beside)
+
+
+def begun(
+    spec: GraspSpec, section: Section, body: Geometry, tolerance: float, order: Any, load: Any
+) -> tuple[Controls, list[Goal], Stepper]:
+    """The controls before anything is done, the stages, and what makes steps. Arguments as in `follow`."""
+    if held := [e for e in spec.effects if e.prescribed()]:
+        names = ", ".join(type(e).__name__ for e in held)
+        raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
+    weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
+    stepper = Stepper(spec, body, section, weight[:3], tolerance)
+    command = np.zeros(len(body.posture))
+    for e in spec.effects:
+        if isinstance(e, JointOffset):
+            command = e.command
+    before = body.start.q - body.posture
+    squeezes = stepper.grasp.squeezes or bool((command != before).any())
+    weighs = bool(weight[:3].any())
+    first, goals = read_stages(order, load, beside_weight(spec, stepper), before, command, squeezes, weighs)
+    return first, goals, stepper
+
+
+def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
+    """Followed where a hand and its contacts' shapes are known, fixed otherwise. Raises InputError."""
+    if asked not in (None, "followed", "fixed"):
+        raise InputError("geometry", '"followed", "fixed" or None', repr(asked))
+    if asked == "fixed":
+        return FixedGeometry(spec)
+    moving = None if spec.mechanism is None else spec.mechanism.followed(spec)
+    if moving is None and asked == "followed":
+        expected = '"fixed" for a grasp without a hand: only its first posture is known'
+        raise InputError("geometry", expected, repr(asked))
+    return FixedGeometry(spec) if moving is None else moving
+
+
+def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
+    """What became of a grasp, from a run of these stages."""
+    spec = stepper.grasp.spec
+    events, lost = list(run.events), run.outcome is not Outcome.END
+    number, share = run.stages[-1], run.shares[-1]
+    stage = goals[number].name if goals else None
+    steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), stepper.grasp)
+    for snap in run.snaps:
+        if snap.rests:
+            at = goals[snap.stage].name, snap.share, snap.stage
+            events.append(Event("snaps", OBJECT, *at, snap.moved, snap.turned))
+    if run.slides is not None:
+        events.append(Event("slides through", OBJECT, goals[run.slides.stage].name, run.slides.share, run.slides.stage))
+    events.sort(key=lambda e: (e.number, e.share))
+    last = run.states[-1]
+    if lost:
+        assert run.failure is not None
+        why = why_lost(run.failure.kind, spec, last.kinds)
+        events.append(Event("lost", why, str(stage), share, number))
+        weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
+        now = last.controls
+        under = under_load(now.load + now.weight * weight, end.load + end.weight * weight)
+        sentence = f"lost in stage {stage!r} at {words.percent(share)}{under}: {why}"
+    else:
+        few = " and ".join(repr(g.name) for g in goals)
+        sentence = f"reached the end of {few if len(goals) < 3 else f'all {len(goals)} stages'}"
+    names = tuple([g.name for g in goals])
+    return Loading(
+        not lost, share if lost else None, stage if lost else None, sentence, tuple(events), steps, names, section,
+        run.slides, run.outcome,
+    )  # fmt: skip

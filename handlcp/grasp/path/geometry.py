@@ -1,0 +1,217 @@
+"""Where contacts are while a grasp is loaded: what a step needs to know, and the geometry that stays as it was given.
+
+A geometry answers one question: with the joints at q, the pads deformed by s and the object in this pose, where are the
+contacts, how far apart are their bodies, and how do joints move them? `FixedGeometry` answers from one posture, for
+small motions. A hand that knows its object answers from kinematics and contact detection
+(`handlcp.hand.following`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.vectors import cross_rows, shifted
+from handlcp.grasp.path.look.numbers import Elastic
+from handlcp.grasp.path.look.tangent import Moving, Touch
+
+__all__ = ["RIGID", "FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "supports"]
+
+RIGID = 1e-6  # of the mean flexibility: what gives way by less is rigid
+
+
+class Where(NamedTuple):
+    """A configuration. q (nv,) joint positions [rad, m]. give (n, 3) : how far each finger's pad, or the environment,
+    is pushed away at its contact, world axes [m]. turn (n,) : how far soft pads are twisted about their normals [rad].
+    pose : of the object, as its geometry has it.
+    """
+
+    q: Array
+    give: Array
+    turn: Array
+    pose: Any
+
+
+class Look(NamedTuple):
+    """The contacts in one configuration, world axes.
+
+    touch : where contacts are, and how they move; moving : how joints move fingertips. frames (n, 3, 3) : contact axes
+    in columns. elastic : what gives way at the contacts.
+    radius (n,) : length over which the contact's geometry changes [m]. reference (3,) : the object's point that loads
+    refer to. weight_arm (3,) : from there to its centre of mass. bodies : what the geometry itself remembers.
+    """
+
+    at: Where
+    touch: Touch
+    moving: Moving
+    frames: Array
+    elastic: Elastic
+    radius: Array
+    reference: Array
+    weight_arm: Array
+    bodies: Any
+
+    @property
+    def positions(self) -> Array:
+        """(n, 3) of the contacts [m]."""
+        return self.touch.positions
+
+    @property
+    def gap(self) -> Array:
+        """(n,) distance between object and deformed fingertip [m], < 0 where they overlap."""
+        return self.touch.gap
+
+
+class Geometry:
+    """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
+    weighs : whether the fingers' weight is asked for. noise : of the contacts, as a share of their radii.
+    posture (nv,) : from which commands of the joints are counted; apart (n, 3) : the part of the grasp's offsets there
+    that the geometry itself knows of: gaps and overlaps [m].
+    """
+
+    start: Where
+    posture: Array
+    apart: Array
+    follows: bool
+    weighs: bool
+    noise: float = 0.0
+
+    def mechanism(self, look: Look) -> Mechanism | None:
+        """What moves the fingers, at the contacts of a look."""
+        raise NotImplementedError
+
+    def look(self, at: Where, before: Look | None) -> Look:
+        """The contacts there; frames turn as little as they can from those before."""
+        raise NotImplementedError
+
+    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
+        """(n, 3) how far the object has moved past the fingertips' surfaces from a to b: along x and y [m], and turned
+        about z [rad], less carry (n, 3). From b to a it is the opposite.
+        """
+        raise NotImplementedError
+
+    def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
+        """The pose after a small motion (6,) about a point (3,) from a pose."""
+        raise NotImplementedError
+
+    def between(self, a: Any, b: Any) -> Array:
+        """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad], world axes."""
+        raise NotImplementedError
+
+    def turned(self, pose: Any) -> Array:
+        """(3, 3) the object's own axes in a pose; the world's where no object is known."""
+        return np.eye(3)
+
+    def further(self, before: Any, now: Any, share: float) -> Any:
+        """The pose that goes on from `before` to `now` by this share of the way between them."""
+        raise NotImplementedError
+
+    def displacement(self, pose: Any) -> Array:
+        """(6,) motion of the object since the start: of the reference point [m], and the rotation vector [rad]."""
+        raise NotImplementedError
+
+
+def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
+    """The configuration at this share of the way from a to b, beyond b above 1."""
+
+    def on(x: Array, y: Array) -> Array:
+        return np.asarray(x + share * (y - x))
+
+    pose = geometry.further(a.pose, b.pose, share - 1.0)
+    return Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), pose)
+
+
+def least_flexibility(spec: GraspSpec) -> float:
+    """[m/N] that whatever is rigid has while a path is followed: a millionth of what the fingers have."""
+    m = 3 * spec.of_fingers
+    return RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
+
+
+def supports(spec: GraspSpec) -> Array:
+    """(3(n - k), 3(n - k)) flexibility of what supports the object beside k fingers. What is rigid gives way by a
+    millionth of what the fingers do: forces at several corners of something rigid are not determined, and would jump.
+    """
+    m = 3 * spec.of_fingers
+    around = spec.flexibility[m:, m:].copy()
+    rows = np.arange(len(around))
+    around[rows, rows] = np.maximum(around[rows, rows], least_flexibility(spec))
+    return around
+
+
+class FixedGeometry(Geometry):
+    """Contacts, normals and levers stay as the grasp has them; gaps and slips change in proportion to the motions.
+
+    A pose is the object's twist (6,) about the grasp's reference since the start.
+    """
+
+    follows = False
+
+    def __init__(self, spec: GraspSpec) -> None:
+        n, mechanism = spec.n, spec.mechanism
+        nv = 0 if mechanism is None else len(mechanism.names)
+        self.spec, self._arms = spec, spec.positions - spec.reference
+        J = np.zeros((3 * n, 0)) if mechanism is None else mechanism.jacobian
+        turning = np.zeros((n, 0)) if mechanism is None else _turning(mechanism, spec)
+        root = np.zeros((0, 0)) if mechanism is None else mechanism.root
+        self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
+        weight = None if mechanism is None or not self.weighs else mechanism.weight()
+        P = spec.flexibility - joint_flexibility(J, root)
+        P[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
+        J, turning, root = J.copy(), turning.copy(), np.array(root, dtype=float, order="C")
+        self._elastic = Elastic(P, J, turning, root, np.zeros(nv) if weight is None else weight.copy())
+        self._positions, self._frames = spec.positions.copy(), spec.frames.copy()
+        self._moving = Moving(np.zeros((0, 6)), np.zeros((0, 0)), np.zeros((0, 0)))
+        self.apart = np.zeros((n, 3))
+        self.apart[:, 2] = np.maximum(spec.offset[:, 2], 0.0)
+        self._radius = np.full(n, np.inf)
+        weighs = np.zeros(6) if mechanism is None else mechanism.weight_of_object(spec.reference)
+        size = float(weighs[:3] @ weighs[:3])  # any point on the line of the weight will do
+        self._arm = read_only(np.cross(weighs[:3], weighs[3:]) / size if size else np.zeros(3))
+        self.posture = read_only(np.zeros(nv))
+        self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))
+
+    def look(self, at: Where, before: Look | None) -> Look:
+        spec, R = self.spec, self.spec.frames
+        u, omega = at.pose[:3], at.pose[3:]
+        moved = u + cross_rows(np.tile(omega, (len(self._arms), 1)), self._arms) - at.give
+        along = np.einsum("nji,nj->ni", R, moved) - (self._elastic.J @ at.q).reshape(-1, 3)
+        turned = R[:, :, 2] @ omega - self._elastic.turning @ at.q - at.turn
+        slips = np.column_stack([along[:, :2], turned])
+        gap = self.apart[:, 2] + along[:, 2]
+        still = np.zeros((0, 3, 6))
+        touch = Touch(self._positions, R[:, :, 2].copy(), gap, self._positions, still, still)
+        return Look(
+            at, touch, self._moving, self._frames, self._elastic, self._radius, spec.reference, self._arm, slips
+        )
+
+    def mechanism(self, look: Look) -> Mechanism | None:
+        return self.spec.mechanism
+
+    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
+        return np.asarray(b.bodies - a.bodies - carry)
+
+    def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
+        return pose + shifted(twist, self.spec.reference - centre)
+
+    def between(self, a: Any, b: Any) -> Array:
+        return np.asarray(b - a)
+
+    def further(self, before: Any, now: Any, share: float) -> Array:
+        return np.asarray(now + share * (now - before))
+
+    def displacement(self, pose: Any) -> Array:
+        return read_only(np.array(pose))
+
+
+def _turning(mechanism: Mechanism, spec: GraspSpec) -> Array:
+    """(n, nv) how fast joints turn the fingertips of soft contacts about their normals; others do not matter."""
+    soft = tuple([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0])
+    rows = np.zeros((spec.n, len(mechanism.names)))
+    if soft:
+        rows[list(soft)] = mechanism.turning(soft)
+    return rows

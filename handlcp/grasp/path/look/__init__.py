@@ -1,0 +1,1 @@
+"""One look at a step, compiled: how contacts turn, the problem about them, its answer and where that leads."""

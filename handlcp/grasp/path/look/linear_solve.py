@@ -1,0 +1,196 @@
+"""One solve of a step in compiled code: the condensed tangent as a contact problem, its answer, and how far it misses.
+
+The rows are those of every grasp, with what the tangent adds: balance sees the object's motion, motions of the contacts
+see how forces turn. Limits that give way (joints at their torque limits, bounds on forces) are pairs beside them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.assembly.candidate import in_si
+from handlcp.grasp.model.grasp_matrix import Given, Posed, pose
+from handlcp.grasp.path.look.numbers import Laws
+from handlcp.grasp.path.look.tangent import Condensed
+from handlcp.grasp.solve.compiled_solve import ScenePattern, begin, stamped_rows
+from handlcp.grasp.verify.contact_laws import Friction, examine
+from handlcp.grasp.verify.contact_states import find_states
+from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.contact_newton import hold, jacobian
+from handlcp.lcp.kernels.contact_rows import Contacts, in_order, rows, work
+from handlcp.lcp.kernels.contact_run import closed, in_turns, newton_first
+from handlcp.lcp.kernels.dense import multiply_add, product, solve_wide
+from handlcp.tolerances import ACTIVE, CERTIFY, SOLVE
+
+__all__ = ["Giving", "answered", "linear_problem", "met", "solved"]
+
+_ANY = 1e30  # times the load: a step without any is measured by the forces of the squeeze, however large
+
+
+class Giving(NamedTuple):
+    """Limits that give way: rows (k, c) over the forces in the laws' coordinates, room (k,) [N], both over their levers
+    where they are torques; at : where their unknowns begin. begun (k,) : motions that a solve starts from [m].
+    """
+
+    rows: Array
+    room: Array
+    at: int
+    begun: Array
+
+
+@kernel
+def linear_problem(
+    positions: Array, frames: Array, laws: Laws, limits: Array, t: Condensed, force: Array, moment: Array,
+    giving: Giving, p: ScenePattern, start: Array,
+) -> tuple[Given, Posed, Contacts, Array]:  # fmt: skip
+    """The grasp as it stands about the look, its natural units, its problem, and where the solve begins (N,).
+
+    limits (n,) : of friction. force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
+    """
+    n, c, k, s = len(positions), len(laws.scale), len(giving.room), laws.scale
+    m, soft = 3 * n, len(laws.soft)
+    turned, spin, E = np.empty((n, 3, 3)), np.empty((3, soft)), np.empty((c, c))
+    for i in range(n):
+        for a in range(3):
+            for b in range(3):
+                turned[i, a, b] = frames[i, a, b] * s[3 * i + b]
+    for j in range(soft):
+        for a in range(3):
+            spin[a, j] = frames[laws.soft[j], a, 2] * s[m + j]
+    for i in range(c):
+        for j in range(c):
+            E[i, j] = t.V_r[i, j] * s[i] * s[j]
+    offset = t.d * s
+    g = Given(positions, turned, E, offset, np.zeros(c), spin, force, moment, laws.freedom)
+    posed, blocks = pose(g, p.unknown)
+    M, q = stamped_rows(p, blocks)
+    normal, count, tangent, u, size = p.at
+    U = laws.freedom.copy() * posed.motion  # (dof, 6) twists of the natural unknowns
+    P = laws.freedom.copy() / posed.force  # wrenches to natural rows
+    for i in range(p.dof):
+        for j in range(3, 6):
+            U[i, j] /= posed.length
+            P[i, j] /= posed.length
+    UT = np.ascontiguousarray(U.T)
+    uu, ur, vu = product(P, product(t.B_u, UT)), product(P, t.B_r), product(t.V_u, UT)
+    for i in range(p.dof):
+        for j in range(6):
+            q[u + i] += P[i, j] * t.w[j]
+        for j in range(p.dof):
+            M[u + i, u + j] += uu[i, j]
+    for a in range(len(p.unknown)):
+        j = p.unknown[a]
+        at = normal + a if a < count else tangent + a - count
+        for i in range(p.dof):
+            M[u + i, at] += ur[i, j] * s[j] * posed.force
+            M[at, u + i] += vu[j, i] * s[j] / posed.motion
+        for b in range(k):
+            M[giving.at + b, at] -= giving.rows[b, j]
+            M[at, giving.at + b] += giving.rows[b, j]
+    x = np.zeros(size)
+    if len(start) > 0:
+        begin(x, start, p, laws.freedom, posed)
+    for b in range(k):
+        q[giving.at + b] = giving.room[b] / posed.force
+        x[giving.at + b] = giving.begun[b] / posed.motion
+    own = np.empty(len(p.blocks))
+    for b in range(len(own)):
+        own[b] = limits[p.unknown[p.blocks[b, 0] - normal] // 3]
+    return g, posed, in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals), x[p.order]
+
+
+@kernel
+def answered(
+    g: Given, posed: Posed, laws: Laws, limits: Array, t: Condensed, giving: Giving, p: ScenePattern, y: Array,
+    residual: float,
+) -> tuple[bool, Array, Array, Array, Ints, Array]:  # fmt: skip
+    """(whether a solution y (N,) passes, forces (c,) and motions (c,) in contact axes, twist (6,) of the object about
+    the contacts' centre, contact states (n,), motions (k,) of limits that give way).
+    """
+    c, k, s, offset = len(laws.scale), len(giving.room), laws.scale, g.offset
+    normal, count, tangent, u, size = p.at
+    x = np.empty(size)
+    x[p.order] = y
+    own, free = in_si(x, p.unknown, count, (normal, tangent, u), g.prescribed, posed, p.dof)
+    twist, forces = np.zeros(6), own * s
+    for i in range(p.dof):
+        for j in range(6):
+            twist[j] += free[i] * laws.freedom[i, j]
+    gives = x[giving.at : giving.at + k] * posed.motion
+    for i in range(c):
+        for j in range(6):
+            offset[i] += t.V_u[i, j] * twist[j] * s[i]
+        for b in range(k):
+            offset[i] += gives[b] * giving.rows[b, i]
+    for j in range(6):
+        posed.wrench[j] += t.w[j]
+        for i in range(c):
+            posed.wrench[j] += t.B_r[j, i] * forces[i]
+        for i in range(6):
+            posed.wrench[j] += t.B_u[j, i] * twist[i]
+    friction = Friction(limits, p.faces, p.normals)
+    v, misses = examine(g, posed, p.contacts, friction, offset, own, twist, _ANY)
+    worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
+    passes = bool(worst <= CERTIFY and (k == 0 or residual <= SOLVE))
+    slow = ACTIVE * max(misses.motion_size, posed.motion)
+    states = find_states(p.contacts, friction, own, v, ACTIVE * misses.force_size, slow)
+    return passes, forces, v / s, twist, states.kind, gives
+
+
+@kernel
+def solved(problem: Contacts, y: Array, begun: bool, seed: int) -> float:
+    """Solve in place, from y (N,) where `begun`; where that leads nowhere, from contacts that all stick, then with
+    Kaczmarz steps between Newton's. Returns the residual.
+    """
+    cold = not begun
+    while True:
+        if cold:
+            hold(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
+        best, _, r = newton_first(problem, y, cold, SOLVE * 1e-2)
+        if cold or r <= SOLVE:
+            break
+        cold = True
+    if cold and not r <= SOLVE * 1e-2:
+        _, _, r = in_turns(problem, y, best, r, seed, len(y), True, SOLVE * 1e-2)
+    else:
+        y[:] = best
+    closed(problem, y)
+    return r
+
+
+@kernel
+def met(problem: Contacts, y: Array, p: ScenePattern) -> tuple[bool, Array]:
+    """(dof, dof) the wrench that a small motion of the object meets, contacts and fingers following it as they are:
+    natural units, along the motion where it drives it further; and whether there is one.
+    """
+    n, u, dof = len(y), p.at[3], p.dof
+    F, w, J, g = np.empty(n), np.empty(n), np.empty((n, n)), work(problem)
+    multiply_add(problem.M, y, problem.q, w)
+    rows(problem, y, w, F, g)
+    jacobian(problem, g, J)
+    place, a, b = np.empty(n, np.int64), 0, n - dof  # the object's motion last
+    for i in range(n):
+        if u <= p.order[i] < u + dof:
+            place[b] = i
+            b += 1
+        else:
+            place[a] = i
+            a += 1
+    A, out, most = np.empty((a, n)), np.empty((dof, dof)), 0.0
+    for i in range(a):
+        for j in range(n):
+            A[i, j] = J[place[i], place[j]]
+            if j < a:
+                most = max(most, abs(A[i, j]))
+    for i in range(a):
+        A[i, i] += 1e-14 * most  # forces of rigid contacts may not be determined
+    found = solve_wide(A)
+    for i in range(dof):
+        for j in range(dof):
+            out[i, j] = J[place[a + i], place[a + j]]
+            for k in range(a):
+                out[i, j] -= J[place[a + i], place[k]] * A[k, a + j]
+    return found, out

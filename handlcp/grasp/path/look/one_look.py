@@ -1,0 +1,271 @@
+"""One look at a step in one compiled call: the tangent about it, the solve, and where its answer leads."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.path.look.linear_solve import Giving, answered, linear_problem, met, solved
+from handlcp.grasp.path.look.numbers import Elastic, Laws, Loads, end_of_step
+from handlcp.grasp.path.look.tangent import Condensed, Moving, Touch, Turned, condensed, skew, turned_forces
+from handlcp.grasp.solve.compiled_solve import ScenePattern
+from handlcp.lcp.kernels.compile import kernel
+
+__all__ = ["Answer", "Damping", "Led", "one_look"]
+
+
+class Damping(NamedTuple):
+    """What resists the motions of a step. slow : ε of the joints. body (6,) : force [N/m] and moment [N·m/rad] on the
+    object, about the contacts' centre. done (6,) : of the object's motion, and lag (nv,) of the joints' (backwards),
+    from the step's beginning to the look.
+    """
+
+    slow: float
+    body: Array
+    done: Array
+    lag: Array
+
+
+class Answer:
+    """Where the numbers of an answer stand in their row, after whether it passes, its miss and whether it is measured.
+    n contacts, nv joints, c force components, k limits that give way, dof : of the object.
+    """
+
+    def __init__(self, n: int, nv: int, c: int, k: int, dof: int) -> None:
+        shapes: dict[str, tuple[int, ...]] = {
+            "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
+            "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "carry": (n, 3),
+            "kinds": (n,), "start": (c + 9,), "met": (dof, dof),
+        }  # fmt: skip
+        self.parts, self.size = dict[str, tuple[slice, tuple[int, ...]]](), 3
+        for name, shape in shapes.items():
+            begin, self.size = self.size, self.size + math.prod(shape)
+            self.parts[name] = slice(begin, self.size), shape
+
+
+class Led:
+    """Where a look's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the joints
+    from the look, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,), carry (n, 3) : as
+    `end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the laws' coordinates.
+    """
+
+    __slots__ = ("_parts", "_row")
+
+    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
+        self._row, self._parts = row, parts
+
+    def __getattr__(self, name: str) -> Array:
+        at, shape = self._parts[name]
+        found: Array = self._row[at]
+        return found if len(shape) == 1 else found.reshape(shape)
+
+    @property
+    def passes(self) -> bool:
+        """Whether it is an answer."""
+        return bool(self._row[0])
+
+    @property
+    def miss(self) -> float:
+        """How far it is from the look, as `end_of_step` has it."""
+        return float(self._row[1])
+
+    @property
+    def kinds(self) -> Ints:
+        """(n,) as `contact_states` numbers them."""
+        return self._row[self._parts["kinds"][0]].astype(np.int64)
+
+    @property
+    def met(self) -> Array:
+        """(dof, dof) as in `linear_solve`; empty where it was not measured."""
+        at, shape = self._parts["met"]
+        return self._row[at].reshape(shape) if self._row[2] else np.zeros((0, 0))
+
+
+@kernel
+def one_look(
+    t: Touch, frames: Array, m: Moving, el: Elastic, loads: Loads, slipped: Array, radius: Array, damping: Damping,
+    extra: Array, laws: Laws, limits: Array, giving: Giving, yields: Array, p: ScenePattern, start: Array, seed: int,
+    near: float, row: Array,
+) -> None:  # fmt: skip
+    """Write the numbers of `Answer` into the row (of zeros): each array that compiled code makes for Python costs more
+    than most of what is computed here.
+
+    slipped (n, 3) : since the step began. radius (n,) : as in `Look`. extra (c, c) : flexibility that effects add, in
+    contact axes; empty: none. limits (n,) : of friction. yields (nv, k) : how far limits that give way drive joints
+    back. start : forces in the laws' coordinates (c,), twist and centre, where the solve begins; empty: nowhere.
+    near : what a push meets is measured where the answer misses its look by no more.
+    """
+    n, nv, soft, c = len(frames), el.J.shape[1], laws.soft, len(laws.scale)
+    n3 = 3 * n
+    still = len(t.turn) == 0
+    centre = np.zeros(3)
+    for i in range(n):
+        for a in range(3):
+            centre[a] += t.positions[i, a] / n
+    J, P, give, d = _by_component(el, loads, frames, laws, extra)
+    r = np.zeros(c)
+    if len(start) > 0:
+        for i in range(c):
+            r[i] = start[i] * laws.scale[i]
+    forces, torsion = _by_contact(r, n, soft)
+    turned = Turned(np.zeros((6, 6 + nv + n3)), np.zeros((nv, 6 + nv + n3)), np.zeros((n3, 6 + nv + n3)))
+    if not still:
+        turned = turned_forces(t, frames, m, centre, forces, torsion)
+    lin = condensed(turned, still, J, el.root, P, _told(el, loads, laws), damping.lag, damping.slow, give, d)
+    if not lin.found:
+        return
+    for a in range(6):
+        lin.w[a] -= damping.body[a] * damping.done[a]
+        lin.B_u[a, a] -= damping.body[a]
+    force, moment = loads.load[:3] + loads.weight, loads.load[3:].copy()
+    _moment(moment, loads.reference, loads.load)
+    _moment(moment, loads.mass_at, loads.weight)
+    if not still:
+        _follows(lin.B_u, loads.load, loads.reference, centre)
+        _follows(lin.B_u, loads.weight, loads.mass_at, centre)
+    g, posed, problem, y = linear_problem(
+        t.positions, frames, laws, limits, lin, force, moment, giving, p, start
+    )  # fmt: skip
+    residual = solved(problem, y, len(start) > 0, seed)
+    passes, r, v, twist, kinds, gives = answered(g, posed, laws, limits, lin, giving, p, y, residual)
+    if not passes:
+        return
+    forces, torsion = _by_contact(r, n, soft)
+    motion, spin = _by_contact(v, n, soft)
+    joints, torque = _led(lin, turned, J, el, r, twist, soft, torsion)
+    for j in range(nv):
+        for b in range(len(gives)):
+            back = yields[j, b] * gives[b]
+            joints[j] -= back
+            for o in range(nv):
+                torque[o] -= turned.torque[o, 6 + j] * back
+    pads, turns, carry, miss = end_of_step(
+        motion, spin, joints, twist, centre, t.positions, frames, el.J, el.turning, loads.base, loads.give, loads.turn,
+        slipped, soft, radius,
+    )  # fmt: skip
+    row[0], row[1], at = 1.0, miss, 3
+    for part in (forces.reshape(-1), motion.reshape(-1), torsion, spin, torque, joints, twist, centre, gives):
+        at = _put(row, at, part)
+    for part in (pads.reshape(-1), turns, carry.reshape(-1)):
+        at = _put(row, at, part)
+    for i in range(n):
+        row[at + i] = kinds[i]
+    for i in range(c):
+        row[at + n + i] = r[i] / laws.scale[i]
+    at = _put(row, _put(row, at + n + c, twist), centre)
+    if miss <= near:
+        found, push = met(problem, y, p)
+        _put(row, at, push.reshape(-1))
+        row[0] = row[2] = 1.0 if found else 0.0
+
+
+@kernel
+def _put(row: Array, at: int, values: Array) -> int:
+    """Write an array into the row; returns where the next one goes."""
+    for k in range(len(values)):
+        row[at + k] = values[k]
+    return at + len(values)
+
+
+@kernel
+def _told(el: Elastic, loads: Loads, laws: Laws) -> Array:
+    """(nv,) from where the joints stand to where they are commanded, and their fingers' weight pulls them."""
+    told, root = loads.told.copy(), el.root
+    if laws.sags == 0.0:
+        return told
+    for m in range(root.shape[1]):
+        pull = 0.0
+        for j in range(len(told)):
+            pull += root[j, m] * el.gravity[j]
+        for j in range(len(told)):
+            told[j] -= laws.sags * root[j, m] * pull
+    return told
+
+
+@kernel
+def _led(
+    lin: Condensed, turned: Turned, J: Array, el: Elastic, r: Array, twist: Array, soft: Ints, torsion: Array
+) -> tuple[Array, Array]:
+    """(nv,) changes of the joints, and their torques, of forces r (c,) and the object's twist (6,)."""
+    nv, c, n3 = J.shape[1], len(r), turned.force.shape[0]
+    joints, torque = np.empty(nv), el.gravity.copy()
+    for j in range(nv + n3):
+        row = lin.Z[j]
+        change = row[0]
+        for b in range(c):
+            change += row[1 + b] * r[b]
+        for b in range(6):
+            change += row[1 + c + b] * twist[b]
+        if j < nv:
+            joints[j] = change
+        for o in range(nv):
+            torque[o] += turned.torque[o, 6 + j] * change
+    for o in range(nv):
+        for b in range(6):
+            torque[o] += turned.torque[o, b] * twist[b]
+        for b in range(n3):
+            torque[o] += r[b] * J[b, o]
+        for i in soft:
+            torque[o] += torsion[i] * el.turning[i, o]
+    return joints, torque
+
+
+@kernel
+def _by_component(
+    el: Elastic, loads: Loads, frames: Array, laws: Laws, extra: Array
+) -> tuple[Array, Array, Array, Array]:
+    """(J (c, nv), P (c, c), ŝ (c,), d (c,)) over all force components, turns of soft contacts last."""
+    n, nv, soft = len(frames), el.J.shape[1], laws.soft
+    n3, k = 3 * n, len(soft)
+    J, P, give, d = np.zeros((n3 + k, nv)), np.zeros((n3 + k, n3 + k)), np.zeros(n3 + k), np.zeros(n3 + k)
+    J[:n3], P[:n3, :n3] = el.J, el.P
+    for i in range(n):
+        for a in range(3):
+            d[3 * i + a] = loads.base[i, a]
+            for b in range(3):
+                give[3 * i + a] += frames[i, b, a] * loads.give[i, b]
+    for a in range(k):
+        i = soft[a]
+        P[n3 + a, n3 + a] = laws.torsion[a]
+        give[n3 + a], d[n3 + a] = loads.turn[i], loads.spin[i]
+        if laws.joined:
+            J[n3 + a] = el.turning[i]
+    if len(extra) > 0:
+        P += extra
+    return J, P, give, d
+
+
+@kernel
+def _by_contact(r: Array, n: int, soft: Ints) -> tuple[Array, Array]:
+    """(n, 3) and (n,) from components (c,)."""
+    own, turns = np.empty((n, 3)), np.zeros(n)
+    for i in range(n):
+        for a in range(3):
+            own[i, a] = r[3 * i + a]
+    for a in range(len(soft)):
+        turns[soft[a]] = r[3 * n + a]
+    return own, turns
+
+
+@kernel
+def _moment(moment: Array, at: Array, force: Array) -> None:
+    """Add that of a force (3,) or more, at a point."""
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        moment[a] += at[b] * force[c] - at[c] * force[b]
+
+
+@kernel
+def _follows(B_u: Array, force: Array, point: Array, centre: Array) -> None:
+    """Add how the moment of a force that keeps its direction changes as its point moves with the object."""
+    along, turn = 0.0, skew(force)
+    for a in range(3):
+        along += force[a] * (point[a] - centre[a])
+    for a in range(3):
+        for b in range(3):
+            B_u[3 + a, b] -= turn[a, b]
+            B_u[3 + a, 3 + b] += (point[a] - centre[a]) * force[b]  # f × (r × ) = r fᵀ - (f·r) 1
+        B_u[3 + a, 3 + a] -= along

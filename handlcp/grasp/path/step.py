@@ -1,0 +1,223 @@
+"""One step of a path: contacts detected anew, the consistent tangent about them, one warm solve; repeated until the
+contacts were looked at where the step ends.
+
+That is Newton's method on the laws at the end of the step. v_T is the slip of the step, which friction opposes: history
+is carried by the joints, the pads and the object's pose alone. A small damper on object and joints, of stiffness D / h,
+gives loose and undetermined motions an answer; with h ≤ 1e6 it changes no other.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.geometry import Geometry, Look, Where, between
+from handlcp.grasp.path.look.numbers import Loads, Read, flexibility_of
+from handlcp.grasp.path.look.one_look import Damping, Led, one_look
+from handlcp.grasp.path.program import Controls
+from handlcp.grasp.path.state import OPEN, Failure, Guess, State
+from handlcp.grasp.path.step_grasp import StepGrasp
+from handlcp.grasp.path.step_laws import StepLaws
+from handlcp.grasp.verify.contact_states import names_of
+from handlcp.lcp import Auto
+
+__all__ = ["Stepper"]
+
+# h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
+# the certifier, and closed forms are met to nine digits
+_SLOW = 1e8
+_HELD_BACK = 1e-6  # of the forces: where contacts stay and the damper takes more, it holds the object, not they
+_NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: less is what the damper makes
+_MOST = 9  # looks at one step, before it counts as one that does not settle
+_CONTRACTS, _PARTS = 0.6, 1.5  # from the fourth look on each has to come nearer by this factor; none may go so far off
+_LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
+_LEAST = 0.2  # of the way from a look to its end
+_SEED = Auto().seed
+_NOWHERE = np.zeros(0)
+_PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
+
+
+class _Asked(NamedTuple):
+    """What is asked of the solves of a look. slipped (n, 3) : since the step began. gives (k,) : motions of limits that
+    they start from. near : an answer that is no farther from the look than this is measured for its stability.
+    """
+
+    look: Look
+    loads: Loads
+    slipped: Array
+    damping: Damping
+    gives: Array
+    near: float
+
+
+class Stepper:
+    """Steps of one grasp. tolerance : how far the end of a step may be from where its contacts were looked at, as a
+    share of the contacts' radii. weight (3,) : of the object [N].
+    """
+
+    def __init__(self, spec: GraspSpec, geometry: Geometry, section: Section, weight: Array, tolerance: float) -> None:
+        self.geometry, self.tolerance, self.section = geometry, max(tolerance, geometry.noise), section
+        self.slow = _SLOW
+        self.first = geometry.look(geometry.start, None)
+        self.grasp = StepGrasp(spec, geometry, self.first, weight)
+        self.laws = StepLaws(self.grasp, section)
+        E = flexibility_of(self.first.elastic).diagonal()
+        arms = self.first.positions - self.first.positions.mean(axis=0)
+        self.length = float(np.sqrt((arms**2).sum(axis=1).mean())) or 1.0
+        self.stiffness = 1.0 / float(E.mean()) if E.any() else 1.0
+        self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
+        laws = [c.friction for c in spec.contacts]
+        self.friction = self.laws.limits
+        self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
+        self.counts = {"looks": 0, "solves": 0, "steps": 0}
+
+    def beginning(self, controls: Controls) -> State:
+        """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
+        first, n, still = self.first, self.grasp.spec.n, read_only(np.zeros(len(self.first.at.q)))
+        none = np.zeros((n, 3))
+        read = Read(none, none, none[:, 0], none[:, 0], still, still)
+        loads = self.grasp.loads(first, none, self.grasp.under(controls, controls))
+        nowhere = np.zeros(0)
+        gives = np.zeros(self.laws.given)
+        return State(
+            first.at, first, loads, none, none, read, ("separated",) * n, still, controls, nowhere, gives, 0,
+            np.zeros((0, 0)),
+        )  # fmt: skip
+
+    def step(
+        self, state: State, controls: Controls, guess: Guess | None = None, h: float | None = None, rough: float = 1.0
+    ) -> State | Failure:
+        """The state under other controls. guess : what is expected of it. h : of the damper, less for a viscous step.
+        rough : times the tolerance.
+        """
+        self.counts["steps"] += 1
+        h = self.slow if h is None else h
+        guess = guess or state.same
+        geometry, follows = self.geometry, self.geometry.follows
+        look, start, gives = geometry.look(guess.where, state.look), guess.start, guess.gives
+        last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
+        damper, most, here = self._damper / h, near if follows else -1.0, None
+        for count in range(1, _MOST + 1):
+            slipped = geometry.slipped(state.look, look, state.carry)
+            loads = self.grasp.loads(look, slipped, under)
+            done = self.between(state.where.pose, look.at.pose)
+            damping = Damping(1.0 / h, damper, done, state.where.q - look.at.q)
+            led = self._answer(_Asked(look, loads, slipped, damping, gives, most), start, state)
+            if led is None:
+                return Failure("no answer")
+            end = Where(look.at.q + led.change, led.give, led.turn, geometry.moved(look.at.pose, led.twist, led.centre))
+            start, gives, miss = led.start, led.gives, led.miss
+            if miss <= near or not follows:
+                if follows and self.far(state.where.pose, end.pose) > _LARGEST:
+                    return Failure("too far")
+                if not follows and self._held_back(state.where.pose, end.pose, led.forces) > _HELD_BACK:
+                    return Failure("no answer")
+                motion, spin = led.motion, led.spin
+                slid = motion.copy()
+                slid[:, 2] = spin
+                yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
+                read = Read(led.forces, motion, led.torsion, spin, led.torque, under.stands - end.q - yielded)
+                kinds = names_of(led.kinds)
+                if follows and led.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length:
+                    kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
+                return State(
+                    end, look, loads, led.carry, slid, read, kinds, yielded, controls, start, gives, count, led.met
+                )
+            if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
+                return Failure("runs away")
+            if self.far(state.where.pose, end.pose) > 2.0 * _LARGEST:
+                return Failure("too far")
+            there = geometry.displacement(end.pose)
+            share = swing.share(there - (geometry.displacement(look.at.pose) if here is None else here))
+            here = there if share == 1.0 else None
+            last = miss if share == 1.0 else max(miss, last)
+            look = geometry.look(end if share == 1.0 else between(geometry, look.at, end, share), look)
+        return Failure("runs away")
+
+    def between(self, a: object, b: object) -> Array:
+        """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""
+        return self.geometry.between(a, b)
+
+    def resisted(self, a: State, b: State, h: float) -> float:
+        """What the object's damper takes in a step with h, as a share of the normal forces."""
+        return self.slow / h * self._held_back(a.where.pose, b.where.pose, b.read.forces)
+
+    def _held_back(self, a: object, b: object, forces: Array) -> float:
+        """The same of a quasi-static step from pose a to pose b, with these forces (n, 3) at its end."""
+        force = self._damper / self.slow * self.between(a, b)
+        size = math.sqrt(force[:3] @ force[:3] + (force[3:] @ force[3:]) / self.length**2)
+        return size / max(float(forces[:, 2].sum()), 1e-9 * self.stiffness * self.length)
+
+    def far(self, a: object, b: object) -> float:
+        """How far the object has moved from pose a to b, as a share of the contacts' distances from their centre."""
+        x, y, z, p, q, r = self.between(a, b).tolist()
+        return math.sqrt(x * x + y * y + z * z) / self.length + math.sqrt(p * p + q * q + r * r)
+
+    def _answer(self, asked: _Asked, start: Array, state: State) -> Led | None:
+        """The answer that continues what is expected. Where a contact changes its state, the answer found from
+        contacts that all stick is asked for, too, and the one is taken that changes no state, else the nearer one.
+        """
+        begun = start if state.loaded else _NOWHERE
+        found = self._solved(asked, begun)
+        if not state.loaded and (found is None or not found.kinds.any()):
+            return self._pressed(asked._replace(near=-1.0)) or found
+        if not len(begun) or (found is not None and names_of(found.kinds) == state.kinds):
+            return found
+        other = self._solved(asked, _NOWHERE)
+        if found is None or other is None:
+            return found or other
+        if names_of(other.kinds) == state.kinds:
+            return other
+        c = len(self.laws.laws.scale)
+        off = [float(abs(a.start[:c] - start[:c]).max()) for a in (found, other)]
+        return found if off[0] <= off[1] else other
+
+    def _pressed(self, asked: _Asked) -> Led | None:
+        """The loaded answer nearest to contacts that all stick: friction starts high and comes down to what it is, each
+        solve from the last. None where an answer opens all contacts on the way.
+        """
+        found, start = None, np.zeros(0)
+        for times in _PRESSED:
+            found = self._solved(asked, start, times)
+            if found is None or not found.kinds.any():
+                return None
+            start = found.start
+        return found
+
+    def _solved(self, asked: _Asked, start: Array, friction: float = 1.0) -> Led | None:
+        """One solve; friction : times what it is."""
+        self.counts["solves"] += 1
+        laws, look = self.laws, asked.look
+        extra, giving, loads = laws.added(look, asked.loads, asked.gives)
+        row = np.zeros(laws.answer.size)
+        one_look(
+            look.touch, look.frames, look.moving, look.elastic, loads, asked.slipped, look.radius,
+            asked.damping, extra,
+            laws.laws, laws.limits if friction == 1.0 else friction * laws.limits, giving, laws.yields, laws.pattern,
+            start, _SEED, asked.near, row,
+        )  # fmt: skip
+        return Led(row, laws.answer.parts) if row[0] else None
+
+
+class _Swing:
+    """How far to go from a look to its end: all the way, or less where ends swing from one side to the other, as a
+    contact that sticks on one side and slides on the other does. Aitken's relaxation.
+    """
+
+    def __init__(self) -> None:
+        self.last: Array | None = None
+        self.part = 1.0
+
+    def share(self, moved: Array) -> float:
+        """Moved (6,) : of the object from the look to its end."""
+        if self.last is not None:
+            change = self.last - moved
+            size = float(change @ change)
+            self.part = min(max(self.part * float(self.last @ change) / size, _LEAST), 1.0) if size > 0.0 else 1.0
+        self.last = moved
+        return self.part

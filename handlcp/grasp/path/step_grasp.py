@@ -1,0 +1,143 @@
+"""The grasp of one step of loading, as a specification like any other.
+
+Its offsets are, contact by contact,
+
+    d̂ = (slip since the step began, gap) + ŝ + preload
+
+along the tangents and the normal, at the configuration where the contacts were looked at. ŝ is how far the pads give
+way there: the answer's own E r takes it from ŝ to -P r. Likewise the joint offset q_c - q̂ takes the joints from where
+they stand to where they are commanded, and E r back by what they give way. Overlaps of fingertips and object fade in
+with the squeeze: before it, nothing is loaded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, read_only
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.spec import GraspSpec, wrench_about
+from handlcp.grasp.path.geometry import Geometry, Look
+from handlcp.grasp.path.look.numbers import Loads, flexibility_of
+from handlcp.grasp.path.program import Controls
+
+__all__ = ["StepGrasp", "Under"]
+
+# Of the contacts' distances from their centre: less is no preload; and fingertips no farther from the object than this,
+# or no deeper in it, just touch
+_NONE, _TOUCHES = 1e-7, 3e-5
+
+
+@dataclass(frozen=True, eq=False)
+class _Turned(Effect):
+    """How far soft fingertips are turned at the look, for the rows of their moments. Without a title: in no list."""
+
+    spin: Array
+
+    by_name = False
+
+    def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
+        return np.concatenate([np.zeros(3 * at.n), self.spin[list(soft)]])
+
+
+class Under(NamedTuple):
+    """Of a step: wedge (n, 3) that preloads add between object and fingertips, along the tangents since the step began;
+    None: nothing. stands (nv,) : where joints are commanded to. load (6,), weight (3,).
+    """
+
+    wedge: Array | None
+    stands: Array
+    load: Array
+    weight: Array
+
+
+class StepGrasp:
+    """Makes the grasps of steps. spec : what was asked for. first : the contacts before anything is loaded.
+    geometry : where contacts are. weight (3,) : of the object [N]. squeezes : whether preloads, offsets or overlaps
+    squeeze the object.
+    """
+
+    def __init__(self, spec: GraspSpec, geometry: Geometry, first: Look, weight: Array) -> None:
+        self.spec, self.geometry, self.weight, self.posture = spec, geometry, weight, geometry.posture
+        self._weighs = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
+        told = (JointOffset, FingerWeight, GeometricStiffness)  # what a step knows of anew
+        self._effects = tuple([e for e in spec.effects if not isinstance(e, told)])
+        self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
+        self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
+        size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
+        # What closing leaves of touching comes with the squeeze: else one finger is first, and pushes the object away
+        fingers = np.arange(spec.n) < spec.of_fingers
+        self._touching = np.where(fingers & (abs(first.gap) <= _TOUCHES * size), first.gap, 0.0)
+        self._overlap = np.maximum(self._touching - first.gap, 0.0)
+        self._given = spec.offset - geometry.apart
+        self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
+        self._wedges = self.squeezes or bool(self._touching.any())
+
+    def under(self, controls: Controls, before: Controls) -> Under:
+        """What all looks at a step have in common, from controls `before`."""
+        wedge = None
+        if self._wedges:
+            wedge = self.wedge(controls)
+            if before.wedge == controls.wedge:
+                wedge[:, :2] = 0.0
+            else:
+                wedge[:, :2] -= self.wedge(before)[:, :2]
+        return Under(wedge, self.posture + controls.command, controls.load, controls.weight * self.weight)
+
+    def loads(self, look: Look, slipped: Array, under: Under) -> Loads:
+        """Of a look at a step. slipped (n, 3) : since the step began, as `Geometry.slipped` has it."""
+        base = slipped.copy()
+        base[:, 2] = look.gap
+        if under.wedge is not None:
+            base += under.wedge
+        return Loads(
+            base, slipped[:, 2].copy(), look.at.give, look.at.turn, under.stands - look.at.q, under.load,
+            look.reference, under.weight, look.reference + look.weight_arm,
+        )  # fmt: skip
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """Those that a step knows nothing of."""
+        return self._effects
+
+    def made(self, look: Look, loads: Loads) -> GraspSpec:
+        """The grasp with the contacts of a look, under these loads."""
+        return self._made(look, loads, self._effects)
+
+    def plain(self, look: Look, loads: Loads) -> GraspSpec:
+        """The same without the effects that a step knows nothing of."""
+        return self._made(look, loads, ())
+
+    def _made(self, look: Look, loads: Loads, effects: tuple[Effect, ...]) -> GraspSpec:
+        spec = self.spec
+        offset = loads.base + np.einsum("nji,nj->ni", look.frames, loads.give)
+        if len(self.soft):
+            effects = (*effects, _Turned(loads.spin + loads.turn))
+        mechanism = self.geometry.mechanism(look)
+        if mechanism is not None:
+            effects = (*effects, JointOffset(loads.told))
+            if self._weighs is not None:
+                effects = (*effects, FingerWeight(look.elastic.gravity, self._weighs.sags))
+        contacts = tuple([
+            Contact.placed(read_only(p.copy()), read_only(R.copy()), c.friction, c.planar, c.name)
+            for c, p, R in zip(spec.contacts, look.positions, look.frames, strict=True)
+        ])  # fmt: skip
+        return GraspSpec(
+            contacts, read_only(look.positions.copy()), read_only(look.frames.copy()), spec.plane, spec.fingers,
+            mechanism, wrench_about(look.reference, loads.force, loads.moment), read_only(look.reference),
+            read_only(flexibility_of(look.elastic)), read_only(offset), effects,
+        )  # fmt: skip
+
+    def wedge(self, controls: Controls) -> Array:
+        """(n, 3) what preloads and offsets put between object and fingertips."""
+        given = controls.wedge * self._given
+        given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * (self._overlap - self._touching)
+        return np.asarray(given)

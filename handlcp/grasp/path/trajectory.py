@@ -1,0 +1,176 @@
+"""All steps of a loading path as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Ints, read_only
+from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.path.geometry import Geometry
+from handlcp.grasp.path.state import SLIDES, State
+from handlcp.grasp.path.step_grasp import StepGrasp
+from handlcp.lazy import lazy
+from handlcp.words import distinct
+
+__all__ = ["Steps"]
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """m steps, the state before anything is loaded first; arrays are made when asked for, and read-only.
+
+    stage (m,) : number of the stage. share (m,) : of the stage. names (n,) : of the contacts.
+    """
+
+    stage: Ints
+    share: Array
+    names: tuple[str, ...]
+    states: tuple[State, ...]
+    grasp: StepGrasp
+
+    @property
+    def geometry(self) -> Geometry:
+        """Where contacts are."""
+        return self.grasp.geometry
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    @lazy
+    def load(self) -> Array:
+        """(m, 6) on the object besides its weight, about the reference, world axes [N, N·m]."""
+        return _rows([s.controls.load for s in self.states])
+
+    @lazy
+    def weight(self) -> Array:
+        """(m,) share of the weights that is there."""
+        return _rows([s.controls.weight for s in self.states])
+
+    @lazy
+    def command(self) -> Array:
+        """(m, nv) how far the joints are commanded beyond the grasp's posture [rad, m]."""
+        return _rows([s.controls.command for s in self.states])
+
+    @lazy
+    def forces(self) -> Array:
+        """(m, n, 3) on the object, contact axes of the step [N]."""
+        return _rows([s.read.forces for s in self.states])
+
+    @lazy
+    def forces_world(self) -> Array:
+        """(m, n, 3) on the object, world axes [N]."""
+        return read_only(np.einsum("mnij,mnj->mni", self.frames, self.forces))
+
+    @lazy
+    def torsion(self) -> Array:
+        """(m, n) moments about the normals, of soft fingers [N·m]."""
+        return _rows([s.read.torsion for s in self.states])
+
+    @lazy
+    def contact_state(self) -> tuple[tuple[str, ...], ...]:
+        """Of each step and contact: "separated", "sticking" or "sliding"."""
+        return tuple([s.kinds for s in self.states])
+
+    @lazy
+    def slip(self) -> Array:
+        """(m, n, 2) of the object past each fingertip in this step, along the contact's x and y [m]."""
+        return _rows([s.read.motion[:, :2] for s in self.states])
+
+    @lazy
+    def spin(self) -> Array:
+        """(m, n) how far the object turns on each soft fingertip about its normal in this step [rad]."""
+        return _rows([s.read.spin for s in self.states])
+
+    @lazy
+    def gap(self) -> Array:
+        """(m, n) between object and fingertip [m]."""
+        return _rows([s.read.motion[:, 2] for s in self.states])
+
+    @lazy
+    def positions(self) -> Array:
+        """(m, n, 3) of the contacts, world axes [m]."""
+        return _rows([s.look.positions for s in self.states])
+
+    @lazy
+    def frames(self) -> Array:
+        """(m, n, 3, 3) contact axes in columns, world axes."""
+        return _rows([s.look.frames for s in self.states])
+
+    @lazy
+    def displacement(self) -> Array:
+        """(m, 6) of the object since the start, world axes: of the reference point [m], and rotation vector [rad]."""
+        return _rows([self.geometry.displacement(s.where.pose) for s in self.states])
+
+    @lazy
+    def q(self) -> Array:
+        """(m, nv) where the joints stand [rad, m]; with `geometry="fixed"` measured from the grasp's posture."""
+        return _rows([s.where.q for s in self.states])
+
+    @lazy
+    def torques(self) -> Array:
+        """(m, nv) that the actuators hold [N·m]."""
+        return _rows([s.read.torque for s in self.states])
+
+    def to_dict(self, stages: tuple[str, ...]) -> dict[str, Any]:
+        """Columns of m rows for a data frame: "stage", "share", "object.x" … "object.z" [m] and "object.rx" … [rad]
+        since the start; for each contact "<name>.force_x", "…_y", "…_z" [N], contact axes, and "<name>.state"; for each
+        joint "<joint>.torque" [N·m] and "<joint>.q" [rad, m]. stages : their names.
+        """
+        found: dict[str, Any] = {"stage": [stages[k] for k in self.stage.tolist()], "share": self.share}
+        found |= {f"object.{a}": self.displacement[:, k] for k, a in enumerate(("x", "y", "z", "rx", "ry", "rz"))}
+        for i, name in enumerate(distinct(self.names)):
+            found |= {f"{name}.force_{a}": self.forces[:, i, k] for k, a in enumerate("xyz")}
+            found[f"{name}.state"] = [kinds[i] for kinds in self.contact_state]
+        mechanism = self.grasp.spec.mechanism
+        for j, joint in enumerate(() if mechanism is None else mechanism.names):
+            found |= {f"{joint}.torque": self.torques[:, j], f"{joint}.q": self.q[:, j]}
+        return found
+
+    # ---- energy
+    @lazy
+    def dissipated(self) -> Array:
+        """(m,) energy that friction has taken since the start [J]; it never falls."""
+        lost = [_friction_work(s) for s in self.states]
+        return read_only(np.cumsum([0.0, *lost[1:]]))
+
+    @lazy
+    def stored(self) -> Array:
+        """(m,) elastic energy of joints, pads and environment [J]."""
+        pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
+        twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
+        joints = [0.5 * float(s.read.torque @ s.read.deflection) for s in self.states]
+        return read_only(pads + twists + np.array(joints))
+
+    @lazy
+    def work(self) -> Array:
+        """(m,) energy that load, weights and commands, and the preload as it comes, have put in [J]. It is what is
+        stored and what friction took, but for the steps' error: forces are taken as their means over each step. What
+        joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere.
+        """
+        states = self.states
+        force = _rows([s.loads.force for s in states])
+        moment = _rows([s.loads.moment - cross_rows(s.look.reference, s.loads.force) for s in states])
+        wedge = _rows([self.grasp.wedge(s.controls) for s in states])
+        gravity = _rows([s.look.elastic.gravity for s in states])
+        done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.torques, self.command)
+        done -= _done(self.forces.reshape(len(self), -1), wedge.reshape(len(self), -1)) + _done(gravity, self.q)
+        return read_only(np.cumsum([0.0, *done]))
+
+
+def _done(force: Array, moved: Array) -> Array:
+    """(m-1,) work of forces (m, k) along (m, k), of their means over each step."""
+    return np.asarray(((force[1:] + force[:-1]) / 2 * np.diff(moved, axis=0)).sum(axis=1))
+
+
+def _friction_work(s: State) -> float:
+    """What friction takes in a step [J]."""
+    slides = np.array([kind == SLIDES for kind in s.kinds])  # what sticks moves by rounding alone
+    along = (s.read.forces[:, :2] * s.read.motion[:, :2]).sum(axis=1) + s.read.torsion * s.read.spin
+    return -float(along @ slides)
+
+
+def _rows(values: list[Array] | list[float]) -> Array:
+    return read_only(np.array(values))

@@ -1,0 +1,105 @@
+"""What MuJoCo says of a load that grows, as rows of a file: the engine is compared with them in seconds.
+
+`limits.json` has the versions and settings with which its rows were computed, and a row for each case.
+"""
+
+from __future__ import annotations
+
+import json
+import pathlib
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from handlcp.simulator import SimulatedLimit, SimulatorSettings
+
+FILE = pathlib.Path(__file__).with_name("limits.json")
+SHARES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)  # of the load, where motion is kept
+DIGITS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """factor, jump, first_at, joint, slides, gone, squeezed : as in `SimulatedLimit`. most : how far the load grew.
+    factors (m,), motion (m, 6) : of the track, at some factors, before and after the jump among them.
+    """
+
+    factor: float
+    jump: float
+    first_at: float
+    joint: str
+    slides: tuple[str, ...]
+    gone: tuple[str, ...]
+    squeezed: Any
+    most: float
+    factors: Any
+    motion: Any
+    seconds: float
+
+    @classmethod
+    def of(cls, limit: SimulatedLimit, most: float) -> Truth:
+        """What of a simulation is kept."""
+        track = limit.track
+        end = min(limit.factor, most)
+        kept = [*(share * end for share in SHARES), *track.factors[-1:]]
+        if np.isfinite(limit.jump):
+            before = track.factors < limit.jump
+            kept += [*track.factors[before][-1:], *track.factors[~before][:1]]
+        factors = np.array(sorted({float(f) for f in kept if len(track.factors) and f <= track.factors[-1]}))
+        motion = np.array([track.at(f) for f in factors]).reshape(-1, 6)
+        return cls(
+            limit.factor, limit.jump, limit.first_at, limit.joint, limit.slides, limit.gone, limit.squeezed, most,
+            factors, motion, limit.seconds,
+        )  # fmt: skip
+
+    def at(self, factor: float) -> Any:
+        """(6,) how far the object had moved since the load began to grow [m, rad]."""
+        if not (len(self.factors) and factor <= self.factors[-1]):
+            return np.full(6, np.nan)
+        return np.array([np.interp(factor, self.factors, column) for column in self.motion.T])
+
+    def row(self) -> dict[str, Any]:
+        """As JSON; null for what never happened."""
+        return {
+            "factor": _number(self.factor), "jump": _number(self.jump), "first_at": _number(self.first_at),
+            "most": _number(self.most), "joint": self.joint, "slides": list(self.slides), "gone": list(self.gone),
+            "squeezed_N": _numbers(self.squeezed), "factors": _numbers(self.factors, 8),
+            "motion_m_rad": _numbers(self.motion), "seconds": round(self.seconds, 1),
+        }  # fmt: skip
+
+    @classmethod
+    def read(cls, row: dict[str, Any]) -> Truth:
+        """The opposite of `row`."""
+        factor, jump, first_at = (np.inf if row[k] is None else row[k] for k in ("factor", "jump", "first_at"))
+        return cls(
+            factor, jump, first_at, row["joint"], tuple(row["slides"]), tuple(row["gone"]), np.array(row["squeezed_N"]),
+            row["most"], np.array(row["factors"]), np.array(row["motion_m_rad"]).reshape(-1, 6), row["seconds"],
+        )  # fmt: skip
+
+
+def stored() -> dict[str, Truth]:
+    """By the titles of the cases; nothing without the file."""
+    return {title: Truth.read(row) for title, row in _rows().items()}
+
+
+def store(title: str, truth: Truth) -> None:
+    """Put one row into the file."""
+    rows = dict(sorted((_rows() | {title: truth.row()}).items()))
+    head = {"mujoco": mujoco.__version__, "settings": asdict(SimulatorSettings())}
+    lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows.items())
+    FILE.write_text(f'{{"made_with": {json.dumps(head)},\n"rows": {{\n{lines}\n}}}}\n', encoding="utf-8")
+
+
+def _rows() -> dict[str, Any]:
+    rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))["rows"] if FILE.exists() else {}
+    return rows
+
+
+def _number(value: float, digits: int = 8) -> float | None:
+    return float(f"{value:.{digits}g}") if np.isfinite(value) else None
+
+
+def _numbers(values: Any, digits: int = DIGITS) -> Any:
+    return [_numbers(v, digits) for v in values] if np.ndim(values) else _number(float(values), digits)

@@ -1,0 +1,80 @@
+"""What is kept of a load that grows in MuJoCo: jumps, motion over the load, and the table of stored answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco")
+
+import handlcp as hl
+from handlcp.simulator import simulate, simulate_limit
+from tests.mujoco.cases import three
+from tests.mujoco.limit_cases import CASES
+from tests.mujoco.limit_truth import Truth, stored
+from tests.support.simulator import Tracking, moved
+
+REST = np.zeros(6)
+
+
+def along_x(motion):
+    return np.array([motion, 0, 0, 0, 0, 0])
+
+
+def test_motion_while_the_load_grows_is_no_jump_and_motion_while_it_waits_is_one():
+    tracking = Tracking(REST)
+    for k in range(20):
+        tracking.rests(0.1 * k, along_x(1e-3 * k))
+    assert tracking.jump == np.inf
+    tracking.moves(2.0, along_x(19.9e-3))
+    assert tracking.jump == np.inf
+    tracking.moves(2.0, along_x(20.1e-3))
+    tracking.rests(2.0, along_x(25e-3))
+    tracking.moves(3.0, along_x(30e-3))
+    assert tracking.jump == 2.0
+    track = tracking.track()
+    assert track.at(0.55)[0] == pytest.approx(5.5e-3)
+    assert track.at(2.0)[0] == pytest.approx(25e-3)
+    assert np.isnan(track.at(2.1)).all()
+
+
+def test_a_turn_of_more_than_two_degrees_is_a_jump():
+    start = np.array([0.0, 0, 0, 0.3, 0, 0])
+    tracking = Tracking(start)
+    tracking.moves(1.0, moved_by(start, 1.9))
+    assert tracking.jump == np.inf
+    tracking.moves(1.5, moved_by(start, 2.1))
+    assert tracking.jump == 1.5
+
+
+def moved_by(start, degrees):
+    """The same, turned about the first axis."""
+    return start + np.array([0, 0, 0, np.radians(degrees), 0, 0])
+
+
+def test_motion_counts_from_where_the_load_found_the_object():
+    start, end = np.array([1e-3, 0, 0, 0, 0.2, 0]), np.array([3e-3, 0, 0, 0, 0.5, 0])
+    assert moved(start, end) == pytest.approx([2e-3, 0, 0, 0, 0.3, 0])
+
+
+def test_an_object_weighs_what_it_weighs_whatever_mass_it_moves_with():
+    heavy = three(hl.Box(0.05, [0, 0, 0.08], mass=0.3), offset=0.06)
+    end = simulate(heavy, seconds=0.6)
+    assert end.held
+    assert end.forces_world.sum(axis=0) == pytest.approx([0, 0, 0.3 * 9.81], rel=1e-3, abs=3e-3)
+
+
+def test_an_object_that_is_lost_before_the_load_grows_has_no_track():
+    limit = simulate_limit(three(offset=0.0), [1.0, 0, 0, 0, 0, 0], 1.0, seconds=0.5)
+    assert limit.factor == 0.0
+    assert not len(limit.track.factors)
+    assert np.isinf([limit.jump, limit.first_at]).all()
+
+
+def test_every_case_is_stored_and_a_row_reads_as_it_was_written():
+    rows = stored()
+    assert sorted(rows) == sorted(case.title for case in CASES)
+    assert len(CASES) == 80
+    assert len({case.hand for case in CASES}) == 6
+    for truth in rows.values():
+        assert Truth.read(truth.row()).row() == truth.row()

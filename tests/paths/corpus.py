@@ -1,0 +1,194 @@
+"""Random grasps with directions of load: each follows from a seed and its number alone.
+
+Two of three that hold are hands on boxes, balls, cylinders and ellipsoids, asked with the geometry followed; the third
+one is three to six bare contacts with coupled springs, asked in one posture. Coulomb, soft and anisotropic friction,
+the cone and six faces. `held` says whether a grasp holds its squeeze and weight.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+import handlcp as hl
+from tests.paths.hands import COMMERCIAL, SHIPPED, STARTS, TIPS, commercial_hands_there
+from tests.paths.recipes import FreeRecipe, HandRecipe, Law, Recipe, Thing, turn
+
+__all__ = ["ACCEPTED", "DIRECTIONS", "Case", "accepted", "case_of", "cases", "held", "some_law"]
+
+DIRECTIONS = 12
+ACCEPTED = Path(__file__).with_name("accepted.json")  # {"tried": below this, "0": numbers of the seed 0 that hold}
+_LAWS = ("coulomb", "soft", "anisotropic")
+_HANDS = ("three_finger", "five_finger", "three_finger", "five_finger", "allegro", "barrett", "leap")
+_UP = np.array([0.0, 0.0, -9.81])
+
+
+@dataclass(frozen=True)
+class Case:
+    """A grasp by its recipe, and how it is asked. directions (12, 6) [N, N·m], of unit size: eight forces, two forces
+    with moments, two moments [per 30 mm].
+    """
+
+    seed: int
+    number: int
+    recipe: Recipe
+    geometry: str
+    faces: int | str
+    directions: np.ndarray
+
+    @cached_property
+    def grasp(self) -> Any:
+        """Made once. Raises NotReached for a hand that does not reach its object."""
+        return self.recipe.grasp()
+
+    @property
+    def name(self) -> str:
+        """Such as "0/17 five_finger, ball, soft, cone"."""
+        r = self.recipe
+        what = f"{r.hand}, {r.thing.kind}, {r.law.kind}" if isinstance(r, HandRecipe) else f"{len(r.p)} contacts"
+        what += "" if isinstance(r, HandRecipe) else f", {r.laws[0].kind}"
+        return f"{self.seed}/{self.number} {what}, {self.faces}"
+
+    def changed(self, recipe: Recipe) -> Case:
+        """With another recipe."""
+        return replace(self, recipe=recipe)
+
+
+@lru_cache(maxsize=512)
+def case_of(seed: int, number: int) -> Case:
+    """The case of a seed and a number; nothing is tried."""
+    rng = np.random.default_rng([seed, number])
+    free = number % 6 == 2  # hands are held less often: then a third of all that hold is bare
+    law, faces = _LAWS[number // 3 % 3], ("cone", 6)[number // 9 % 2]
+    recipe = _bare(rng, law) if free else _hand(rng, law)
+    return Case(seed, number, recipe, "fixed" if free else "followed", faces, _directions(rng))
+
+
+def held(case: Case) -> bool:
+    """Whether the grasp can be made, reaches the end of its squeeze and weight, and is HELD there."""
+    try:
+        grasp = case.grasp
+        if not grasp.follow(np.zeros(6), geometry=case.geometry, faces=case.faces).reached:
+            return False
+        return isinstance(case.recipe, FreeRecipe) or grasp.check(faces=case.faces).ok
+    except hl.HandLCPError:
+        return False
+
+
+def cases(count: int, seed: int = 0, start: int = 0) -> Iterator[Case]:
+    """So many cases that hold, in the order of their numbers from `start`. Those of seed 0 that were tried before are
+    known, and the same whatever package is imported; others are tried now. Commercial hands are left out where their
+    package is not installed.
+    """
+    known = accepted() if seed == 0 else ()
+    beyond = tried() if seed == 0 else 0
+    for number in known:
+        if number < start:
+            continue
+        if count <= 0:
+            return
+        case = case_of(seed, number)
+        if _there(case):
+            count -= 1
+            yield case
+    number = max(start, beyond)
+    while count > 0:
+        case = case_of(seed, number)
+        if _there(case) and held(case):
+            count -= 1
+            yield case
+        number += 1
+
+
+def _there(case: Case) -> bool:
+    return getattr(case.recipe, "hand", "") not in COMMERCIAL or commercial_hands_there()
+
+
+@lru_cache(maxsize=1)
+def accepted() -> tuple[int, ...]:
+    """Numbers of the seed 0 that hold, as far as they were tried."""
+    if not ACCEPTED.is_file():
+        return ()
+    return tuple(json.loads(ACCEPTED.read_text(encoding="utf-8"))["0"])
+
+
+def tried() -> int:
+    """How many numbers of the seed 0 were tried."""
+    return int(json.loads(ACCEPTED.read_text(encoding="utf-8"))["tried"]) if ACCEPTED.is_file() else 0
+
+
+def some_law(rng: np.random.Generator, kind: str, mu: float) -> Law:
+    """A law of a kind with a coefficient; the rest is random."""
+    second = rng.uniform(0.002, 0.008) if kind == "soft" else rng.uniform(0.5, 0.95)
+    along = rng.normal(size=3)
+    return Law(kind, mu, second, tuple((along / np.linalg.norm(along)).tolist()))
+
+
+def _hand(rng: np.random.Generator, law: str) -> HandRecipe:
+    name = _HANDS[rng.integers(len(_HANDS))]
+    kind = ("box", "ball", "cylinder", "ellipsoid")[rng.integers(4)]
+    if (name, kind) not in STARTS:
+        kind = "ball"
+    start, shipped = STARTS[name, kind], name in SHIPPED
+    base = (0.025, 0.035) if shipped else (0.025, 0.030)  # half of the object's width [m]
+    r = rng.uniform(*base)
+    sizes = {
+        "box": 2 * r * rng.uniform(0.85, 1.1, 3) * ((1, 1, 1) if shipped else (0.75, 0.9, 1.4)), "ball": np.array([r]),
+        "cylinder": np.array([r, rng.uniform(0.08, 0.11)]), "ellipsoid": r * rng.uniform(0.85, 1.2, 3),
+    }[kind]  # fmt: skip
+    about = np.array([0.0, 0.0, rng.uniform(-np.pi, np.pi)]) if shipped and rng.random() < 0.5 else np.zeros(3)
+    rotation = pin.exp3(0.15 * rng.normal(size=3)) @ pin.exp3(about) @ pin.exp3(np.array(start.turn))
+    position = np.array(start.position) + 0.004 * rng.normal(size=3)
+    thing = Thing(kind, tuple(sizes.tolist()), position, rotation, rng.uniform(0.02, 0.25))
+    gravity = _UP if rng.random() < 0.5 else turn(rng) @ _UP
+    torque = 0.0 if rng.random() < 0.25 else rng.uniform(0.5, 1.5)
+    tips = list(TIPS[name])
+    if name == "five_finger" and rng.random() < 0.5:
+        tips = [tips[i] for i in ((0, 1, 2, 3), (0, 2, 3), (0, 1, 3, 4))[rng.integers(3)]]
+    return HandRecipe(
+        name, float(np.exp(rng.uniform(np.log(2.0), np.log(12.0)))), float(np.exp(rng.uniform(-10.0, -7.6))), torque,
+        thing, start.q, some_law(rng, law, rng.uniform(0.4, 1.1)), rng.uniform(1.5e-3, 6e-3), gravity, tuple(tips),
+    )  # fmt: skip
+
+
+def _bare(rng: np.random.Generator, law: str) -> FreeRecipe:
+    n, shape = int(rng.integers(3, 7)), rng.integers(3)
+    if shape == 0:  # around a waist
+        a = 2 * np.pi * (np.arange(n) + 0.4 * rng.uniform(-1, 1, n)) / n
+        out = np.stack([np.cos(a), np.sin(a), 0.3 * rng.uniform(-1, 1, n)], axis=1)
+    else:  # spread over a ball, and on the faces of a cube
+        out = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        out = np.concatenate([out, -out])[rng.permutation(6)[:n]] + 0.3 * rng.normal(size=(n, 3))
+        if n < 6:
+            out -= out.mean(axis=0)
+    out /= np.linalg.norm(out, axis=1)[:, None]
+    Q, size = turn(rng), rng.uniform(0.02, 0.05)
+    p = size * out * rng.uniform(0.8, 1.2, (n, 1))
+    z = -out + 0.15 * rng.normal(size=(n, 3))
+    z /= np.linalg.norm(z, axis=1)[:, None]
+    x = np.cross(z, rng.normal(size=(n, 3)))
+    x /= np.linalg.norm(x, axis=1)[:, None]
+    R = np.stack([x, np.cross(z, x), z], axis=2)
+    A = rng.normal(size=(3 * n, 3 * n))
+    E = np.kron(np.diag(rng.uniform(0.5, 2.0, n)), np.diag([1.0, rng.uniform(0.4, 1.5), rng.uniform(0.3, 1.0)]))
+    E = 3e-5 * E + (2e-6 * A @ A.T if rng.random() < 0.5 else 0.0)  # stiff: motions stay small
+    alone = some_law(rng, law, rng.uniform(0.3, 0.9))
+    laws = tuple(replace(alone, mu=alone.mu * rng.uniform(0.8, 1.2)) for _ in range(n))
+    return FreeRecipe(p @ Q.T, Q @ R, laws, (E + E.T) / 2, rng.uniform(1e-4, 4e-4, n))
+
+
+def _directions(rng: np.random.Generator) -> np.ndarray:
+    """(12, 6) see `Case`."""
+    ways = rng.normal(size=(DIRECTIONS, 6))
+    ways /= np.linalg.norm(ways.reshape(-1, 2, 3), axis=2).repeat(3, axis=1)
+    ways[:, 3:] *= 0.03
+    ways[:8, 3:] = 0.0
+    ways[10:, :3] = 0.0
+    return ways

@@ -1,0 +1,132 @@
+"""What a package says of every scene, written to a file: limits, what binds, events, forces, verdicts.
+
+A file is gzipped JSON, a line for each scene: "number" of seed 0, "direction", "factor"
+(null: infinite), "binds" as [kind, who], "events" (how many), "forces" at the end of squeeze and weight [N] contact by
+contact, "check" (its words at 0.95 and 1.05 of the factor), "follow" (whether these are reached), "seconds", and
+"stopped" where the time was over or an error came.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import handlcp as hl
+from tests.paths.clock import TookTooLong, at_most
+from tests.paths.contradictions import BELOW, BEYOND, FAR
+from tests.paths.corpus import Case, case_of, cases
+from tests.paths.words import checked, followed, limit_of
+
+__all__ = ["FROZEN", "compare", "freeze", "frozen", "pack", "scene"]
+
+DIFFERS = 0.01
+FROZEN = Path(__file__).with_name("frozen.json.gz")
+
+
+def frozen(path: Path = FROZEN) -> list[dict[str, Any]]:
+    """The scenes of a file."""
+    return [json.loads(line) for line in gzip.decompress(path.read_bytes()).decode("utf-8").splitlines()]
+
+
+def scene(case: Case, direction: int) -> dict[str, Any]:
+    """Everything that is written of one case and direction, but the seconds."""
+    told: dict[str, Any] = {"number": case.number, "direction": direction}
+    start = case.grasp.follow(np.zeros(6), geometry=case.geometry, faces=case.faces)
+    told["forces"] = np.round(np.asarray(start.steps.forces[-1]), 5).tolist()
+    way = case.directions[direction]
+    limit = limit_of(case, way)
+    told["factor"] = float(limit.factor) if np.isfinite(limit.factor) else None
+    told["binds"] = sorted([b.kind, b.who] for b in limit.binds)
+    told["events"] = len(limit.events)
+    shares = (BELOW, BEYOND)
+    size = limit.factor
+    if not np.isfinite(size):
+        shares, size = (FAR,), float(start.steps.forces[-1, :, 2].sum())
+    if size > 0.0:
+        told["check"], told["follow"] = [], []
+        for share in shares:
+            told["follow"].append(followed(case, share * size * way)[0].said)
+            told["check"].append(checked(case, share * size * way).said)
+    return told
+
+
+def freeze(count: int, out: Path, most: float, directions: int) -> int:
+    """Write so many scenes, `directions` of each case, none longer than `most` seconds. Lines are kept beside the file
+    as they come, with the ending jsonl: another run goes on after them, or after those of the file itself.
+    """
+    plain = out.with_name(out.name.removesuffix(".gz").removesuffix(".json") + ".jsonl")
+    if out.is_file() and not plain.is_file():
+        plain.write_bytes(gzip.decompress(out.read_bytes()))
+    before = plain.read_text(encoding="utf-8").splitlines() if plain.is_file() else []
+    done = {(x["number"], x["direction"]) for x in map(json.loads, before)}
+    with plain.open("a", encoding="utf-8") as file:
+        for case in cases(-(-count // directions)):
+            for k in range(directions):
+                direction = (case.number + 5 * k) % len(case.directions)
+                if (case.number, direction) not in done:
+                    file.write(json.dumps(_timed(case, direction, most), separators=(",", ":")) + "\n")
+                    file.flush()
+            if case.number % 20 == 0:
+                pack(plain, out)
+    pack(plain, out)
+    return 0
+
+
+def compare(path: Path, count: int, most: float) -> int:
+    """Print where the package that is imported says otherwise than a file: factor by 1 %, words at 0.95 and 1.05,
+    forces at the end of squeeze and weight by 1 %. The number of scenes that differ.
+    """
+    tally = Counter[str]()
+    for old in frozen(path)[:count]:
+        case = case_of(0, old["number"])
+        new = _timed(case, old["direction"], most)
+        said = {what: text for what, text in _differences(old, new).items() if text}
+        tally += Counter({what: 1 for what in said} | {"scenes": 1, "differ": bool(said)})
+        if said:
+            told = "; ".join(f"{what} {text}" for what, text in said.items())
+            print(f"(0, {case.number}, {old['direction']}) {case.name}: {told}", flush=True)
+    print(dict(tally))
+    return tally["differ"]
+
+
+def _differences(old: dict[str, Any], new: dict[str, Any]) -> dict[str, str]:
+    """What differs between two lines of one scene: then and now; "": nothing."""
+    if stopped := [f"{when}: {x['stopped']}" for when, x in (("then", old), ("now", new)) if "stopped" in x]:
+        return {"stopped": ", ".join(stopped)}
+    a, b = (np.inf if x["factor"] is None else x["factor"] for x in (old, new))
+    far = a != b and not abs(a - b) <= DIFFERS * max(abs(a), abs(b))
+    first, then = np.array(old["forces"]), np.array(new["forces"])
+    off = float(abs(first - then).max() / max(abs(first).max(), 1e-12))
+    found = {
+        "factor": f"{a:.5g}, now {b:.5g}" if far else "", "forces": f"{100 * off:.1f} % off" if off > DIFFERS else "",
+    }  # fmt: skip
+    for what in ("follow", "check"):
+        one, two = old.get(what), new.get(what)
+        heads = [None if x is None else [words.partition(" ")[0] for words in x] for x in (one, two)]
+        found[what] = f"{one}, now {two}" if heads[0] != heads[1] else ""
+    return found
+
+
+def _timed(case: Case, direction: int, most: float) -> dict[str, Any]:
+    begun, told = time.process_time(), {"number": case.number, "direction": direction}
+    try:
+        with at_most(most):
+            told = scene(case, direction)
+    except TookTooLong as why:
+        told["stopped"] = str(why)
+    except hl.HandLCPError as why:
+        told["stopped"] = f"{type(why).__name__}: {why}"[:200]
+    told["seconds"] = round(time.process_time() - begun, 2)
+    return told
+
+
+def pack(plain: Path, out: Path) -> None:
+    """The file as it is kept, byte for byte the same for the same lines."""
+    with out.open("wb") as raw, gzip.GzipFile(fileobj=raw, mode="wb", mtime=0, filename="") as file:
+        file.write(plain.read_bytes())

@@ -1,0 +1,5 @@
+"""What the tests need of the simulator's inner rooms."""
+
+from handlcp.simulator.limit_track import Tracking, moved
+
+__all__ = ["Tracking", "moved"]
