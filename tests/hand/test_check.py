@@ -123,12 +123,27 @@ def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
 
 
 def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
-    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same."""
-    grasp = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
+    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same, pulled
+    away from the hinges.
+    """
+    grasp = lever(write, -2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
     v = grasp.check()
     assert v.word == "HELD"
     (yields,) = (r for r in v.about("torque") if "yielding" in r.values)
     assert set(yields.values["yielding"]) == {"left_joint", "right_joint"}
+
+
+def test_levers_whose_joints_both_yield_tip_over_under_a_push_towards_their_hinges(write):
+    """Nothing keeps them upright: pushed by F they meet -F / L [N/m], and go sideways until one joint yields no more,
+    which is half of what both have yielded: (5 - 3.75) N of the joints' own share of C.
+    """
+    path = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),)).follow()
+    assert path.reached
+    (snap,) = (e for e in path.events if e.kind == "snaps")
+    assert snap.share < 0.1, "nothing but their leaning outwards by 1.2° steadies them"
+    assert snap.moved == pytest.approx((5.0 - 3.75) * C, rel=0.02)
+    v = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),)).check()
+    assert v.word == "NOT HELD", "a jerk may take it further"
 
 
 # ---------------------------------------------------------------- advice

@@ -11,7 +11,8 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.followed.balls import ball_contacts, moved_along
+from handlcp.grasp.path.look.tangent import skew
+from handlcp.hand.followed.balls import ball_contacts
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
 
@@ -102,7 +103,9 @@ class _Detected:
 
 
 class _Given:
-    """Points of the fingertips, on planes of the object."""
+    """Points of the fingertips, on planes of the object. What a preload puts between point and plane lies half along the
+    fingertip's axis, half along the normal: it grows as the fingertip turns, and neither slides nor rolls then.
+    """
 
     noise = 0.0
 
@@ -111,6 +114,7 @@ class _Given:
         turned = first.tip_rotations[tips]
         self.points = np.einsum("nji,nj->ni", turned, spec.positions[:k] - first.tip_positions[tips])
         self.planes, self.out = spec.positions[:k].copy(), spec.frames[:k, :, 2].copy()
+        self.along = np.einsum("nji,nj->ni", turned, self.out)  # of fingertips, in their axes
 
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
@@ -118,11 +122,12 @@ class _Given:
         """See `Find`."""
         positions, normals, gaps, turn, shift = out
         k = len(self.points)
-        arms = np.einsum("nij,nj->ni", turns[:k], self.points)
-        touching = places[:k] + arms
+        arms, along = (np.einsum("nij,nj->ni", turns[:k], own) for own in (self.points, self.along))
         normals[:k] = self.out @ R.T
-        gaps[:k] = (normals[:k] * (self.planes @ R.T + t - touching)).sum(axis=1)
-        positions[:k] = touching + gaps[:k, None] * normals[:k]
-        flat = np.zeros((3, 3))
+        gaps[:k] = (normals[:k] * (self.planes @ R.T + t - places[:k] - arms)).sum(axis=1)
+        half = along + normals[:k]
+        size = gaps[:k] / (normals[:k] * half).sum(axis=1)
+        positions[:k], turn[:k] = places[:k] + arms + size[:, None] * half, 0.0
         for i in range(k):
-            moved_along(turn[i], shift[i], flat, normals[i].copy(), 0.0, arms[i].copy())
+            shift[i, :, :3] = np.eye(3) - np.outer(half[i] / (normals[i] @ half[i]), normals[i])
+            shift[i, :, 3:] = -shift[i, :, :3] @ skew(arms[i] + size[i] * along[i])

@@ -88,13 +88,22 @@ def linear_problem(
             M[u + i, at] += ur[i, j] * s[j] * posed.force
             M[at, u + i] += vu[j, i] * s[j] / posed.motion
         for b in range(k):
-            M[giving.at + b, at] -= giving.rows[b, j]
-            M[at, giving.at + b] += giving.rows[b, j]
+            M[giving.at + b, at] -= giving.rows[b, j] + t.L[b, 1 + j] * s[j]
+            M[at, giving.at + b] += giving.rows[b, j] + t.V_g[j, b] * s[j]
+    if k > 0:
+        ug, gu = product(P, t.B_g), product(t.L[:, 1 + c : 7 + c].copy(), UT)
+        for b in range(k):
+            q[giving.at + b] -= t.L[b, 0] / posed.force
+            for i in range(p.dof):
+                M[u + i, giving.at + b] += ug[i, b] * posed.motion
+                M[giving.at + b, u + i] -= gu[b, i] / posed.force
+            for e in range(k):
+                M[giving.at + b, giving.at + e] -= t.L[b, 7 + c + e] * posed.motion / posed.force
     x = np.zeros(size)
     if len(start) > 0:
         begin(x, start, p, laws.freedom, posed)
     for b in range(k):
-        q[giving.at + b] = giving.room[b] / posed.force
+        q[giving.at + b] += giving.room[b] / posed.force
         x[giving.at + b] = giving.begun[b] / posed.motion
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
@@ -124,9 +133,11 @@ def answered(
         for j in range(6):
             offset[i] += t.V_u[i, j] * twist[j] * s[i]
         for b in range(k):
-            offset[i] += gives[b] * giving.rows[b, i]
+            offset[i] += gives[b] * (giving.rows[b, i] + t.V_g[i, b] * s[i])
     for j in range(6):
         posed.wrench[j] += t.w[j]
+        for b in range(k):
+            posed.wrench[j] += t.B_g[j, b] * gives[b]
         for i in range(c):
             posed.wrench[j] += t.B_r[j, i] * forces[i]
         for i in range(6):

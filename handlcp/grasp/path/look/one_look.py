@@ -114,7 +114,7 @@ def one_look(
     turned = Turned(np.zeros((6, 6 + nv + n3)), np.zeros((nv, 6 + nv + n3)), np.zeros((n3, 6 + nv + n3)))
     if not still:
         turned = turned_forces(t, frames, m, centre, forces, torsion)
-    lin = condensed(turned, still, J, el.root, P, _told(el, loads, laws), damping.lag, damping.slow, give, d)
+    lin = condensed(turned, still, J, el.root, P, _told(el, loads, laws), damping.lag, damping.slow, give, d, yields)
     if not lin.found:
         return
     for a in range(6):
@@ -135,13 +135,7 @@ def one_look(
         return
     forces, torsion = _by_contact(r, n, soft)
     motion, spin = _by_contact(v, n, soft)
-    joints, torque = _led(lin, turned, J, el, r, twist, soft, torsion)
-    for j in range(nv):
-        for b in range(len(gives)):
-            back = yields[j, b] * gives[b]
-            joints[j] -= back
-            for o in range(nv):
-                torque[o] -= turned.torque[o, 6 + j] * back
+    joints, torque = _led(lin, turned, J, el, r, twist, gives, yields, soft, torsion)
     pads, turns, carry, miss = end_of_step(
         motion, spin, joints, twist, centre, t.positions, frames, el.J, el.turning, loads.base, loads.give, loads.turn,
         slipped, soft, radius,
@@ -187,9 +181,12 @@ def _told(el: Elastic, loads: Loads, laws: Laws) -> Array:
 
 @kernel
 def _led(
-    lin: Condensed, turned: Turned, J: Array, el: Elastic, r: Array, twist: Array, soft: Ints, torsion: Array
-) -> tuple[Array, Array]:
-    """(nv,) changes of the joints, and their torques, of forces r (c,) and the object's twist (6,)."""
+    lin: Condensed, turned: Turned, J: Array, el: Elastic, r: Array, twist: Array, gives: Array, yields: Array,
+    soft: Ints, torsion: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """(nv,) changes of the joints, and their torques, of forces r (c,), the object's twist (6,), and limits that give
+    way by (k,).
+    """
     nv, c, n3 = J.shape[1], len(r), turned.force.shape[0]
     joints, torque = np.empty(nv), el.gravity.copy()
     for j in range(nv + n3):
@@ -199,6 +196,10 @@ def _led(
             change += row[1 + b] * r[b]
         for b in range(6):
             change += row[1 + c + b] * twist[b]
+        for b in range(len(gives)):
+            change += row[7 + c + b] * gives[b]
+            if j < nv:
+                change -= yields[j, b] * gives[b]
         if j < nv:
             joints[j] = change
         for o in range(nv):

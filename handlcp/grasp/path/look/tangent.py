@@ -10,10 +10,11 @@ the pads δs. To first order in them, with forces r that keep their components a
 
 A are the changes of the forces' wrench, T those of the joints' torques (geometric stiffness of the finger included), F
 those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints. Leaving A, T and F out
-gives the step in frozen geometry, whose iteration does not converge where every finger slides. δq and δs are
-eliminated; what is left is a problem in r and u, as every grasp is one:
+gives the step in frozen geometry, whose iteration does not converge where every finger slides. Limits that give way
+drive the joints back by Y g besides, when the torques Yᵀ τ reach them. δq and δs are eliminated; what is left is a
+problem in r, u and g, as every grasp is one:
 
-    v = V_r r + V_u u + d',    0 = w' + B_r r + B_u u
+    v = V_r r + V_u u + V_g g + d',    0 = w' + B_r r + B_u u + B_g g,    Yᵀ τ = Yᵀ Jᵀ r + L (1, r, u, g)
 """
 
 from __future__ import annotations
@@ -66,16 +67,20 @@ class Turned(NamedTuple):
 
 
 class Condensed(NamedTuple):
-    """v = V_r r + V_u u + d' in contact axes, 0 = w' + B_r r + B_u u about the contacts' centre, and what was
-    eliminated: (δq, δs) = Z (1, r, u). All SI. found : whether there is a solution.
+    """v = V_r r + V_u u + V_g g + d' in contact axes but for J Y g, 0 = w' + B_r r + B_u u + B_g g about the contacts'
+    centre, L (k, 1 + c + 6 + k) of limits that give way, and what was eliminated: (δq + Y g, δs) = Z (1, r, u, g). All
+    SI. found : whether there is a solution.
     """
 
     V_r: Array
     V_u: Array
+    V_g: Array
     d: Array
     B_r: Array
     B_u: Array
+    B_g: Array
     w: Array
+    L: Array
     Z: Array
     found: bool
 
@@ -214,24 +219,26 @@ def _coupled(rows: Array, coupling: Array) -> Array:
 @kernel
 def condensed(
     turned: Turned, still: bool, J: Array, root: Array, P: Array, told: Array, lag: Array, slow: float, give: Array,
-    d: Array,
+    d: Array, Y: Array,
 ) -> Condensed:  # fmt: skip
     """Without δq and δs. still : contacts do not move, and `turned` is not read.
 
     J (c, nv), P (c, c) : of the joints, and flexibility of all else, in contact axes, turns of soft contacts last.
     root (nv, m) : C = root rootᵀ. told (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε. give (c,) : ŝ. d (c,).
+    Y (nv, k).
     """
-    c, nv = J.shape
+    (c, nv), k = J.shape, Y.shape[1]
     n3, size, found = turned.force.shape[0], nv + c, True
     C = product(root, np.ascontiguousarray(root.T))
-    A = np.zeros((size, size + 1 + c + 6))  # the system, then its right sides by (1, r, u)
+    A = np.zeros((size, size + 1 + c + 6 + k))  # the system, then its right sides by (1, r, u, g)
     for j in range(nv):
         A[j, j], A[j, size] = 1.0 + slow, told[j] + slow * lag[j]
     for i in range(c):
         A[nv + i, nv + i], A[nv + i, size] = 1.0, -give[i]
     A[:nv, size + 1 : size + 1 + c] = -product(C, np.ascontiguousarray(J.T))
     A[nv:, size + 1 : size + 1 + c] = -P
-    w, B_r, B_u = np.zeros(6), np.zeros((6, c)), np.zeros((6, 6))
+    w, B_r, B_u, B_g = np.zeros(6), np.zeros((6, c)), np.zeros((6, 6)), np.zeros((6, k))
+    L, by = np.zeros((k, 1 + c + 6 + k)), 1 + c + 6
     if still:
         for j in range(nv):
             A[j, size:] /= 1.0 + slow
@@ -241,11 +248,20 @@ def condensed(
         changes[:nv] = np.dot(C, turned.torque)
         changes[nv:] = np.dot(P[:, :n3].copy(), turned.force)
         A[:, : nv + n3] += changes[:, 6:]
-        A[:, size + 1 + c :] = -changes[:, :6]
+        A[:, size + 1 + c : size + by] = -changes[:, :6]
+        if k > 0:
+            A[:, size + by :] = np.dot(changes[:, 6 : 6 + nv].copy(), Y)
         found = solve_wide(A)
         Z = A[:, size:].copy()
-        moved = np.dot(turned.wrench[:, 6:].copy(), Z[: nv + n3])
-        w[:], B_r[:] = moved[:, 0], moved[:, 1 : 1 + c]
-        B_u[:] = turned.wrench[:, :6] + moved[:, 1 + c :]
+        held = Z[: nv + n3].copy()
+        if k > 0:
+            held[:nv, by:] -= Y
+            back = np.ascontiguousarray(Y.T)
+            L[:] = np.dot(back, np.dot(turned.torque[:, 6:].copy(), held))
+            L[:, 1 + c : by] += np.dot(back, turned.torque[:, :6].copy())
+        moved = np.dot(turned.wrench[:, 6:].copy(), held)
+        w[:], B_r[:], B_g[:] = moved[:, 0], moved[:, 1 : 1 + c], moved[:, by:]
+        B_u[:] = turned.wrench[:, :6] + moved[:, 1 + c : by]
     tip = -np.dot(J, Z[:nv]) - Z[nv:]
-    return Condensed(tip[:, 1 : 1 + c].copy(), tip[:, 1 + c :].copy(), d + tip[:, 0], B_r, B_u, w, Z, found)
+    V_r, V_u, V_g = tip[:, 1 : 1 + c].copy(), tip[:, 1 + c : by].copy(), tip[:, by:].copy()
+    return Condensed(V_r, V_u, V_g, d + tip[:, 0], B_r, B_u, B_g, w, L, Z, found)
