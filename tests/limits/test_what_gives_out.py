@@ -49,7 +49,7 @@ def test_the_fingers_that_are_named_are_at_their_friction_and_the_others_are_not
 def test_a_turn_that_no_contact_resists_is_balance_itself():
     limit = pinch().load_limit((0, 0, 0, 1, 0, 0))
     assert [(b.kind, b.who) for b in limit.binds] == [("equilibrium", "the object")]
-    assert limit.why == "it holds nothing of this load: no contact forces balance it"
+    assert limit.why == "it holds nothing of this load: no forces balance it"
 
 
 def test_joints_that_yield_are_events_by_their_names():

@@ -134,10 +134,10 @@ def test_where_it_is_lost_is_marked_and_said():
     h = found("lost")
     assert not h.reached
     figure = loading_figure.figure(h, "A title")
-    at = 1.0 + h.lost_at
+    at = h.stages.index(h.lost_stage) + h.lost_at
     for ax in figure.axes:
         assert any(line.get_linewidth() > 1.7 and set(line.get_xdata()) == {at} for line in ax.lines)
-        assert ax.get_xlim() == (0.0, 2.0), "the load that is not reached is shown"
+        assert ax.get_xlim() == (0.0, len(h.stages)), "the load that is not reached is shown"
     said = [t.get_text() for t in figure.texts]
     assert "LOST:" in said
     assert "lost" in [t.get_text() for t in figure.axes[0].texts]
@@ -193,9 +193,10 @@ def test_no_text_leaves_the_page_or_covers_another(name):
 @pytest.mark.parametrize("name", ["ball", "lost", "points"])
 def test_names_stand_beside_the_panels_and_not_over_curves(name):
     figure = loading_figure.figure(found(name))
+    apart = {"lost", *found(name).stages}
     for ax in figure.axes:
         inside = ax.get_window_extent()
-        names = [t for t in ax.texts if not t.get_text().isdigit() and t.get_text() not in ("lost", "squeeze", "load")]
+        names = [t for t in ax.texts if not t.get_text().isdigit() and t.get_text() not in apart]
         assert names
         assert all(t.get_window_extent().x0 > inside.x1 for t in names)
 

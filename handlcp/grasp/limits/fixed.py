@@ -33,6 +33,8 @@ from handlcp.grasp.model.spec import GraspSpec
 
 __all__ = ["fixed_limit", "watch_from"]
 
+_NOTHING = 1e-7  # of the squeeze: a smaller load is borne by the damper of loose motions
+
 
 def watch_from(system: System, place: Place, most: tuple[float, float]) -> Watch:
     """What ends a path that begins at a place; most : as in `fixed_limit`."""
@@ -53,6 +55,8 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     status, factor, which, events, count = onward(
         p, place, w, system.load(system.weight), watch, system.sets, known, log, points
     )
+    if factor * np.linalg.norm(w) <= _NOTHING * np.linalg.norm(place.r):
+        factor = 0.0
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP:
         far = f"the path was walked up to {factor:.4g} times the load; its limit is not known"

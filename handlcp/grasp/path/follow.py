@@ -302,7 +302,8 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     last = run.states[-1]
     if lost:
         assert run.failure is not None
-        why = why_lost(run.failure.kind, spec, last.kinds)
+        going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
+        why = why_lost(run.failure.kind, spec, last.kinds, going)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls

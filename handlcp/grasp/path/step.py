@@ -115,15 +115,17 @@ class Stepper:
             if miss <= near or not follows:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
                     return Failure("too far")
+                ahead = led.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length
                 if not follows and self._held_back(state.where.pose, end.pose, led.forces) > _HELD_BACK:
-                    return Failure("no answer")
+                    if not ahead or loads.load.any() or loads.weight.any():
+                        return Failure("no answer")
                 motion, spin = led.motion, led.spin
                 slid = motion.copy()
                 slid[:, 2] = spin
                 yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
                 read = Read(led.forces, motion, led.torsion, spin, led.torque, under.stands - end.q - yielded)
                 kinds = names_of(led.kinds)
-                if follows and led.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length:
+                if ahead:
                     kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
                 return State(
                     end, look, loads, led.carry, slid, read, kinds, yielded, controls, start, gives, count, led.met
