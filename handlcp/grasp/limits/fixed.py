@@ -8,6 +8,7 @@ from handlcp.check import Array
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, with_joints
+from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
 from handlcp.grasp.limits.kernels.onward import onward
@@ -58,9 +59,8 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     if factor * np.linalg.norm(w) <= _NOTHING * np.linalg.norm(place.r):
         factor = 0.0
     path = TracedPath(system, wrench, points[:count].copy(), place)
-    if status == GIVES_UP:
-        far = f"the path was walked up to {factor:.4g} times the load; its limit is not known"
-        return LoadLimit(np.nan, wrench, (), far, "fixed", _later(path, factor, None, events_of(system, log[:events])))
+    if status == GIVES_UP:  # where a contact opens while it slides, for one: steps of any size find the way
+        return followed_limit(spec, section, wrench, most, "fixed")
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])
     first = next((e.factor for e in happened if e.kind == "slips"), None)
