@@ -45,7 +45,10 @@ def required_torque(
     torque = np.full(len(hand.names), np.nan)
     verdicts = dict[str, Verdict]()
     if best.holds:
-        torque = best.largest * (1.0 + _ROUNDED_UP)
+        # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
+        free = [_judged(case, best, np.full(len(torque), np.inf), section).loading for case in brief]
+        seen = [abs(path.steps.torques).max(axis=0) for path in free if path is not None]
+        torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
         verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
     names = tuple([case.name for case in brief])

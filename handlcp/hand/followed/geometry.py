@@ -122,7 +122,7 @@ class FollowedHand(Geometry):
         for i in range(k, self.n):
             touch.positions[i], touch.normals[i], touch.gap[i] = self._supported(i, at.give[i], R, t)
             self._rolls(i, R, t, touch.normals[i], touch.turn[i], touch.shift[i])
-            places[i] = touch.positions[i]
+            places[i] += self.spec.positions[i]
 
     def _rolls(self, i: int, R: Array, t: Array, normal: Array, turn: Array, shift: Array) -> None:
         """Write how a contact of the environment moves as the object turns on its plane, whose normal stays."""
