@@ -12,9 +12,10 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
-from handlcp.grasp.limits.fixed import watch_from
+from handlcp.grasp.limits.fixed import length_of, slid_place, watch_from
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP
+from handlcp.grasp.limits.kernels.happens import LOST as SLIPPED
 from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
@@ -82,14 +83,22 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
     p, watch = system.parts, watch_from(system, begun.place, most)
     n, known = len(p.mu), none_known(p)
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
+    points = np.empty((m, 1 + len(p.E) + len(p.G) + len(p.rows)))
     update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
     with at_once(m):
         onward_each(
-            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, known, answers, ends
-        )
+            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, length_of(spec), known,
+            answers, ends, points,
+        )  # fmt: skip
+    for a in np.flatnonzero(np.isfinite(points[:, 0])):
+        place = slid_place(system, points[a])
+        answers[a, :3] = SLIPPED, -1, points[a, 0]
+        ends[a] = np.concatenate([place.closed, place.active])
     binds = [
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
-    answers[answers[:, 0] == GIVES_UP, 2] = np.nan  # a path that was not walked to its end has no limit that is known
+    for a in np.flatnonzero(answers[:, 0] == GIVES_UP):
+        found = followed_limit(spec, section, loads[a], most, "fixed")
+        answers[a, 2:], binds[a] = (found.factor, len(found.events)), found.binds
     return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")

@@ -11,8 +11,10 @@ from handlcp.grasp.limits.binds import binds_of, events_of, with_joints
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
+from handlcp.grasp.limits.kernels.happens import LOST as SLIPPED
 from handlcp.grasp.limits.kernels.onward import onward
 from handlcp.grasp.limits.kernels.parts import Place, none_known
+from handlcp.grasp.limits.kernels.slides import slides_at
 from handlcp.grasp.limits.kernels.trace import EVENTS
 from handlcp.grasp.limits.path import TracedPath
 from handlcp.grasp.limits.result import (
@@ -28,11 +30,11 @@ from handlcp.grasp.limits.result import (
     Reached,
     Rest,
 )  # fmt: skip
-from handlcp.grasp.limits.start import begun_of
+from handlcp.grasp.limits.start import begun_of, place_of
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["fixed_limit", "watch_from"]
+__all__ = ["fixed_limit", "length_of", "slid_place", "watch_from"]
 
 _NOTHING = 1e-7  # of the squeeze: a smaller load is borne by the damper of loose motions
 
@@ -48,7 +50,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        return LoadLimit(0.0, wrench, binds, begun.why, "fixed", _later(none, 0.0, 0.0, ()))
+        return LoadLimit(0.0, wrench, binds, begun.why, "fixed", _later(none, 0.0, 0.0, None, ()))
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
@@ -65,29 +67,52 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     happened = events_of(system, log[:events])
     first = next((e.factor for e in happened if e.kind == "slips"), None)
     lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
-    return LoadLimit(
-        factor, wrench, binds, why(binds, factor, wrench, spec), "fixed", _later(path, factor, lost, happened), first
-    )  # fmt: skip
+    at, slides, then = np.empty(points.shape[1]), None, ""
+    if slides_at(p, watch.moves, length_of(spec), points[:count], at):
+        slides, then, factor = float(at[0]), "slides through", float(at[0])
+        place = slid_place(system, at)
+        binds = binds_of(system, SLIPPED, -1, place.closed, place.active)
+        before = points[:count][points[:count, 0] < factor]
+        path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
+    later = _later(path, factor, lost, slides, happened)
+    return LoadLimit(factor, wrench, binds, why(binds, factor, wrench, spec, then), "fixed", later, first, slides)
 
 
-def _later(path: TracedPath, factor: float, lost: float | None, events: tuple[LimitEvent, ...]) -> Later:
+def slid_place(system: System, at: Array) -> Place:
+    """The place at a point of a path, where contacts that press slide."""
+    m, dof = len(system.parts.E), len(system.parts.G)
+    return place_of(system, at[1 : 1 + m].copy(), at[1 + m : 1 + m + dof].copy(), at[1 + m + dof :].copy())
+
+
+def length_of(spec: GraspSpec) -> float:
+    """[m] of the contacts from their centre, as `Stepper` has it."""
+    arms = spec.positions - spec.positions.mean(axis=0)
+    return float(np.sqrt((arms**2).sum(axis=1).mean())) or 1.0
+
+
+def _later(
+    path: TracedPath, factor: float, lost: float | None, slides: float | None, events: tuple[LimitEvent, ...]
+) -> Later:  # fmt: skip
     spec, section, weight, wrench = path.system.spec, path.system.section, path.system.weight, path.wrench
 
     def beyond(bound: float) -> float:
         return largest_held(spec, section, weight, wrench, factor, bound)
 
     def rest() -> Rest:
-        arrays = path.arrays()
+        arrays = (path.whole or path).arrays()
         named = [("first_slip", e.factor) for e in events if e.kind == "slips"][:1]
+        if slides is not None:
+            named.append(("slides", slides))
         if lost is not None:
             named.append(("lost", lost))
-        named += [("limit", factor)] if lost is None and np.isfinite(factor) else []
+        named += [("limit", factor)] if lost is None and slides is None and np.isfinite(factor) else []
         marks = dict[str, Reached]()
         for name, x in named:
             if len(arrays.factors):
                 moved = arrays.displacement - arrays.displacement[0]
                 there = np.array([np.interp(x, arrays.factors, column) for column in moved.T])
                 marks[name] = Reached(x, float(np.linalg.norm(there[:3])), float(np.linalg.norm(there[3:])))
-        return Rest(lost, marks, events)
+        through = () if slides is None else (LimitEvent("slides through", OBJECT, slides),)
+        return Rest(lost, marks, tuple(sorted([*events, *through], key=lambda e: e.factor)))
 
     return Later(path.arrays, path.solution, beyond, rest)

@@ -39,13 +39,14 @@ class _Moved(Effect):
 @dataclass(frozen=True, eq=False)
 class TracedPath:
     """A path of a system under a load: points (k, 1 + m + dof + limits) as `trace` writes them, place at its end;
-    None: squeeze or weight alone are not held, and there are no points.
+    None: squeeze or weight alone are not held, and there are no points. whole : what it is the first part of.
     """
 
     system: System
     wrench: Array
     points: Array
     place: Place | None
+    whole: TracedPath | None = None
 
     @property
     def sound(self) -> bool:

@@ -28,7 +28,7 @@ from handlcp.grasp.path.follow import follow
 from handlcp.grasp.path.program import Stage
 from handlcp.grasp.solve.solve_spec import solve_spec
 
-__all__ = ["Start", "begun_of"]
+__all__ = ["Start", "begun_of", "place_of"]
 
 _NONE = 3e-5  # of the contacts' distances: fingertips no farther from the object touch, as in `StepGrasp`
 _KEPT = 8  # grasps
@@ -90,7 +90,8 @@ def _squeezed(system: System) -> Start:
         return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
     if not sags and not (spec.offset[:, 2] > _NONE * size).any():
         found = solve_spec(alone, system.section, proof=False)
-        if found.held and abs(found.forces).max() > _ON * scene.units.force:
+        stays = "sliding" not in found.contact_state  # what slides remembers its way
+        if found.held and stays and abs(found.forces).max() > _ON * scene.units.force:
             return Start(_from_solution(system, found), "")
     return _followed(system, ("squeeze",))
 
@@ -121,14 +122,18 @@ def _from_solution(system: System, found: GraspSolution) -> Place:
 
 def _place(system: System, components: Array, displacement: Array, extra: dict[str, Array]) -> Place:
     """From forces (c,) in the laws' coordinates and the object's motion about the reference, SI."""
-    scene, p = system.scene, system.parts
-    units = scene.units
+    scene, units = system.scene, system.scene.units
     r = components[scene.kind.index] / units.force
     u = scene.natural_twist(shifted(displacement, units.centre - system.spec.reference))
-    give = np.zeros(len(p.rows))
+    give = np.zeros(len(system.parts.rows))
     if extra and system.limits:
         give = np.concatenate([limit.natural_motion(scene, extra) for limit in system.limits])
-    room = np.zeros(0)
+    return place_of(system, r, u, give)
+
+
+def place_of(system: System, r: Array, u: Array, give: Array) -> Place:
+    """From natural unknowns: forces (m,), which are changed where contacts are open, motion (dof,), limits (k,)."""
+    scene, p, room = system.scene, system.parts, np.zeros(0)
     if system.limits:
         room = np.concatenate([limit.natural_room(scene) for limit in system.limits])
     v = p.E @ r + u @ p.G + give @ p.rows + scene.natural.d

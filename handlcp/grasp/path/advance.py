@@ -26,7 +26,7 @@ from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Watch
 
-__all__ = ["Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
+__all__ = ["FASTER", "JUMPS", "NO_SNAP", "Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
 
 FINEST = 2.0**-9  # of a step: what has no end then has none
 _EXACT = 2.0**-16  # of a step: where the last load with a static state is found, once it is known that there is one
@@ -34,12 +34,12 @@ _ALONG = 2.0  # a path is not continued further than this many times its last st
 _ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
 _MOST = 4000  # steps of a stage
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
-_FASTER = 10.0  # times as fast as it gave way before, and it slides through
+FASTER = 10.0  # times as fast as it gave way before, and it slides through
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
 _PUSH = 1e-3  # of the forces
-_SAME, _NO_SNAP = 1e-3, 2e-3  # of the contacts' distances: the same place; what is no jump
-_JUMPS = 5.0  # times as far as it would have gone on, and it jumps
+_SAME, NO_SNAP = 1e-3, 2e-3  # of the contacts' distances: the same place; what is no jump
+JUMPS = 5.0  # times as far as it would have gone on, and it jumps
 _CHAIN = 1.01  # steps between snaps that are one
 
 
@@ -307,7 +307,7 @@ class Leg:
         run = self.run
         moved = self.stepper.between(state.where.pose, end.where.pose)
         distance, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
-        if rests and distance / self.stepper.length + turn < _NO_SNAP + _JUMPS * self.rate.last[1] * (until - share):
+        if rests and distance / self.stepper.length + turn < NO_SNAP + JUMPS * self.rate.last[1] * (until - share):
             return  # it goes on as it went: only Newton's method found no way there
         if rests or breaks:  # else it leaves, and where is looked for
             self._gives_way(state, share)
@@ -375,7 +375,7 @@ class _Rate:
         if any(kind == STICKS for kind in found.kinds) or self.stuck == 0.0:
             self.stuck = max(self.stuck, now[1])
             return None
-        most = _FASTER * self.stuck
+        most = FASTER * self.stuck
         if now[1] < most:
             return None
         if state.kinds != found.kinds:  # the step ends where that begins

@@ -14,6 +14,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, RAY, WATCHED, Watch
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place
+from handlcp.grasp.limits.kernels.slides import slides_at
 from handlcp.grasp.limits.kernels.standing import faces_reached, is_sound
 from handlcp.grasp.limits.kernels.still import FREE, SLIDES, Still, still_of
 from handlcp.grasp.limits.kernels.still_walk import BOUNDED, UNBOUNDED, Bounds, Log, goes_on, walk
@@ -77,11 +78,12 @@ def onward(
 
 @kernel
 def onward_each(
-    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, known: Inverse, answers: Array,
-    ends: Ints,
+    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, length: float, known: Inverse,
+    answers: Array, ends: Ints, points: Array,
 ) -> None:  # fmt: skip
     """The paths under each of loads (m, dof), all from the same place. answers (m, 4) : its status, what was watched,
-    its factor, how many events. ends (m, n + f) : `closed` and `active` there.
+    its factor, how many events. ends (m, n + f) : `closed` and `active` there. points (m, ·) : where the object begins
+    to slide through, its first entry NaN where it does not; length : as in `slides_at`.
     """
     log = np.empty((EVENTS, 3))
     path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
@@ -91,7 +93,9 @@ def onward_each(
         known.W[:, :], known.Z[:, :], known.loose[0] = first, Z, loose
         known.closed[:], known.yields[:] = closed, yields
         s = _copy(begun)
-        status, factor, which, events, _ = onward(p, s, loads[a], carried, watch, sets, known, log, path)
+        status, factor, which, events, count = onward(p, s, loads[a], carried, watch, sets, known, log, path)
+        if not slides_at(p, watch.moves, length, path[:count], points[a]):
+            points[a, 0] = np.nan
         answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
         ends[a, :n] = s.closed
         ends[a, n:] = s.active
