@@ -123,8 +123,8 @@ def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
 
 
 def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
-    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same, pulled
-    away from the hinges.
+    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same,
+    pulled away from the hinges.
     """
     grasp = lever(write, -2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
     v = grasp.check()

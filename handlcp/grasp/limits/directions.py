@@ -12,7 +12,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
-from handlcp.grasp.limits.fixed import length_of, slid_place, watch_from
+from handlcp.grasp.limits.fixed import length_of, over_nothing, slid_place, watch_from
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP
 from handlcp.grasp.limits.kernels.happens import LOST as SLIPPED
@@ -90,7 +90,9 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
             p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, length_of(spec), known,
             answers, ends, points,
         )  # fmt: skip
-    for a in np.flatnonzero(np.isfinite(points[:, 0])):
+    for a, w in enumerate(system.loads(loads)):
+        answers[a, 2] = over_nothing(answers[a, 2], w, begun.place)
+    for a in np.flatnonzero(np.isfinite(points[:, 0]) & (answers[:, 2] > 0.0)).tolist():
         place = slid_place(system, points[a])
         answers[a, :3] = SLIPPED, -1, points[a, 0]
         ends[a] = np.concatenate([place.closed, place.active])
@@ -98,7 +100,7 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
-    for a in np.flatnonzero(answers[:, 0] == GIVES_UP):
+    for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
         found = followed_limit(spec, section, loads[a], most, "fixed")
         answers[a, 2:], binds[a] = (found.factor, len(found.events)), found.binds
     return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")

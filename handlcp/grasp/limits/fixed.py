@@ -34,7 +34,7 @@ from handlcp.grasp.limits.start import begun_of, place_of
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["fixed_limit", "length_of", "slid_place", "watch_from"]
+__all__ = ["fixed_limit", "length_of", "over_nothing", "slid_place", "watch_from"]
 
 _NOTHING = 1e-7  # of the squeeze: a smaller load is borne by the damper of loose motions
 
@@ -58,8 +58,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     status, factor, which, events, count = onward(
         p, place, w, system.load(system.weight), watch, system.sets, known, log, points
     )
-    if factor * np.linalg.norm(w) <= _NOTHING * np.linalg.norm(place.r):
-        factor = 0.0
+    factor = over_nothing(factor, w, place)
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP:  # where a contact opens while it slides, for one: steps of any size find the way
         return followed_limit(spec, section, wrench, most, "fixed")
@@ -68,7 +67,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     first = next((e.factor for e in happened if e.kind == "slips"), None)
     lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
     at, slides, then = np.empty(points.shape[1]), None, ""
-    if slides_at(p, watch.moves, length_of(spec), points[:count], at):
+    if factor > 0.0 and slides_at(p, watch.moves, length_of(spec), points[:count], at):
         slides, then, factor = float(at[0]), "slides through", float(at[0])
         place = slid_place(system, at)
         binds = binds_of(system, SLIPPED, -1, place.closed, place.active)
@@ -76,6 +75,11 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
     later = _later(path, factor, lost, slides, happened)
     return LoadLimit(factor, wrench, binds, why(binds, factor, wrench, spec, then), "fixed", later, first, slides)
+
+
+def over_nothing(factor: float, w: Array, place: Place) -> float:
+    """The factor on a load w (dof,), or 0 where so little load is borne by dampers alone."""
+    return factor if factor * np.linalg.norm(w) > _NOTHING * np.linalg.norm(place.r) else 0.0
 
 
 def slid_place(system: System, at: Array) -> Place:

@@ -40,6 +40,7 @@ _ON = 1e-9  # of a limit: this near to it is at it
 _PUSH = 1e-3  # of the forces
 _SAME, NO_SNAP = 1e-3, 2e-3  # of the contacts' distances: the same place; what is no jump
 JUMPS = 5.0  # times as far as it would have gone on, and it jumps
+_BENDS = 0.5  # of a step: it may end so far from where it was expected
 _CHAIN = 1.01  # steps between snaps that are one
 
 
@@ -72,8 +73,8 @@ class Snap(NamedTuple):
 
 
 class Slides(NamedTuple):
-    """Where nothing that presses sticks any more, and the object gives way ten times faster than before, or snaps.
-    stage, share : where. number : of the last state before.
+    """Where nothing that presses sticks any more, and the object gives way ten times faster than before anything slid,
+    or snaps. stage, share : where. number : of the last state before.
     """
 
     stage: int
@@ -180,6 +181,8 @@ class Leg:
         if share + size > self.last * (1.0 - 1e-9):
             size = self.last - share
         found = self._found(state, share, size)
+        if isinstance(found, State) and self._leaps(state, found, share, size):
+            found = Failure("leaps")
         if isinstance(found, Failure):
             return self._failed(state, found, size)
         size, found = self._located(state, found, share, size)
@@ -217,6 +220,24 @@ class Leg:
         self._add(snapped, self.share)
         self.step, self.before = self.base, None
         return True
+
+    def _leaps(self, state: State, found: State, share: float, size: float) -> bool:
+        """Whether the step ends much farther away than the last one led, or far from where it was expected; without a
+        last one, whether half of it ends far from its middle. It may end on the other side of a jump.
+        """
+        last, far = self.rate.last[1], self.stepper.far(state.where.pose, found.where.pose)
+        if last > 0.0 and far > NO_SNAP + JUMPS * last * size:
+            return True
+        if far <= NO_SNAP or size <= 2.0 * FINEST * self.base:
+            return False
+        if self.before is not None:
+            expected = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
+        else:
+            expected, half = _part(self.stepper, state, found, 0.5), self._at(state, found, share, size, 0.5)
+            if isinstance(half, Failure):
+                return True
+            found, far = half, 0.5 * far
+        return self.stepper.far(expected.where.pose, found.where.pose) > NO_SNAP + _BENDS * far
 
     def _next(self, share: float, found: State) -> float:
         """The next step: of an open stage it grows with the load, the faster where nothing slides."""
@@ -364,7 +385,7 @@ class _Rate:
 
     def __init__(self, stepper: Stepper, number: int, loads: bool) -> None:
         self.stepper, self.number, self.loads = stepper, number, loads
-        self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest while something stuck; (middle, rate) of the last step
+        self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest before anything slid; (middle, rate) of the last step
 
     def slides(self, state: State, found: State, share: float, size: float) -> float | None:
         """The share at which it begins to, in a step that ends at a share; None where it does not."""
@@ -372,8 +393,9 @@ class _Rate:
         before, self.last = self.last, now
         if not self.loads or not found.loaded or not state.loaded:
             return None
-        if any(kind == STICKS for kind in found.kinds) or self.stuck == 0.0:
+        if SLIDES not in found.kinds or self.stuck == 0.0:
             self.stuck = max(self.stuck, now[1])
+        if STICKS in found.kinds:
             return None
         most = FASTER * self.stuck
         if now[1] < most:

@@ -116,9 +116,9 @@ class Stepper:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
                     return Failure("too far")
                 ahead = led.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length
-                if not follows and self._held_back(state.where.pose, end.pose, led.forces) > _HELD_BACK:
-                    if not ahead or loads.load.any() or loads.weight.any():
-                        return Failure("no answer")
+                still = not follows and not (ahead and not loads.load.any() and not loads.weight.any())
+                if still and self._held_back(state.where.pose, end.pose, led.forces) > _HELD_BACK:
+                    return Failure("no answer")
                 motion, spin = led.motion, led.spin
                 slid = motion.copy()
                 slid[:, 2] = spin

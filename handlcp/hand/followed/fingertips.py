@@ -103,8 +103,8 @@ class _Detected:
 
 
 class _Given:
-    """Points of the fingertips, on planes of the object. What a preload puts between point and plane lies half along the
-    fingertip's axis, half along the normal: it grows as the fingertip turns, and neither slides nor rolls then.
+    """Points of the fingertips, on planes of the object. What a preload puts between point and plane lies half along
+    the fingertip's axis, half along the normal: it grows as the fingertip turns, and neither slides nor rolls then.
     """
 
     noise = 0.0

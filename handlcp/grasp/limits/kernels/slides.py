@@ -1,5 +1,5 @@
-"""Where on a path the object begins to slide through: nothing that presses sticks any more, and the object gives way ten
-times faster than it did while something stuck, or it jumps. The same rule as on a path in steps (`path/advance`).
+"""Where on a path the object begins to slide through: nothing that presses sticks any more, and the object gives way
+ten times faster than it did before anything slid, or it jumps. The same rule as on a path in steps (`path/advance`).
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ def slides_at(p: Parts, moves: Array, length: float, path: Array, point: Array) 
             continue
         rate, before, at = far / size, last, path[a - 1, 0] + 0.5 * size
         last = rate
-        if stuck == 0.0 or _something_sticks(p, path[a - 1], path[a], d):
-            stuck, middle = max(stuck, rate), at
-            continue
-        if rate >= FASTER * stuck:
+        sticks, slips = _sticks_and_slips(p, path[a - 1], path[a], d)
+        if stuck == 0.0 or not slips:
+            stuck = max(stuck, rate)
+        if not sticks and rate >= FASTER * stuck:
             share = 0.0
             if before > 0.0:
                 part = np.log(FASTER * stuck / before) / np.log(rate / before)
@@ -64,10 +64,11 @@ def _far(p: Parts, moves: Array, length: float, d: Array) -> float:
 
 
 @kernel
-def _something_sticks(p: Parts, begin: Array, end: Array, d: Array) -> bool:
-    """Whether a contact that presses all the while does not move along its surface."""
+def _sticks_and_slips(p: Parts, begin: Array, end: Array, d: Array) -> tuple[bool, bool]:
+    """Whether a contact that presses all the while does not move along its surface; and whether one does."""
     m, dof, k = len(p.E), len(p.G), len(p.rows)
     v, most, force = np.zeros(m), 0.0, 0.0
+    sticks, slips = False, False
     for i in range(m):
         for j in range(m):
             v[i] += p.E[i, j] * d[j]
@@ -84,6 +85,6 @@ def _something_sticks(p: Parts, begin: Array, end: Array, d: Array) -> bool:
         for b in range(1, 4):
             if p.contacts[i, b] >= 0:
                 moves = max(moves, abs(v[p.contacts[i, b]]))
-        if moves <= _STICKS * most:
-            return True
-    return False
+        sticks = sticks or moves <= _STICKS * most
+        slips = slips or moves > _STICKS * most
+    return sticks, slips
