@@ -73,8 +73,8 @@ class Snap(NamedTuple):
 
 
 class Slides(NamedTuple):
-    """Where nothing that presses sticks any more, and the object gives way ten times faster than before anything slid,
-    or snaps. stage, share : where. number : of the last state before.
+    """Where nothing that presses sticks any more, and the object gives way ten times faster than while something stuck,
+    or it snaps. stage, share : where. number : of the last state before.
     """
 
     stage: int
@@ -385,7 +385,7 @@ class _Rate:
 
     def __init__(self, stepper: Stepper, number: int, loads: bool) -> None:
         self.stepper, self.number, self.loads = stepper, number, loads
-        self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest before anything slid; (middle, rate) of the last step
+        self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest while something stuck; (middle, rate) of the last step
 
     def slides(self, state: State, found: State, share: float, size: float) -> float | None:
         """The share at which it begins to, in a step that ends at a share; None where it does not."""
@@ -393,9 +393,8 @@ class _Rate:
         before, self.last = self.last, now
         if not self.loads or not found.loaded or not state.loaded:
             return None
-        if SLIDES not in found.kinds or self.stuck == 0.0:
+        if STICKS in found.kinds or self.stuck == 0.0:
             self.stuck = max(self.stuck, now[1])
-        if STICKS in found.kinds:
             return None
         most = FASTER * self.stuck
         if now[1] < most:

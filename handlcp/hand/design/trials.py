@@ -25,7 +25,8 @@ class Trial:
     """One grip. force (k,) : normal forces commanded at the fingertips [N]. torque (m, nv) : the largest of each joint
     under each of m loads, from the first touch to the whole load [N·m]. squeeze (nv,) : the largest while the hand
     closes. need : the largest torque as a share of what is compared; inf where a load is lost. lost : that load, and
-    why. reached : share of that load at which it is lost; below 0 where the object is lost as the hand closes.
+    why. reached : share of that load at which it is lost; below 0 where less grip may hold it: the object is lost as
+    the hand closes, or the hand cannot take the posture of the end.
     """
 
     force: Array
@@ -99,6 +100,9 @@ class Trials:
                 self.first = k
                 share = path.held_to - (path.lost_stage == ORDER[0])
                 return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, path.why), share)
+            if (why := _beyond(path)) is not None:
+                self.first = k
+                return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, why), -1.0)  # less grip may do
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]
@@ -111,3 +115,12 @@ class Trials:
         """The loading under one load, as `check` follows it."""
         spec = gripped(self.cases[number].spec, force)
         return follow(spec, self.section, None, ORDER, None, STEPS, None)
+
+
+def _beyond(path: Loading) -> str | None:
+    """Why the hand cannot be where the path ends, such as links inside the object; None: it can."""
+    mechanism, end = path.steps.grasp.spec.mechanism, path.last.where
+    if mechanism is None or not path.steps.geometry.follows:
+        return None
+    reasons = mechanism.place_reasons(*mechanism.at_end(end.q, end.pose))
+    return next((str(r.sentence) for r in reasons if r.severity == "decides"), None)
