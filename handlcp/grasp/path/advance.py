@@ -32,7 +32,7 @@ FINEST = 2.0**-9  # of a step: what has no end then has none
 _EXACT = 2.0**-16  # of a step: where the last load with a static state is found, once it is known that there is one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 _ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
-_MOST = 4000  # steps of a stage
+_MOST = 400  # tries of a stage; paths of use take 10 to 150, and beyond contacts jump whatever the step
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
 FASTER = 10.0  # times as fast as it gave way before, and it slides through
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
@@ -41,6 +41,7 @@ _PUSH = 1e-3  # of the forces
 _SAME, NO_SNAP = 1e-3, 2e-3  # of the contacts' distances: the same place; what is no jump
 JUMPS = 5.0  # times as far as it would have gone on, and it jumps
 _BENDS = 0.5  # of a step: it may end so far from where it was expected
+_AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
 
 
@@ -218,7 +219,7 @@ class Leg:
             return True
         self.share += size
         self._add(snapped, self.share)
-        self.step, self.before = self.base, None
+        self.step, self.before = min(_AFTER * size, self.base), None
         return True
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:

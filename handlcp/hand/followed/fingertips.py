@@ -69,7 +69,8 @@ class Balls:
 
 class _Detected:
     """Shapes that are detected, in the axes of the object where it was at the start: fingertips are moved back instead
-    of the object. How contacts turn follows from differences.
+    of the object. How contacts turn follows from differences, which are as good for a fingertip that has moved by less
+    than their steps.
     """
 
     noise = 1e-8
@@ -78,6 +79,7 @@ class _Detected:
         self.obj, self.shapes = obj, shapes
         self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
         self.size = self.step / _STEP
+        self.known = dict[int, tuple[Array, Array, tuple[Array, Array]]]()
 
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
@@ -88,13 +90,27 @@ class _Detected:
             at, own = R.T @ (places[i] - t), R.T @ turns[i]
             near = nearest(tip, at, own, self.obj)
             positions[i], normals[i], gaps[i] = R @ near.position + t, R @ near.normal, near.gap
-            for a in range(6):
-                step = self.step / (1.0 if a < 3 else self.size)
-                by = np.zeros(3)
-                by[a % 3] = step
-                some, other = (self._moved(tip, at, own, R.T @ by * sign, a >= 3) for sign in (1.0, -1.0))
-                turn[i, :, a] = R @ (some.normal - other.normal) / (2.0 * step)
-                shift[i, :, a] = R @ (some.position - other.position) / (2.0 * step)
+            known = self.known.get(i)
+            if known is None or self._far(at, own, known) > self.step:
+                known = self.known[i] = at, own, self._differences(tip, at, own)
+            for rows, of in zip((turn, shift), known[2], strict=True):
+                rows[i, :, :3], rows[i, :, 3:] = R @ of[:, :3] @ R.T, R @ of[:, 3:] @ R.T
+
+    def _far(self, at: Array, own: Array, known: tuple[Array, Array, Any]) -> float:
+        """How far a fingertip has moved [m]."""
+        return float(np.linalg.norm(at - known[0]) + self.size * np.linalg.norm(own - known[1]))
+
+    def _differences(self, tip: Any, at: Array, own: Array) -> tuple[Array, Array]:
+        """Turn and shift (3, 6), in the object's axes."""
+        turn, shift = np.empty((3, 6)), np.empty((3, 6))
+        for a in range(6):
+            step = self.step / (1.0 if a < 3 else self.size)
+            by = np.zeros(3)
+            by[a % 3] = step
+            some, other = (self._moved(tip, at, own, by * sign, a >= 3) for sign in (1.0, -1.0))
+            turn[:, a] = (some.normal - other.normal) / (2.0 * step)
+            shift[:, a] = (some.position - other.position) / (2.0 * step)
+        return turn, shift
 
     def _moved(self, tip: Any, at: Array, own: Array, by: Array, turns: bool) -> Proximity:
         if turns:
