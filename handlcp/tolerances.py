@@ -10,11 +10,14 @@ __all__ = [
     "ACTIVE",
     "CERTIFY",
     "ELIMINATE_RCOND",
+    "FASTER",
     "FIXED_POINT",
     "GROWTH",
+    "JUMPS",
     "LARGEST",
     "LARGEST_RAW",
     "LEVER",
+    "NO_SNAP",
     "OVER",
     "PIVOT",
     "RANK",
@@ -76,3 +79,10 @@ STEEPEST = 1e4
 
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
 UNIT_NORMAL = 1e-6
+
+# An object slides through where nothing that presses sticks any more and it gives way so many times faster than while
+# something stuck; it snaps where it goes so many times farther than it was about to, and by more than this share of
+# the contacts' distances.
+FASTER = 10.0
+JUMPS = 5.0
+NO_SNAP = 2e-3

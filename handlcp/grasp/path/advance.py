@@ -25,8 +25,9 @@ from handlcp.grasp.path.stability import GROWS, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Watch
+from handlcp.tolerances import FASTER, JUMPS, NO_SNAP
 
-__all__ = ["FASTER", "JUMPS", "NO_SNAP", "Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
+__all__ = ["Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
 
 FINEST = 2.0**-9  # of a step: what has no end then has none
 _EXACT = 2.0**-16  # of a step: where the last load with a static state is found, once it is known that there is one
@@ -34,12 +35,10 @@ _ALONG = 2.0  # a path is not continued further than this many times its last st
 _ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
 _MOST = 400  # tries of a stage; paths of use take 10 to 150, and beyond contacts jump whatever the step
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
-FASTER = 10.0  # times as fast as it gave way before, and it slides through
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
 _PUSH = 1e-3  # of the forces
-_SAME, NO_SNAP = 1e-3, 2e-3  # of the contacts' distances: the same place; what is no jump
-JUMPS = 5.0  # times as far as it would have gone on, and it jumps
+_SAME = 1e-3  # of the contacts' distances: the same place
 _BENDS = 0.5  # of a step: it may end so far from where it was expected
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one

@@ -70,7 +70,9 @@ def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading,
     as many again. Raises Unsupported.
     """
     path = follow(spec, section, None, order, None, STEPS, None)
-    if path.outcome is Outcome.GAVE_UP or not _slid(path):  # steps in which nothing slides and nothing opens are as good as any others
+    if path.outcome is Outcome.GAVE_UP or not _slid(
+        path
+    ):  # steps in which nothing slides and nothing opens are as good as any others
         return path, True
     coarse, count = follow(spec, section, None, order, None, STEPS // 2, None), STEPS
     for _ in range(_MORE):

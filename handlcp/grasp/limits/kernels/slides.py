@@ -1,5 +1,5 @@
 """Where on a path the object begins to slide through: nothing that presses sticks any more, and the object gives way
-ten times faster than it did before anything slid, or it jumps. The same rule as on a path in steps (`path/advance`).
+ten times faster than it did while something stuck, or it jumps. The same rule as on a path in steps (`path/advance`).
 """
 
 from __future__ import annotations
@@ -8,8 +8,8 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.limits.kernels.parts import Parts
-from handlcp.grasp.path.advance import FASTER, JUMPS, NO_SNAP
 from handlcp.lcp.kernels.compile import kernel
+from handlcp.tolerances import FASTER, JUMPS, NO_SNAP
 
 __all__ = ["slides_at"]
 
@@ -37,10 +37,10 @@ def slides_at(p: Parts, moves: Array, length: float, path: Array, point: Array) 
             continue
         rate, before, at = far / size, last, path[a - 1, 0] + 0.5 * size
         last = rate
-        sticks, slips = _sticks_and_slips(p, path[a - 1], path[a], d)
-        if stuck == 0.0 or not slips:
+        sticks = _something_sticks(p, path[a - 1], path[a], d)
+        if stuck == 0.0 or sticks:
             stuck = max(stuck, rate)
-        if not sticks and rate >= FASTER * stuck:
+        elif rate >= FASTER * stuck:
             share = 0.0
             if before > 0.0:
                 part = np.log(FASTER * stuck / before) / np.log(rate / before)
@@ -64,11 +64,10 @@ def _far(p: Parts, moves: Array, length: float, d: Array) -> float:
 
 
 @kernel
-def _sticks_and_slips(p: Parts, begin: Array, end: Array, d: Array) -> tuple[bool, bool]:
-    """Whether a contact that presses all the while does not move along its surface; and whether one does."""
+def _something_sticks(p: Parts, begin: Array, end: Array, d: Array) -> bool:
+    """Whether a contact that presses all the while does not move along its surface."""
     m, dof, k = len(p.E), len(p.G), len(p.rows)
     v, most, force = np.zeros(m), 0.0, 0.0
-    sticks, slips = False, False
     for i in range(m):
         for j in range(m):
             v[i] += p.E[i, j] * d[j]
@@ -85,6 +84,6 @@ def _sticks_and_slips(p: Parts, begin: Array, end: Array, d: Array) -> tuple[boo
         for b in range(1, 4):
             if p.contacts[i, b] >= 0:
                 moves = max(moves, abs(v[p.contacts[i, b]]))
-        sticks = sticks or moves <= _STICKS * most
-        slips = slips or moves > _STICKS * most
-    return sticks, slips
+        if moves <= _STICKS * most:
+            return True
+    return False
