@@ -99,7 +99,8 @@ class Trials:
             if not path.held:
                 self.first = k
                 share = path.held_to - (path.lost_stage == ORDER[0])
-                return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, path.why), share)
+                how = "not held: the object slides through" if path.reached else path.why
+                return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, how), share)
             if (why := _beyond(path)) is not None:
                 self.first = k
                 return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, why), -1.0)  # less grip may do
@@ -118,9 +119,15 @@ class Trials:
 
 
 def _beyond(path: Loading) -> str | None:
-    """Why the hand cannot be where the path ends, such as links inside the object; None: it can."""
-    mechanism, end = path.steps.grasp.spec.mechanism, path.last.where
+    """Why the hand cannot be where the path ends, such as links inside the object; None: it can, or could not be where
+    it begins either, which no grip changes.
+    """
+    mechanism = path.steps.grasp.spec.mechanism
     if mechanism is None or not path.steps.geometry.follows:
         return None
-    reasons = mechanism.place_reasons(*mechanism.at_end(end.q, end.pose))
-    return next((str(r.sentence) for r in reasons if r.severity == "decides"), None)
+    for number in (0, -1):
+        at = path.steps.states[number].where
+        found = [r for r in mechanism.place_reasons(*mechanism.at_end(at.q, at.pose)) if r.severity == "decides"]
+        if found:
+            return None if number == 0 else str(found[0].sentence)
+    return None
