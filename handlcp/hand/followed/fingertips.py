@@ -4,7 +4,7 @@ balls on primitives, by detection for other shapes, on planes for contacts that 
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -67,10 +67,21 @@ class Balls:
         )
 
 
+class _Seen(NamedTuple):
+    """A fingertip that was detected: where it stood, its contact, and how that turns and shifts (3, 6)."""
+
+    at: Array
+    own: Array
+    near: Proximity
+    turn: Array
+    shift: Array
+
+
 class _Detected:
     """Shapes that are detected, in the axes of the object where it was at the start: fingertips are moved back instead
-    of the object. How contacts turn follows from differences, which are as good for a fingertip that has moved by less
-    than their steps.
+    of the object. How contacts turn and shift follows from differences. A fingertip that has moved by less than their
+    steps since it was detected takes its contact along as they say: where an edge lies along the object, detection
+    finds one of its ends or the other, and no step would converge.
     """
 
     noise = 1e-8
@@ -79,7 +90,7 @@ class _Detected:
         self.obj, self.shapes = obj, shapes
         self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
         self.size = self.step / _STEP
-        self.known = dict[int, tuple[Array, Array, tuple[Array, Array]]]()
+        self.known = dict[int, _Seen]()
 
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
@@ -88,17 +99,20 @@ class _Detected:
         positions, normals, gaps, turn, shift = out
         for i, tip in enumerate(self.shapes):
             at, own = R.T @ (places[i] - t), R.T @ turns[i]
-            near = nearest(tip, at, own, self.obj)
-            positions[i], normals[i], gaps[i] = R @ near.position + t, R @ near.normal, near.gap
             known = self.known.get(i)
             if known is None or self._far(at, own, known) > self.step:
-                known = self.known[i] = at, own, self._differences(tip, at, own)
-            for rows, of in zip((turn, shift), known[2], strict=True):
+                near = nearest(tip, at, own, self.obj)
+                known = self.known[i] = _Seen(at, own, near, *self._differences(tip, at, own))
+            by, near = np.concatenate([at - known.at, pin.log3(own @ known.own.T)]), known.near
+            normal, arm = near.normal + known.turn @ by, near.position - known.at
+            positions[i], normals[i] = R @ (near.position + known.shift @ by) + t, R @ (normal / np.linalg.norm(normal))
+            gaps[i] = near.gap - near.normal @ (by[:3] + np.cross(by[3:], arm))
+            for rows, of in ((turn, known.turn), (shift, known.shift)):
                 rows[i, :, :3], rows[i, :, 3:] = R @ of[:, :3] @ R.T, R @ of[:, 3:] @ R.T
 
-    def _far(self, at: Array, own: Array, known: tuple[Array, Array, Any]) -> float:
+    def _far(self, at: Array, own: Array, known: _Seen) -> float:
         """How far a fingertip has moved [m]."""
-        return float(np.linalg.norm(at - known[0]) + self.size * np.linalg.norm(own - known[1]))
+        return float(np.linalg.norm(at - known.at) + self.size * np.linalg.norm(own - known.own))
 
     def _differences(self, tip: Any, at: Array, own: Array) -> tuple[Array, Array]:
         """Turn and shift (3, 6), in the object's axes."""
