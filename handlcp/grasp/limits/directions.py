@@ -12,15 +12,15 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
-from handlcp.grasp.limits.fixed import length_of, over_nothing, slid_place, watch_from
+from handlcp.grasp.limits.fixed import over_nothing, slid_place, watch_from
 from handlcp.grasp.limits.followed import followed_limit
-from handlcp.grasp.limits.kernels.happens import GIVES_UP
-from handlcp.grasp.limits.kernels.happens import LOST as SLIPPED
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
 from handlcp.grasp.limits.result import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.start import begun_of
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.geometry import length_of
 from handlcp.lcp.compiler.when import at_once
 
 __all__ = ["Limits", "limits_of"]
@@ -85,16 +85,18 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
     points = np.empty((m, 1 + len(p.E) + len(p.G) + len(p.rows)))
     update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
+    length = length_of(spec.positions)
     with at_once(m):
         onward_each(
-            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, length_of(spec), known,
+            p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, length, known,
             answers, ends, points,
         )  # fmt: skip
     for a, w in enumerate(system.loads(loads)):
         answers[a, 2] = over_nothing(answers[a, 2], w, begun.place)
-    for a in np.flatnonzero(np.isfinite(points[:, 0]) & (answers[:, 2] > 0.0)).tolist():
+    walked = (answers[:, 0] != GIVES_UP) & (answers[:, 2] > 0.0)
+    for a in np.flatnonzero(np.isfinite(points[:, 0]) & walked).tolist():
         place = slid_place(system, points[a])
-        answers[a, :3] = SLIPPED, -1, points[a, 0]
+        answers[a, :3] = LOST, -1, points[a, 0]
         ends[a] = np.concatenate([place.closed, place.active])
     binds = [
         binds_of(system, int(status), int(which), end[:n], end[n:])

@@ -10,8 +10,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, with_joints
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.further import largest_held
-from handlcp.grasp.limits.kernels.happens import GIVES_UP, Watch
-from handlcp.grasp.limits.kernels.happens import LOST as SLIPPED
+from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, Watch
 from handlcp.grasp.limits.kernels.onward import onward
 from handlcp.grasp.limits.kernels.parts import Place, none_known
 from handlcp.grasp.limits.kernels.slides import slides_at
@@ -33,8 +32,9 @@ from handlcp.grasp.limits.result import (
 from handlcp.grasp.limits.start import begun_of, place_of
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.geometry import length_of
 
-__all__ = ["fixed_limit", "length_of", "over_nothing", "slid_place", "watch_from"]
+__all__ = ["fixed_limit", "over_nothing", "slid_place", "watch_from"]
 
 _NOTHING = 1e-7  # of the squeeze: a smaller load is borne by the damper of loose motions
 
@@ -67,10 +67,10 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     first = next((e.factor for e in happened if e.kind == "slips"), None)
     lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
     at, slides, then = np.empty(points.shape[1]), None, ""
-    if factor > 0.0 and slides_at(p, watch.moves, length_of(spec), points[:count], at):
+    if factor > 0.0 and slides_at(p, watch.moves, length_of(spec.positions), points[:count], at):
         slides, then, factor = float(at[0]), "slides through", float(at[0])
         place = slid_place(system, at)
-        binds = binds_of(system, SLIPPED, -1, place.closed, place.active)
+        binds = binds_of(system, LOST, -1, place.closed, place.active)
         before = points[:count][points[:count, 0] < factor]
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
     later = _later(path, factor, lost, slides, happened)
@@ -86,12 +86,6 @@ def slid_place(system: System, at: Array) -> Place:
     """The place at a point of a path, where contacts that press slide."""
     m, dof = len(system.parts.E), len(system.parts.G)
     return place_of(system, at[1 : 1 + m].copy(), at[1 + m : 1 + m + dof].copy(), at[1 + m + dof :].copy())
-
-
-def length_of(spec: GraspSpec) -> float:
-    """[m] of the contacts from their centre, as `Stepper` has it."""
-    arms = spec.positions - spec.positions.mean(axis=0)
-    return float(np.sqrt((arms**2).sum(axis=1).mean())) or 1.0
 
 
 def _later(

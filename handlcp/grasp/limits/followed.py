@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.errors import Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.cause import EQUILIBRIUM, OBJECT, SLIPS, Cause
 from handlcp.grasp.cause.judge import Limits, binding, limits_of, over, slipping, used
@@ -17,6 +16,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import Leg, Open, Outcome, Run, advance
+from handlcp.grasp.path.doubled import doubled
 from handlcp.grasp.path.follow import TOLERANCE, Loading, begun, geometry_of, loading_of, solution_of
 from handlcp.grasp.path.locate import margins
 from handlcp.grasp.path.program import Stage
@@ -31,7 +31,6 @@ _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
 _STEPS = 8  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
 _RAY = 1e4  # times that load: nothing binds that has not bound by then
-_DOUBLED = 6  # times: no more steps for an accuracy
 _AT = 1e-6  # of a limit: what is as near to it binds, too
 _NEAR = 1e-3  # of a load: what slides so near to where the object slides through is what gives way there
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
@@ -73,19 +72,17 @@ def accurate_limit(
     """With twice as many steps until the factor changes by no more than `accuracy`, relative; its `accuracy` is that
     change. Raises Unsupported where so many steps do not reach it.
     """
-    last, finer, apart = followed_limit(spec, section, wrench, most), 1.0, np.inf
-    for _ in range(_DOUBLED):
-        finer *= 2.0
-        found = followed_limit(spec, section, wrench, most, finer=finer)
-        same = found.factor == last.factor  # such as infinite, or 0
-        apart = 0.0 if same else abs(found.factor - last.factor) / max(found.factor, last.factor)
-        if apart <= accuracy:
-            return replace(found, accuracy=apart)
-        last = found
-    raise Unsupported(
-        f"with {finer:g} times as many steps the limit still changes by {apart:.2g}, more than accuracy={accuracy:g}: "
-        "the path branches where its steps are"
-    )
+
+    def apart(last: LoadLimit, found: LoadLimit) -> float:
+        if found.factor == last.factor:  # such as infinite, or 0
+            return 0.0
+        return abs(found.factor - last.factor) / max(found.factor, last.factor)
+
+    def answer(times: int) -> LoadLimit:
+        return followed_limit(spec, section, wrench, most, finer=float(times))
+
+    found, off = doubled(answer, apart, accuracy, "the limit")
+    return replace(found, accuracy=off)
 
 
 def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:

@@ -24,6 +24,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.advance import Outcome, Run, Slides, advance
+from handlcp.grasp.path.doubled import doubled
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
 from handlcp.grasp.path.program import Controls, Goal, read_stages
@@ -41,7 +42,6 @@ from handlcp.views import view
 
 __all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of", "loading_of", "solution_of"]
 
-_DOUBLED = 6  # times: no more steps for an accuracy
 _COARSER = 100.0  # steps of differences of a path, beside those of one solve: its own steps are no finer
 TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 
@@ -217,23 +217,23 @@ def _accurate(
     accuracy: float,
 ) -> Loading:  # fmt: skip
     """With twice as many steps until the forces at the end change by no more than `accuracy`."""
-    count, apart = integer("steps", steps, 1), np.inf
-    last = follow(spec, section, load, order, geometry, count, tolerance)
-    for _ in range(_DOUBLED):
-        count *= 2
-        found = follow(spec, section, load, order, geometry, count, tolerance)
-        a, b = last.steps.forces[-1], found.steps.forces[-1]
-        if last.reached and found.reached:
-            apart = float(abs(a - b).max() / max(float(abs(b).max()), 1e-300))
-        elif last.lost_stage == found.lost_stage and last.lost_at is not None and found.lost_at is not None:
-            apart = abs(last.lost_at - found.lost_at) / max(last.lost_at, found.lost_at, 1e-300)
-        if apart <= accuracy:
-            return replace(found, accuracy=apart)
-        last = found
-    raise Unsupported(
-        f"with {count} steps a stage the end still changes by {apart:.2g}, more than accuracy={accuracy:g}: "
-        "the path branches where its steps are"
-    )
+    count = integer("steps", steps, 1)
+
+    def answer(times: int) -> Loading:
+        return follow(spec, section, load, order, geometry, times * count, tolerance)
+
+    found, off = doubled(answer, _apart, accuracy, "the end")
+    return replace(found, accuracy=off)
+
+
+def _apart(last: Loading, found: Loading) -> float:
+    """Of the forces at the end, or of the load at which both are lost; infinite where they end differently."""
+    a, b = last.steps.forces[-1], found.steps.forces[-1]
+    if last.reached and found.reached:
+        return float(abs(a - b).max() / max(float(abs(b).max()), 1e-300))
+    if last.lost_stage == found.lost_stage and last.lost_at is not None and found.lost_at is not None:
+        return abs(last.lost_at - found.lost_at) / max(last.lost_at, found.lost_at, 1e-300)
+    return np.inf
 
 
 def _again(

@@ -20,7 +20,9 @@ from handlcp.grasp.model.vectors import cross_rows, shifted
 from handlcp.grasp.path.look.numbers import Elastic
 from handlcp.grasp.path.look.tangent import Moving, Touch
 
-__all__ = ["RIGID", "FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "supports"]
+__all__ = [
+    "RIGID", "FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "length_of", "supports",
+]  # fmt: skip
 
 RIGID = 1e-6  # of the mean flexibility: what gives way by less is rigid
 
@@ -124,6 +126,12 @@ def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
 
     pose = geometry.further(a.pose, b.pose, share - 1.0)
     return Where(on(a.q, b.q), on(a.give, b.give), on(a.turn, b.turn), pose)
+
+
+def length_of(positions: Array) -> float:
+    """[m] of contacts (n, 3) from their centre: the root of the mean square."""
+    arms = positions - positions.mean(axis=0)
+    return float(np.sqrt((arms**2).sum(axis=1).mean())) or 1.0
 
 
 def least_flexibility(spec: GraspSpec) -> float:

@@ -3,7 +3,7 @@ contacts were looked at where the step ends.
 
 That is Newton's method on the laws at the end of the step. v_T is the slip of the step, which friction opposes: history
 is carried by the joints, the pads and the object's pose alone. A small damper on object and joints, of stiffness D / h,
-gives loose and undetermined motions an answer; with h ≤ 1e6 it changes no other.
+gives loose and undetermined motions an answer; with h ≤ 1e8 it changes no other.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.geometry import Geometry, Look, Where, between
+from handlcp.grasp.path.geometry import Geometry, Look, Where, between, length_of
 from handlcp.grasp.path.look.numbers import Loads, Read, flexibility_of
 from handlcp.grasp.path.look.one_look import Damping, Led, one_look
 from handlcp.grasp.path.program import Controls
@@ -67,8 +67,7 @@ class Stepper:
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
         self.laws = StepLaws(self.grasp, section)
         E = flexibility_of(self.first.elastic).diagonal()
-        arms = self.first.positions - self.first.positions.mean(axis=0)
-        self.length = float(np.sqrt((arms**2).sum(axis=1).mean())) or 1.0
+        self.length = length_of(self.first.positions)
         self.stiffness = 1.0 / float(E.mean()) if E.any() else 1.0
         self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
         laws = [c.friction for c in spec.contacts]

@@ -29,7 +29,7 @@ from handlcp.grasp.verdict.path_reasons import (
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
 
-__all__ = ["STEPS", "check", "judged"]
+__all__ = ["STEPS", "check", "followed_to", "judged"]
 
 _CHAIN = Auto(search_seconds=0.0)
 STEPS = 8  # of a stage; where something happens there are more

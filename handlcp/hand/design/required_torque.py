@@ -15,9 +15,10 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.analysis.required import tolerance_of
 from handlcp.grasp.answer.verdict import HELD, Verdict
-from handlcp.grasp.design.followed import verdict_on
+from handlcp.grasp.design.followed import ORDER, verdict_on
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.verdict.check import followed_to
 from handlcp.hand.design.brief import Case, cases
 from handlcp.hand.design.changed import gripped, hand_of, with_limits
 from handlcp.hand.design.least_grip import least_grip
@@ -46,8 +47,8 @@ def required_torque(
     verdicts = dict[str, Verdict]()
     if best.holds:
         # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
-        free = [_judged(case, best, np.full(len(torque), np.inf), section).loading for case in brief]
-        seen = [abs(path.steps.torques).max(axis=0) for path in free if path is not None]
+        paths = [followed_to(gripped(case.spec, best.force), section, ORDER)[0] for case in brief]
+        seen = [abs(path.steps.torques).max(axis=0) for path in paths]
         torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
         verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
