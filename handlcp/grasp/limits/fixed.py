@@ -50,7 +50,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        return LoadLimit(0.0, wrench, binds, begun.why, "fixed", _later(none, 0.0, 0.0, None, ()))
+        return LoadLimit(0.0, wrench, binds, "fixed", _later(begun.why, none, 0.0, 0.0, None, ()))
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
@@ -73,8 +73,8 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
         binds = binds_of(system, LOST, -1, place.closed, place.active)
         before = points[:count][points[:count, 0] < factor]
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
-    later = _later(path, factor, lost, slides, happened)
-    return LoadLimit(factor, wrench, binds, why(binds, factor, wrench, spec, then), "fixed", later, first, slides)
+    later = _later(why(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
+    return LoadLimit(factor, wrench, binds, "fixed", later, first, slides)
 
 
 def over_nothing(factor: float, w: Array, place: Place) -> float:
@@ -89,7 +89,7 @@ def slid_place(system: System, at: Array) -> Place:
 
 
 def _later(
-    path: TracedPath, factor: float, lost: float | None, slides: float | None, events: tuple[LimitEvent, ...]
+    text: str, path: TracedPath, factor: float, lost: float | None, slides: float | None, events: tuple[LimitEvent, ...]
 ) -> Later:  # fmt: skip
     spec, section, weight, wrench = path.system.spec, path.system.section, path.system.weight, path.wrench
 
@@ -113,4 +113,4 @@ def _later(
         through = () if slides is None else (LimitEvent("slides through", OBJECT, slides),)
         return Rest(lost, marks, tuple(sorted([*events, *through], key=lambda e: e.factor)))
 
-    return Later(path.arrays, path.solution, beyond, rest)
+    return Later(lambda: text, path.arrays, path.solution, beyond, rest)

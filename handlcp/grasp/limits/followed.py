@@ -140,14 +140,20 @@ def _answer(f: _Followed) -> LoadLimit:
         binds = slipping(f.spec.names, _kinds_near(run, number))
     if binds == (Cause(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
         binds = _about_to_slip(f, run.states[number]) or binds
-    text = why(binds, factor, f.wrench, f.spec, _then(run))
-    if run.outcome is Outcome.GAVE_UP:
-        text = f"the path was given up at {end:.4g} times the load, after more steps than paths of use take: no limit"
+    gave_up = run.outcome is Outcome.GAVE_UP
+
+    def sentence() -> str:
+        if gave_up:
+            return (
+                f"the path was given up at {end:.4g} times the load, after more steps than paths of use take: no limit"
+            )
+        return why(binds, factor, f.wrench, f.spec, _then(_through(f)))
+
     later = Later(
-        lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
+        sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
         lambda: _rest(f),
     )  # fmt: skip
-    return LoadLimit(factor, f.wrench, binds, text, f.geometry, later, first, slides)
+    return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
 
 
 def _kinds_near(run: Run, number: int) -> list[str]:
@@ -223,8 +229,7 @@ def _nothing(spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: L
     text = f"the {loading.lost_stage} alone is not held: {loading.why.partition(': ')[2]}"
     none = np.zeros((0, spec.n, 3))
     nv = loading.steps.torques.shape[1]
-    later = Later(
-        lambda: LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6))), lambda: loading.solution,
-        lambda _: 0.0, lambda: Rest(0.0, {"lost": Reached(0.0, 0.0, 0.0)}, ()),
-    )  # fmt: skip
-    return LoadLimit(0.0, wrench, binds, text, geometry, later)
+    path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))
+    rest = Rest(0.0, {"lost": Reached(0.0, 0.0, 0.0)}, ())
+    later = Later(lambda: text, lambda: path, lambda: loading.solution, lambda _: 0.0, lambda: rest)
+    return LoadLimit(0.0, wrench, binds, geometry, later)

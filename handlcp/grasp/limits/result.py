@@ -89,7 +89,7 @@ class LoadLimit(Data):
     factor : times `wrench`; the load at which the object slides through or is lost, or a joint is at a limit, whichever
     comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are not held.
     wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
-    several. why : one sentence. events : on the way, in order. geometry : "fixed" or "followed".
+    several. geometry : "fixed" or "followed".
     first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides :
     nothing that presses sticks any more and the object gives way ten times as fast as before, or it snaps:
     from here inertia and damping decide how far it jumps. lost : no static rest on the path beyond.
@@ -100,13 +100,17 @@ class LoadLimit(Data):
     factor: float
     wrench: Array
     binds: tuple[Bind, ...]
-    why: str
     geometry: str
     made: Later
     first_slip: float | None = None
     slides: float | None = None
     accuracy: float = np.nan
     question: Question | None = None
+
+    @lazy
+    def why(self) -> str:
+        """One sentence: at which load what gives out, and what the object does then."""
+        return self.made.why()
 
     @lazy
     def _rest(self) -> Rest:
@@ -230,10 +234,11 @@ def _finite(x: float) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Later:
-    """What a load limit computes when it is asked for. rest : what follows beyond the factor. beyond : from the bound,
-    the largest factor for which there is an equilibrium.
+    """What a load limit computes when it is asked for. why : the sentence. rest : what follows beyond the factor.
+    beyond : from the bound, the largest factor for which there is an equilibrium.
     """
 
+    why: Callable[[], str]
     path: Callable[[], LimitPath]
     at_limit: Callable[[], GraspSolution]
     beyond: Callable[[float], float]

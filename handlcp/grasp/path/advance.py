@@ -17,7 +17,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.path.events import Event
-from handlcp.grasp.path.flow import REST, flow
+from handlcp.grasp.path.flow import MOVES, REST, flow
 from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.locate import first_change
 from handlcp.grasp.path.program import Controls, Goal
@@ -30,7 +30,7 @@ from handlcp.tolerances import FASTER, JUMPS, NO_SNAP
 __all__ = ["Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
 
 FINEST = 2.0**-9  # of a step: what has no end then has none
-_EXACT = 2.0**-16  # of a step: where the last load with a static state is found, once it is known that there is one
+_EXACT = 2.0**-16  # of a step: where a snap or the last static state is found, once it is known that there is one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 _ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
 _MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
@@ -153,7 +153,9 @@ class Leg:
             self.base = beyond.first
         self.begin = run.states[-1].controls
         self.share, self.step, self.count = 0.0, self.base, 0
-        self.exact = False  # the object leaves behind here, and the last static state is looked for
+        self.ends = np.inf  # a snap or the last static state comes before this share, and is looked for
+        self.leaves = False  # that it is the last one is known, too
+        self.failed = False  # the last try
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
         self.calm: tuple[str, ...] = ()  # contact states in which a push that seemed to grow did not
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
@@ -195,30 +197,48 @@ class Leg:
             self._add(found, share + size)
             return run.ends(Outcome.LIMIT)
         happens = self.watch.changed(state, found)
-        self.share = share = share + size
         self._slides(state, found, share, size)
+        self.share = share = share + size
         self._add(found, share)
         if state.loaded and not found.loaded:
             return run.ends(Outcome.LOST, Failure("loose"))
         self.before = None if happens else (state, size)
-        self.step = min(2.0 * size, self._next(share, found)) if not happens else self._next(share, found)
+        self.step = self._following(share, found, np.inf if happens else size * (1.0 if self.failed else 2.0), size)
+        self.failed = False
         return True
+
+    def _following(self, share: float, found: State, most: float, size: float) -> float:
+        """The step after one of this size. Of an open stage it grows with the load, the faster where nothing slides."""
+        if share >= self.ends:
+            self.ends = np.inf
+        if self.ends < np.inf:
+            return max(0.5 * size, _EXACT * self.base)
+        grows = 0.0 if self.beyond is None else self.beyond.coarse * _GROWS[SLIDES in found.kinds]
+        return min(max(self.base, grows * share), most)
 
     def _failed(self, state: State, why: Failure, size: float) -> bool:
         """A step without an end is halved; the shortest moves on by a flow. Whether the path goes on."""
-        if size > (_EXACT if self.exact else FINEST) * self.base:
+        run, share, known = self.run, self.share, self.ends < np.inf
+        self.failed = True
+        if size > (_EXACT if known else FINEST) * self.base:
             self.step = size / 2.0
             return True
-        if self.exact:
-            self._gives_way(state, self.share)
-            return self.run.ends(Outcome.LOST, why)
-        snapped = self._snap(state, self.share, size)
-        if snapped is None:
-            self.exact, self.step = True, size / 2.0
-            return True
-        self.share += size
-        self._add(snapped, self.share)
-        self.step, self.before = min(_AFTER * size, self.base), None
+        if known and self._gives_way(state):
+            return True  # who waits for that stops here
+        if known and self.leaves:
+            return run.ends(Outcome.LOST, why)
+        until, near = self.ends if known else share + size, np.inf
+        if not known and self._may_slide(state):  # whether it rests, or where, is asked from where exactly it snaps
+            near = self._no_snap(size)
+        end, how = flow(self.stepper, state, self.controls(until), None, near)
+        if how != MOVES:
+            self._snapped(state, end, share, until, how == REST, False)
+        if how != REST:
+            self.ends, self.leaves, self.step = until, how != MOVES, size / 2.0
+            return not known or run.ends(Outcome.LOST, why)
+        self.share, self.ends = until, np.inf
+        self._add(end, until)
+        self.step, self.before, self.rate.last = min(_AFTER * FINEST * self.base, self.base), None, (0.0, 0.0)
         return True
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:
@@ -226,7 +246,7 @@ class Leg:
         last one, whether half of it ends far from its middle. It may end on the other side of a jump.
         """
         last, far = self.rate.last[1], self.stepper.far(state.where.pose, found.where.pose)
-        if last > 0.0 and far > NO_SNAP + JUMPS * last * size:
+        if last > 0.0 and far > self._no_snap(size):
             return True
         if far <= NO_SNAP or size <= 2.0 * FINEST * self.base:
             return False
@@ -238,13 +258,6 @@ class Leg:
                 return True
             found, far = half, 0.5 * far
         return self.stepper.far(expected.where.pose, found.where.pose) > NO_SNAP + _BENDS * far
-
-    def _next(self, share: float, found: State) -> float:
-        """The next step: of an open stage it grows with the load, the faster where nothing slides."""
-        if self.beyond is None:
-            return self.base
-        grows = _GROWS[SLIDES in found.kinds]
-        return max(self.base, self.beyond.coarse * grows * share)
 
     def controls(self, share: float) -> Controls:
         """At a share of the stage."""
@@ -301,14 +314,18 @@ class Leg:
 
     def _breaks(self, state: State, share: float) -> bool:
         """Whether the object comes to rest elsewhere, pushed a little under a little more load: the path goes on."""
-        if share > self.run.shares[-1]:
+        if share > self.share:
             self._add(state, share)
+            self.share = share
+        if self._gives_way(state):
+            return True
         more = min(share + 2.0**-_HALVED * self.base, self.last)
         end, how = flow(self.stepper, state, self.controls(more), self._push(state))
         self._snapped(state, end, share, more, how == REST, True)
         if how == REST:
             self._add(end, more)
-        self.share, self.step, self.before = self.run.shares[-1], self.base, None
+            self.share = more
+        self.step, self.before = self.base, None
         return how == REST
 
     def _push(self, state: State) -> Array:
@@ -318,20 +335,16 @@ class Leg:
         size = _PUSH * float(abs(state.read.forces).sum())
         return np.asarray(size * motion * np.array([1.0] * 3 + [stepper.length] * 3))
 
-    def _snap(self, state: State, share: float, size: float) -> State | None:
-        """The state in which the object rests after it has moved on under a little more load; None where it leaves."""
-        end, how = flow(self.stepper, state, self.controls(share + size))
-        self._snapped(state, end, share, share + size, how == REST, False)
-        return end if how == REST else None
+    def _no_snap(self, size: float) -> float:
+        """How far the object may go in such a step without a snap, as a share of the contacts' distances."""
+        return NO_SNAP + JUMPS * self.rate.last[1] * size
 
     def _snapped(self, state: State, end: State, share: float, until: float, rests: bool, breaks: bool) -> None:
         run = self.run
         moved = self.stepper.between(state.where.pose, end.where.pose)
         distance, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
-        if rests and distance / self.stepper.length + turn < NO_SNAP + JUMPS * self.rate.last[1] * (until - share):
+        if rests and distance / self.stepper.length + turn < self._no_snap(until - share):
             return  # it goes on as it went: only Newton's method found no way there
-        if rests or breaks:  # else it leaves, and where is looked for
-            self._gives_way(state, share)
         last = run.snaps[-1] if run.snaps else None
         if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.base:
             distance, turn, share = distance + last.moved, turn + last.turned, last.share
@@ -339,10 +352,16 @@ class Leg:
             run.snaps.pop()
         run.snaps.append(Snap(self.number, share, until, distance, turn, rests, breaks))
 
-    def _gives_way(self, state: State, share: float) -> None:
-        run = self.run
-        if state.loaded and self.rate.loads and run.slides is None:
-            run.slides = Slides(self.number, share, len(run.states) - 1)
+    def _may_slide(self, state: State) -> bool:
+        """Whether the object may begin to slide through, and has not yet."""
+        return state.loaded and self.rate.loads and self.run.slides is None
+
+    def _gives_way(self, state: State) -> bool:
+        """Whether it is here that the object begins to slide through, at the last state before a snap."""
+        may = self._may_slide(state)
+        if may:
+            self.run.slides = Slides(self.number, self.share, len(self.run.states) - 1)
+        return may
 
     def _limit(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
         """The step up to a limit that was set, by regula falsi."""
@@ -364,9 +383,16 @@ class Leg:
         return low * size, best
 
     def _slides(self, state: State, found: State, share: float, size: float) -> None:
-        run = self.run
-        if run.slides is None and (at := self.rate.slides(state, found, share, size)) is not None:
-            run.slides = Slides(self.number, at, len(run.states) - 1)
+        """Note whether the object begins to slide through in a step that begins at a share."""
+        run, before = self.run, self.rate.last
+        if not self.rate.passes(state, found, share, size) or run.slides is not None:
+            return
+        middle = self._at(state, found, share, size, 0.5)
+        at = share if isinstance(middle, Failure) else self.rate.crossed(state, middle, found, share, size)
+        number = len(run.states) - 1
+        if at <= share and self.before is not None and 0.0 < before[1] < self.rate.most:  # in the last step, rather
+            at, number = max(self.rate.between(before, self.rate.last), run.shares[number - 1]), number - 1
+        run.slides = Slides(self.number, min(at, share + size), number)
 
     def _add(self, found: State, share: float) -> None:
         run = self.run
@@ -387,24 +413,33 @@ class _Rate:
         self.stepper, self.number, self.loads = stepper, number, loads
         self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest while something stuck; (middle, rate) of the last step
 
-    def slides(self, state: State, found: State, share: float, size: float) -> float | None:
-        """The share at which it begins to, in a step that ends at a share; None where it does not."""
-        now = (share - 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / size)
-        before, self.last = self.last, now
+    @property
+    def most(self) -> float:
+        """The rate from which on the object slides through."""
+        return FASTER * self.stuck
+
+    def of(self, state: State, found: State, share: float, size: float) -> tuple[float, float]:
+        """(middle, rate) of a step."""
+        return share + 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / size
+
+    def passes(self, state: State, found: State, share: float, size: float) -> bool:
+        """Whether it is faster in this step than what slides through is. What something sticks in is remembered."""
+        self.last = now = self.of(state, found, share, size)
         if not self.loads or not found.loaded or not state.loaded:
-            return None
+            return False
         if STICKS in found.kinds or self.stuck == 0.0:
             self.stuck = max(self.stuck, now[1])
-            return None
-        most = FASTER * self.stuck
-        if now[1] < most:
-            return None
-        if state.kinds != found.kinds:  # the step ends where that begins
-            return share
-        if not 0.0 < before[1] < most:
-            return share - size
-        part = np.log(most / before[1]) / np.log(now[1] / before[1])
-        return float(min(max(before[0] + part * (now[0] - before[0]), share - size), share))
+            return False
+        return now[1] >= self.most
+
+    def crossed(self, state: State, middle: State, found: State, share: float, size: float) -> float:
+        """The share in such a step at which it becomes so fast, as its two halves tell."""
+        halves = self.of(state, middle, share, 0.5 * size), self.of(middle, found, share + 0.5 * size, 0.5 * size)
+        return max(self.between(*halves), share) if halves[1][1] > halves[0][1] else share
+
+    def between(self, a: tuple[float, float], b: tuple[float, float]) -> float:
+        """The same on the exponential through two rates."""
+        return float(a[0] + np.log(self.most / a[1]) / np.log(b[1] / a[1]) * (b[0] - a[0]))
 
 
 def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:

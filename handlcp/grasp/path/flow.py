@@ -15,24 +15,27 @@ from handlcp.grasp.path.program import Controls
 from handlcp.grasp.path.state import Failure, State
 from handlcp.grasp.path.step import Stepper
 
-__all__ = ["CREEPS", "GONE", "REST", "flow"]
+__all__ = ["CREEPS", "GONE", "MOVES", "REST", "flow"]
 
-REST, GONE, CREEPS = "rest", "gone", "creeps"
-_FIRST, _LEAST = 1.0, 1e-7  # h
-_ROUGH = 3e3  # times the tolerance of a static state
+REST, GONE, CREEPS, MOVES = "rest", "gone", "creeps", "moves"
+_FIRST, _LEAST = 1.0, 1e-4  # h
+_ROUGH = 1e6  # times the tolerance of a static state: where it rests is looked for as closely as any state
 _STEP = 0.08  # of the contacts' distances: how far the object moves in one step
 _CALM = 1e-6  # of the forces: what the damper takes of an object at rest
 _NEAR = 0.01  # how far the static state may be from there
 _FAR = 1.5  # times the farthest contact's distance: an object that has moved farther has left
-_MOST = 400
+_MOST = 200
 _PUSHED = 4  # steps
 
 
-def flow(stepper: Stepper, state: State, controls: Controls, push: Array | None = None) -> tuple[State, str]:
+def flow(
+    stepper: Stepper, state: State, controls: Controls, push: Array | None = None, most: float = np.inf
+) -> tuple[State, str]:
     """The state in which the object comes to rest (REST), or the last before it leaves: no contact left, or it is far
-    away (GONE), or it neither rests nor goes on (CREEPS). push (6,) : a wrench besides, in the first steps.
+    away (GONE), or it neither rests nor goes on (CREEPS). push (6,) : a wrench besides, in the first steps. most : of
+    the contacts' distances; an object that has moved farther is not followed on (MOVES).
     """
-    h, start = _FIRST, state
+    h, start, speed = _FIRST, state, 0.0
     reach = float(np.sqrt(((state.look.positions - state.look.reference) ** 2).sum(axis=1)).max()) / stepper.length
     for count in range(_MOST):
         under = controls if push is None or count >= _PUSHED else controls._replace(load=controls.load + push)
@@ -42,11 +45,13 @@ def flow(stepper: Stepper, state: State, controls: Controls, push: Array | None 
             if h < _LEAST:
                 return state, CREEPS
             continue
-        off = stepper.resisted(state, found, h)
-        state = found
+        off, before = stepper.resisted(state, found, h), speed
+        speed, state = stepper.far(state.where.pose, found.where.pose) / h, found
         if not state.loaded or stepper.far(start.where.pose, state.where.pose) > _FAR * max(reach, 1.0):
             return state, GONE
-        if off < _CALM and under is controls:
+        if stepper.far(start.where.pose, state.where.pose) > most:
+            return state, MOVES
+        if off < _CALM and speed <= before and under is controls:
             rest = stepper.step(state, controls)
             if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _NEAR:
                 return rest, REST
