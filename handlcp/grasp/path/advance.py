@@ -32,6 +32,7 @@ __all__ = ["Leg", "Open", "Outcome", "Run", "Slides", "Snap", "advance"]
 FINEST = 2.0**-9  # of a step: what has no end then has none
 _EXACT = 2.0**-16  # of a step: where a snap or the last static state is found, once it is known that there is one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
+_TELLS = 2.0**-5  # of a step: the shortest whose rate counts as one while something stuck
 _ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
 _MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
@@ -159,7 +160,7 @@ class Leg:
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
         self.calm: tuple[str, ...] = ()  # contact states in which a push that seemed to grow did not
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
-        self.rate = _Rate(stepper, number, bool(load.any()) or weight)
+        self.rate = _Rate(stepper, _TELLS * self.base, bool(load.any()) or weight)
 
     def through(self, pause: bool = False) -> bool:
         """Whether its end is reached; called again it goes on. pause : also where it slides through."""
@@ -196,10 +197,9 @@ class Leg:
             size, found = self._limit(state, found, share, size)
             self._add(found, share + size)
             return run.ends(Outcome.LIMIT)
-        happens = self.watch.changed(state, found)
         self._slides(state, found, share, size)
         self.share = share = share + size
-        self._add(found, share)
+        happens = self._add(found, share)
         if state.loaded and not found.loaded:
             return run.ends(Outcome.LOST, Failure("loose"))
         self.before = None if happens else (state, size)
@@ -394,10 +394,13 @@ class Leg:
             at, number = max(self.rate.between(before, self.rate.last), run.shares[number - 1]), number - 1
         run.slides = Slides(self.number, min(at, share + size), number)
 
-    def _add(self, found: State, share: float) -> None:
+    def _add(self, found: State, share: float) -> bool:
+        """Whether anything happens on the way to this state."""
         run = self.run
-        run.events += self.watch.events(run.states[-1], found, self.goal.name, self.number, share)
+        events = self.watch.events(run.states[-1], found, self.goal.name, self.number, share)
+        run.events += events
         run.add(found, self.number, share)
+        return bool(events)
 
     def _pushed_out(self) -> bool:
         """Whether nothing is held at the end, and the object has been pushed away by fingers that close."""
@@ -407,10 +410,12 @@ class Leg:
 
 
 class _Rate:
-    """How fast the object gives way in a stage, and whether it slides through. loads : whether a load changes in it."""
+    """How fast the object gives way in a stage, and whether it slides through. least : the shortest step that tells.
+    loads : whether a load changes in the stage.
+    """
 
-    def __init__(self, stepper: Stepper, number: int, loads: bool) -> None:
-        self.stepper, self.number, self.loads = stepper, number, loads
+    def __init__(self, stepper: Stepper, least: float, loads: bool) -> None:
+        self.stepper, self.least, self.loads = stepper, least, loads
         self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest while something stuck; (middle, rate) of the last step
 
     @property
@@ -428,7 +433,8 @@ class _Rate:
         if not self.loads or not found.loaded or not state.loaded:
             return False
         if STICKS in found.kinds or self.stuck == 0.0:
-            self.stuck = max(self.stuck, now[1])
+            if size >= self.least:  # a shorter step lies between changes at one load
+                self.stuck = max(self.stuck, now[1])
             return False
         return now[1] >= self.most
 

@@ -29,10 +29,6 @@ class Watch:
     limits: Limits
     near: float
 
-    def changed(self, a: State, b: State) -> bool:
-        """Whether anything happens between two states."""
-        return next(self._between(a, b), None) is not None
-
     def events(self, a: State, b: State, stage: str, number: int, share: float) -> list[Event]:
         """What happens from one state to the next."""
         return [Event(kind, who, stage, share, number) for kind, who in self._between(a, b)]
