@@ -14,6 +14,7 @@ import pytest
 
 from handlcp.errors import InputError, Unsupported, URDFError
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object
+from handlcp.hand.objects.distance import distance
 from tests.support.hand import ball_near, shape_near, urdf
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
@@ -113,6 +114,22 @@ def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path: Pat
         assert abs(last.gap) < 2e-7
         assert not _touch(tip, R, p - CLEAR * last.normal, obj)
         assert _touch(tip, R, p + CLEAR * last.normal, obj)
+
+
+def test_where_the_normal_of_coal_is_off_the_gap_between_support_planes_is_found() -> None:
+    R = [[0.41236122, -0.59586321, -0.6891337], [-0.46844637, -0.78746216, 0.40057627],
+         [-0.78135537, 0.15764006, -0.60384881]]  # fmt: skip
+    Q = [[0.58191348, -0.73582449, 0.34632213], [0.59943443, 0.10029459, -0.79411546],
+         [0.54959537, 0.6697039, 0.49944131]]  # fmt: skip
+    at = np.array(R), np.array([-0.03575414, 0.02130153, 0.17345556])
+    there = np.array(Q), np.array([-0.01250012, -0.03067517, 0.16591636])
+    box, can = coal.Box(0.014, 0.038, 0.02), coal.Cylinder(0.02634893, 0.10738267)
+    gap, on, beside, n = distance(box, at, can, there, ("a box", "a can"))
+    one, two = np.array(coal.Box(0.014, 0.038, 0.02).halfSide), Q @ np.array([0.0, 0.0, 1.0])
+    reach = one @ abs(n @ R)  # of the box along n; and of the can against it
+    across = 0.02634893 * np.sqrt(1.0 - (n @ two) ** 2) + 0.053691335 * abs(n @ two)
+    assert n @ (there[1] - at[1]) - reach - across == pytest.approx(gap, abs=1e-10)  # no larger: planes part them
+    assert np.linalg.norm(beside - on) == pytest.approx(gap, abs=1e-10)  # no smaller: points are so near
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e-3, -4e-3])

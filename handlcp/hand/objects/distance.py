@@ -19,7 +19,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported
-from handlcp.hand.objects.overlap import overlap
+from handlcp.hand.objects.overlap import apart, overlap
 from handlcp.hand.objects.support import beyond, known, size_of, support
 
 __all__ = ["Distance", "Frame", "distance"]
@@ -64,6 +64,9 @@ def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[str,
     touching = pair.touching(claimed)
     if touching is not None:
         return touching
+    parted = apart(pair.furthest, start, _CLOSE * pair.size)
+    if parted is not None:
+        return -parted.least, parted.first, parted.second, parted.normal
     raise Unsupported(f"no distance between {names[0]} and {names[1]} could be confirmed: coal says {claimed[0]:.3g} m")
 
 

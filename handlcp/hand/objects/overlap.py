@@ -1,4 +1,5 @@
-"""How deep two convex shapes overlap, from their support functions, between bounds that prove it.
+"""How deep two convex shapes overlap, or how far they are apart, from their support functions, between bounds that
+prove it.
 
 With D all differences a - b of points a of the first shape and b of the second, n · x ≤ h(n) = h_A(n) + h_B(-n) in D:
 
@@ -7,6 +8,10 @@ With D all differences a - b of points a of the first shape and b of the second,
 Any n bounds the depth from above. The hull of some points of D lies within D, and the face of it that is nearest to the
 origin bounds the depth from below. Each step adds the furthest points along the normals of the nearest faces, until the
 bounds meet (van den Bergen, Game Developers Conference 2001: EPA, here with hulls by qhull).
+
+Apart, the same points of D bound the distance from above by the one of their hull that is nearest to the origin, and
+any n from below by -h(n); each step adds the furthest point towards the origin (Gilbert, Johnson & Keerthi 1988: GJK,
+here with all points kept and the nearest one by non-negative least squares).
 """
 
 from __future__ import annotations
@@ -18,7 +23,7 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["Overlap", "overlap"]
+__all__ = ["Overlap", "apart", "overlap"]
 
 Pairs = Callable[[Array], tuple[Array, Array]]
 
@@ -68,6 +73,31 @@ def overlap(furthest: Pairs, near: Array, close: float, enough: float = np.inf) 
             break
         first, second = np.concatenate([first, a]), np.concatenate([second, b])
     return Overlap(least, float(h[0]), n[0], *points)
+
+
+def apart(furthest: Pairs, near: Array, close: float) -> Overlap | None:
+    """The distance as an overlap below zero, bounds no further apart than `close` [m]; None where they do not meet, as
+    of shapes that touch. furthest, near : as in `overlap`.
+    """
+    from scipy.optimize import nnls
+
+    first, second = furthest(np.concatenate([_around(near), _grid(_GRID)]))
+    for _ in range(_MOST):
+        D = (second - first).T
+        size = max(float(np.sqrt((D**2).sum(axis=0)).min()), close)
+        share, _ = nnls(np.vstack([D / size, np.ones(D.shape[1])]), np.array([0.0, 0.0, 0.0, 1.0]))
+        share /= share.sum()
+        on, beside = share @ first, share @ second
+        far = float(np.sqrt((beside - on) @ (beside - on)))
+        if not far > close:
+            return None
+        n = (beside - on) / far
+        a, b = furthest(n[None])
+        least = float(n @ (b - a)[0])
+        if far - least <= close:
+            return Overlap(-far, -least, n, on, beside)
+        first, second = np.concatenate([first, a]), np.concatenate([second, b])
+    return None
 
 
 def _deepest(first: Array, second: Array, at: Array) -> tuple[Array, Array]:
