@@ -84,6 +84,8 @@ def apart(furthest: Pairs, near: Array, close: float) -> Overlap | None:
     first, second = furthest(np.concatenate([_around(near), _grid(_GRID)]))
     for _ in range(_MOST):
         D = (second - first).T
+        if not np.isfinite(D).all():
+            return None
         size = max(float(np.sqrt((D**2).sum(axis=0)).min()), close)
         share, _ = nnls(np.vstack([D / size, np.ones(D.shape[1])]), np.array([0.0, 0.0, 0.0, 1.0]))
         share /= share.sum()
