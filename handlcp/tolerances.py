@@ -10,6 +10,7 @@ __all__ = [
     "ACTIVE",
     "CERTIFY",
     "ELIMINATE_RCOND",
+    "EVENTS_END",
     "FASTER",
     "FIXED_POINT",
     "GROWTH",
@@ -79,6 +80,9 @@ STEEPEST = 1e4
 
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
 UNIT_NORMAL = 1e-6
+
+# Relative: how closely a limit in one posture is found, from event to event
+EVENTS_END = 1e-6
 
 # An object slides through where nothing that presses sticks any more and it gives way so many times faster than while
 # something stuck; it snaps where it goes so many times farther than it was about to, and by more than this share of

@@ -1,6 +1,6 @@
 """Imports run one way: cli → show → study → scene → simulator → hand → grasp → lcp → check → text_table, words, views,
-lazy, keywords, errors, tolerances, version. Answers reach their pictures and pages through `views`, by name, when they
-are asked for.
+doubled, lazy, keywords, errors, tolerances, version. Answers reach their pictures and pages through `views`, by name,
+when they are asked for.
 
 Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone.
 """
@@ -24,6 +24,7 @@ ORDER = [
     "errors",
     "keywords",
     "lazy",
+    "doubled",
     "views",
     "words",
     "text_table",

@@ -28,8 +28,16 @@ def envelope(
         typer.Option(help='At least so many all around; or a plane: xy, yz, xz, also with a number: "xy,72".'),
     ] = "362",
     followed: Annotated[
-        bool, typer.Option("--followed", help="Follow hand and object as they move: about a hundred times slower.")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--followed/--fixed",
+            help="Follow hand and object as they move, or leave contacts where they are; neither: followed where that "
+            "takes seconds.",
+        ),
+    ] = None,
+    accuracy: Annotated[
+        float | None, typer.Option(help="Relative error of the factors: steps are chosen by it.")
+    ] = None,
     motion: Annotated[float | None, typer.Option(help="How far the object may move under the load [m].")] = None,
     turn: Annotated[float | None, typer.Option(help="How far the object may turn under the load [rad].")] = None,
     adaptive: Annotated[int, typer.Option(help="How often steps between two causes are halved.")] = 2,
@@ -56,8 +64,8 @@ def envelope(
     sides = sides_of(read.solve_with.faces, faces)
     with progress_bar() as progress:
         found = envelope_of(
-            read.build(), _asked(directions), of=of, geometry="followed" if followed else "fixed", faces=sides,
-            adaptive=adaptive, motion=motion, turn=turn,
+            read.build(), _asked(directions), of=of, geometry={None: None, True: "followed", False: "fixed"}[followed],
+            faces=sides, adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
             progress=lambda done, total: progress(done, total, "directions"),
         )  # fmt: skip
     drawn = [("Picture", plot, found.plot), ("Picture", polar, found.polar), ("Page", page, found.page)]

@@ -14,8 +14,7 @@ import pytest
 
 from handlcp.errors import InputError, Unsupported, URDFError
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object
-from handlcp.hand.objects.distance import distance
-from tests.support.hand import ball_near, shape_near, urdf
+from tests.support.hand import ball_near, distance, shape_near, urdf
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
 

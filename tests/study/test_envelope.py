@@ -35,7 +35,7 @@ def cube(**more):
 
 @cache
 def of_cube(count, adaptive=0, of="force"):
-    return hl.envelope(cube(), count, faces=8, adaptive=adaptive, of=of)
+    return hl.envelope(cube(), geometry="fixed", directions=count, faces=8, adaptive=adaptive, of=of)
 
 
 def kinds(binds):
@@ -78,7 +78,7 @@ def test_what_nothing_ever_limits_is_infinite_everywhere_it_is_told():
 def test_no_direction_holds_any_load_where_torque_limits_alone_end_it(monkeypatch, tmp_path):
     """A path that finds no limit is wrong there, and is not believed."""
     without_limits(monkeypatch)
-    env = hl.envelope(cube(), 12, faces=8, adaptive=0)
+    env = hl.envelope(cube(), geometry="fixed", directions=12, faces=8, adaptive=0)
     assert np.isnan(env.factors).all()
     assert {b.kind for binds in env.binds for b in binds} == {"undecided"}
     assert "any load" not in str(env)
@@ -112,21 +112,48 @@ def test_every_direction_is_the_limit_of_its_own_load():
 
 def test_a_hand_that_is_its_own_mirror_image_holds_as_much_on_both_sides():
     env = of_cube(42)
-    mirrored = hl.envelope(cube(), env.directions * (1, -1, 1), faces=8)
+    mirrored = hl.envelope(cube(), geometry="fixed", directions=env.directions * (1, -1, 1), faces=8)
     np.testing.assert_allclose(mirrored.factors, env.factors, rtol=1e-6)
 
 
 def test_a_torque_turns_about_its_direction():
-    env = hl.envelope(cube(), [(0, 0, 2.0)], of="torque", faces=8)
+    env = hl.envelope(cube(), geometry="fixed", directions=[(0, 0, 2.0)], of="torque", faces=8)
     one = cube().load_limit((0, 0, 0, 0, 0, 1.0), geometry="fixed", faces=8)
     assert env.factors[0] == pytest.approx(one.factor, rel=1e-9)
     assert env.unit == "N·m"
 
 
+def test_few_directions_of_round_fingertips_are_followed_unless_asked_otherwise_and_it_is_said():
+    env = hl.envelope(cube(), [(1, 0, 0), (0, 0, -1)])
+    assert env.geometry == env.to_dict()["geometry"] == "followed"
+    assert "fingers and object move under the load" in str(env)
+    for k in range(2):
+        assert env.factors[k] == cube().load_limit(env.wrenches[k]).factor
+    assert np.isnan(env.accuracy).all()
+    many = hl.envelope(cube(), np.tile(env.directions, (60, 1)), faces=8)
+    assert many.geometry == "fixed"
+    assert 'geometry="followed"' in str(many)
+
+
+def test_an_accuracy_is_reached_or_it_is_said_where_it_is_not():
+    ways, asked = [(1, 0, 0), (0, 0, 1)], 2e-3
+    env = hl.envelope(cube(), ways, accuracy=asked)
+    finer = [cube().load_limit((*d, 0, 0, 0), accuracy=asked / 4).factor for d in ways]
+    np.testing.assert_allclose(env.factors, finer, rtol=2 * asked)
+    assert (env.accuracy <= asked).all()
+    assert "estimated to be within 0.2 % in all 2 directions" in str(env)
+    fixed = hl.envelope(pinch(), [(0, 1, 0)], accuracy=1e-3)
+    assert fixed.factors[0] == pytest.approx(2 * MU * N, rel=fixed.accuracy[0])
+    missed = hl.envelope(pinch(), [(0, 1, 0)], accuracy=1e-9)
+    assert "in 0 of 1 directions; off by" in str(missed)
+    with pytest.raises(hl.InputError, match="accuracy"):
+        hl.envelope(pinch(), [(0, 1, 0)], accuracy=0.0)
+
+
 # ---------------------------------------------------------------- gravity
 def test_the_mass_that_is_held_is_that_of_a_limit_and_of_following_a_heavier_object():
     ways = [(0, 0, -1), (0, 0.6, 0.8)]
-    env = hl.envelope(cube(), ways, of="gravity", faces=8)
+    env = hl.envelope(cube(), geometry="fixed", directions=ways, of="gravity", faces=8)
     for k, d in enumerate(env.directions):
         bare = cube().replace(mass=0.0)
         assert env.factors[k] == pytest.approx(bare.load_limit(env.wrenches[k], geometry="fixed", faces=8).factor)
@@ -142,7 +169,7 @@ def test_the_mass_that_is_held_is_that_of_a_limit_and_of_following_a_heavier_obj
 
 def test_the_fingers_weight_turns_with_gravity():
     heavy = cube(finger_weight=True)
-    env = hl.envelope(heavy, [(0, 0, -1), (1, 0, 0)], of="gravity", faces=8)
+    env = hl.envelope(heavy, geometry="fixed", directions=[(0, 0, -1), (1, 0, 0)], of="gravity", faces=8)
     for k, d in enumerate(env.directions):
         turned = heavy.replace(mass=0.0, gravity=G * d)
         assert env.factors[k] == pytest.approx(turned.load_limit(env.wrenches[k], geometry="fixed", faces=8).factor)
@@ -164,7 +191,7 @@ def test_directions_are_added_in_the_middle_between_two_that_differ_and_nowhere_
 
 
 def test_the_border_between_two_causes_becomes_sharp():
-    env = hl.envelope(cube(), ("xz", 24), faces=8, adaptive=4)
+    env = hl.envelope(cube(), geometry="fixed", directions=("xz", 24), faces=8, adaptive=4)
     order = np.argsort(np.arctan2(env.directions[:, 2], env.directions[:, 0]))
     apart = []
     for a, b in zip(order, np.roll(order, -1), strict=True):
@@ -175,7 +202,9 @@ def test_the_border_between_two_causes_becomes_sharp():
 
 
 def test_directions_that_are_given_stay_as_they_are():
-    assert len(hl.envelope(cube(), [(1, 0, 0), (0, 1, 0), (0, 0, -3)], faces=8).factors) == 3
+    assert (
+        len(hl.envelope(cube(), geometry="fixed", directions=[(1, 0, 0), (0, 1, 0), (0, 0, -3)], faces=8).factors) == 3
+    )
 
 
 def test_shares_are_those_of_the_solid_angle():
@@ -216,13 +245,15 @@ def program(grasp, wrench, faces, torque=True):
 
 
 def test_the_bound_on_pyramids_is_that_of_a_linear_program():
-    env = hl.envelope(cube(), 12, faces=8, adaptive=0)
+    env = hl.envelope(cube(), geometry="fixed", directions=12, faces=8, adaptive=0)
     known = np.array([program(cube(), w, 8) for w in env.wrenches])
     np.testing.assert_allclose(env.bound, known, rtol=1e-6)
 
 
 def test_the_bound_on_the_cone_lies_between_a_fine_program_and_a_little_more():
-    env = hl.envelope(cube(), [(1, 0, 0), (-0.6, 0.8, 0), (0, 0, 1), (0.3, -0.4, -0.5)], of="torque")
+    env = hl.envelope(
+        cube(), geometry="fixed", directions=[(1, 0, 0), (-0.6, 0.8, 0), (0, 0, 1), (0.3, -0.4, -0.5)], of="torque"
+    )
     fine = np.array([program(cube(), w, 96) for w in env.wrenches])
     assert (env.bound >= fine * (1 - 1e-6)).all()
     assert (env.bound <= fine / np.cos(np.pi / 96) ** 2 * (1 + 1e-6)).all()
@@ -251,7 +282,7 @@ def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():
     rng = np.random.default_rng(3)
     ways = rng.normal(size=(40, 3))
     ways = ways[ways[:, 0] < -0.2 * np.linalg.norm(ways, axis=1)]  # what the finger pushes against
-    env = hl.envelope(grasp, ways)
+    env = hl.envelope(grasp, geometry="fixed", directions=ways)
     faces = ConvexHull(found.vertices.T).equations
     H, d = faces[:, :3], -faces[:, 3]  # H f ≤ d
     slope = -env.directions @ H.T
@@ -297,7 +328,7 @@ def test_an_envelope_can_be_pickled():
 
 def test_a_grasp_that_does_not_hold_without_a_load_says_so():
     loose = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3, preload=1e-3)
-    env = hl.envelope(loose, 12)
+    env = hl.envelope(loose, geometry="fixed", directions=12)
     assert (env.factors == 0.0).all()
     assert "does not hold without a load" in str(env)
 

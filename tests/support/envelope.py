@@ -15,6 +15,7 @@ def without_limits(monkeypatch):
     """From now on, no path of an envelope finds where it ends."""
 
     def endless(spec, section, wrenches, *asked):
-        return SimpleNamespace(factors=np.full(len(wrenches), np.inf), binds=((),) * len(wrenches))
+        none = np.full(len(wrenches), np.nan)
+        return SimpleNamespace(factors=np.full(len(wrenches), np.inf), binds=((),) * len(wrenches), accuracy=none)
 
     monkeypatch.setattr(ask, "limits_of", endless)

@@ -11,6 +11,7 @@ import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.distance import distance
 from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.plane_contacts import RIM
 from handlcp.hand.objects.plane_contacts import _needed as _points_needed
@@ -26,6 +27,7 @@ __all__ = [
     "configuration",
     "curvature",
     "deflection",
+    "distance",
     "effort",
     "elastic_flexibility",
     "full_positions",

@@ -13,7 +13,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
 from handlcp.grasp.limits.fixed import over_nothing, slid_place, watch_from
-from handlcp.grasp.limits.followed import followed_limit
+from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
@@ -22,6 +22,7 @@ from handlcp.grasp.limits.start import begun_of
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import length_of
 from handlcp.lcp.compiler.when import at_once
+from handlcp.tolerances import EVENTS_END
 
 __all__ = ["Limits", "limits_of"]
 
@@ -30,7 +31,7 @@ __all__ = ["Limits", "limits_of"]
 class Limits:
     """Limits of one grasp in m directions. wrenches (m, 6) : the loads, beside the weight [N, N·m]. factors (m,) : of
     each, inf where nothing binds. binds (m,) : what gives out, as in `LoadLimit`. events (m,) : how many there are on
-    the way. geometry : "fixed" or "followed".
+    the way. geometry : "fixed" or "followed". accuracy (m,) : estimated relative errors of the factors; NaN: not asked.
     """
 
     wrenches: Array
@@ -38,6 +39,7 @@ class Limits:
     binds: tuple[tuple[Bind, ...], ...]
     events: Ints
     geometry: str
+    accuracy: Array
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -51,35 +53,43 @@ class Limits:
 
 
 def limits_of(
-    spec: GraspSpec, section: Section, wrenches: Any, geometry: Any = None, motion: Any = None, turn: Any = None
-) -> Limits:
-    """Of loads (m, 6), other arguments as in `Grasp.load_limit`. Raises InputError, Unsupported."""
+    spec: GraspSpec, section: Section, wrenches: Any, geometry: Any = None, motion: Any = None, turn: Any = None,
+    accuracy: float | None = None,
+) -> Limits:  # fmt: skip
+    """Of loads (m, 6), other arguments as in `Grasp.load_limit`; where an accuracy is not reached, the estimate says
+    so. Raises InputError, Unsupported.
+    """
     follows = is_followed(spec, geometry)
     loads = array("wrenches", wrenches, (-1, 6))
     if not len(loads) or not loads.any(axis=1).all():
         raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")
     most = (tolerance("motion", motion), tolerance("turn", turn))
-    return (_followed if follows else _fixed)(spec, section, loads, most)
+    return (_followed if follows else _fixed)(spec, section, loads, most, accuracy)
 
 
-def _followed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float]) -> Limits:
-    found = [followed_limit(spec, section, load, most) for load in loads]
+def _followed(
+    spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float], accuracy: float | None
+) -> Limits:
+    found = [accurate_limit(spec, section, load, most, "followed", accuracy) for load in loads]
     events = np.array([len(one.events) for one in found], dtype=np.int64)
-    factors = read_only(np.array([one.factor for one in found]))
-    return Limits(loads, factors, tuple([one.binds for one in found]), events, "followed")
+    factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
+    return Limits(loads, read_only(factors), tuple([x.binds for x in found]), events, "followed", read_only(off))
 
 
-def _never(loads: Array, geometry: str) -> Limits:
+def _never(loads: Array) -> Limits:
     """Where squeeze or weight alone are not held."""
     m = len(loads)
-    return Limits(loads, read_only(np.zeros(m)), ((Bind(EQUILIBRIUM, OBJECT),),) * m, np.zeros(m, np.int64), geometry)
+    none, binds = read_only(np.zeros(m)), ((Bind(EQUILIBRIUM, OBJECT),),) * m
+    return Limits(loads, none, binds, np.zeros(m, np.int64), "fixed", none)
 
 
-def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float]) -> Limits:
+def _fixed(
+    spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float], accuracy: float | None
+) -> Limits:
     system, begun = begun_of(spec, section, loads[int(abs(loads).max(axis=1).argmax())])
     m = len(loads)
     if begun.place is None:
-        return _never(loads, "fixed")
+        return _never(loads)
     p, watch = system.parts, watch_from(system, begun.place, most)
     n, known = len(p.mu), none_known(p)
     answers, ends = np.empty((m, 4)), np.empty((m, n + len(p.owner)), dtype=np.int64)
@@ -102,7 +112,9 @@ def _fixed(spec: GraspSpec, section: Section, loads: Array, most: tuple[float, f
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
+    off = np.full(m, np.nan if accuracy is None else EVENTS_END)
     for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
-        found = followed_limit(spec, section, loads[a], most, "fixed")
-        answers[a, 2:], binds[a] = (found.factor, len(found.events)), found.binds
-    return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), answers[:, 3].astype(np.int64), "fixed")
+        found = accurate_limit(spec, section, loads[a], most, "fixed", accuracy)
+        answers[a, 2:], binds[a], off[a] = (found.factor, len(found.events)), found.binds, found.accuracy
+    factors, events = read_only(answers[:, 2].copy()), answers[:, 3].astype(np.int64)
+    return Limits(loads, factors, tuple(binds), events, "fixed", read_only(off))

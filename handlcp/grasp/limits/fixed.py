@@ -8,7 +8,7 @@ from handlcp.check import Array
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, with_joints
-from handlcp.grasp.limits.followed import followed_limit
+from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, Watch
 from handlcp.grasp.limits.kernels.onward import onward
@@ -33,6 +33,7 @@ from handlcp.grasp.limits.start import begun_of, place_of
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import length_of
+from handlcp.tolerances import EVENTS_END
 
 __all__ = ["fixed_limit", "over_nothing", "slid_place", "watch_from"]
 
@@ -44,13 +45,15 @@ def watch_from(system: System, place: Place, most: tuple[float, float]) -> Watch
     return system.watch._replace(start=system.watch.moves @ place.u, motion=most[0], turn=most[1])
 
 
-def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float]) -> LoadLimit:
-    """Most : motion [m] and turn [rad] of the object that are allowed."""
+def fixed_limit(
+    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], accuracy: float | None = None
+) -> LoadLimit:
+    """Most : motion [m] and turn [rad] of the object that are allowed. accuracy : as in `accurate_limit`."""
     system, begun = begun_of(spec, section, wrench)
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        return LoadLimit(0.0, wrench, binds, "fixed", _later(begun.why, none, 0.0, 0.0, None, ()))
+        return LoadLimit(0.0, wrench, binds, "fixed", _later(begun.why, none, 0.0, 0.0, None, ()), accuracy=0.0)
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
@@ -61,7 +64,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
     factor = over_nothing(factor, w, place)
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP:  # where a contact opens while it slides, for one: steps of any size find the way
-        return followed_limit(spec, section, wrench, most, "fixed")
+        return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])
     first = next((e.factor for e in happened if e.kind == "slips"), None)
@@ -74,7 +77,7 @@ def fixed_limit(spec: GraspSpec, section: Section, wrench: Array, most: tuple[fl
         before = points[:count][points[:count, 0] < factor]
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
     later = _later(why(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
-    return LoadLimit(factor, wrench, binds, "fixed", later, first, slides)
+    return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, np.nan if accuracy is None else EVENTS_END)
 
 
 def over_nothing(factor: float, w: Array, place: Place) -> float:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.doubled import doubled
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.cause import EQUILIBRIUM, OBJECT, SLIPS, Cause
 from handlcp.grasp.cause.judge import Limits, binding, limits_of, over, slipping, used
@@ -16,7 +17,6 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import Leg, Open, Outcome, Run, advance
-from handlcp.grasp.path.doubled import doubled
 from handlcp.grasp.path.follow import TOLERANCE, Loading, begun, geometry_of, loading_of, solution_of
 from handlcp.grasp.path.locate import margins
 from handlcp.grasp.path.program import Stage
@@ -67,11 +67,13 @@ def followed_limit(
 
 
 def accurate_limit(
-    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], accuracy: float
+    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], geometry: str, accuracy: float | None
 ) -> LoadLimit:
-    """With twice as many steps until the factor changes by no more than `accuracy`, relative; its `accuracy` is that
-    change. Raises Unsupported where so many steps do not reach it.
+    """With twice as many steps until the factor changes by no more than `accuracy`, relative, or no more are tried; its
+    `accuracy` is the last change. None: with as many steps as usual.
     """
+    if accuracy is None:
+        return followed_limit(spec, section, wrench, most, geometry)
 
     def apart(last: LoadLimit, found: LoadLimit) -> float:
         if found.factor == last.factor:  # such as infinite, or 0
@@ -79,9 +81,9 @@ def accurate_limit(
         return abs(found.factor - last.factor) / max(found.factor, last.factor)
 
     def answer(times: int) -> LoadLimit:
-        return followed_limit(spec, section, wrench, most, finer=float(times))
+        return followed_limit(spec, section, wrench, most, geometry, float(times))
 
-    found, off = doubled(answer, apart, accuracy, "the limit")
+    found, off = doubled(answer, apart, accuracy)
     return replace(found, accuracy=off)
 
 

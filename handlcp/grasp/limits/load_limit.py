@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, number, read_only
+from handlcp.doubled import insisted
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, load_of, tolerance
 from handlcp.grasp.limits.fixed import fixed_limit
-from handlcp.grasp.limits.followed import accurate_limit, followed_limit
+from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.paths import PathSensitivity
@@ -48,11 +49,13 @@ class _Question:
 
     def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
         """The same of another grasp, or of another load."""
-        if not self.follows:
-            return fixed_limit(spec, self.section, wrench, self.most)
-        if self.accuracy is None:
-            return followed_limit(spec, self.section, wrench, self.most)
-        return accurate_limit(spec, self.section, wrench, self.most, self.accuracy)
+        if self.follows:
+            found = accurate_limit(spec, self.section, wrench, self.most, "followed", self.accuracy)
+        else:
+            found = fixed_limit(spec, self.section, wrench, self.most, self.accuracy)
+        if self.accuracy is not None:
+            insisted(found.accuracy, self.accuracy, "the limit")
+        return found
 
     def bound(self) -> float:
         """See `LoadLimit.bound`."""

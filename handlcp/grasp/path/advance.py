@@ -160,7 +160,7 @@ class Leg:
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
         self.calm: tuple[str, ...] = ()  # contact states in which a push that seemed to grow did not
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
-        self.rate = _Rate(stepper, _TELLS * self.base, bool(load.any()) or weight)
+        self.rate = _Rate(_TELLS * self.base, bool(load.any()) or weight)
 
     def through(self, pause: bool = False) -> bool:
         """Whether its end is reached; called again it goes on. pause : also where it slides through."""
@@ -383,16 +383,26 @@ class Leg:
         return low * size, best
 
     def _slides(self, state: State, found: State, share: float, size: float) -> None:
-        """Note whether the object begins to slide through in a step that begins at a share."""
-        run, before = self.run, self.rate.last
-        if not self.rate.passes(state, found, share, size) or run.slides is not None:
+        """Note how fast the object gives way in a step that begins at a share, and whether it begins to slide through
+        in it.
+        """
+        rate, far = self.rate, self.stepper.far
+        at_rest = rate.last[1] == 0.0  # where an object that snapped rests, everything sticks
+        rate.last = now = share + 0.5 * size, far(state.where.pose, found.where.pose) / size
+        if not rate.loads or not found.loaded or not state.loaded:
             return
-        middle = self._at(state, found, share, size, 0.5)
-        at = share if isinstance(middle, Failure) else self.rate.crossed(state, middle, found, share, size)
-        number = len(run.states) - 1
-        if at <= share and self.before is not None and 0.0 < before[1] < self.rate.most:  # in the last step, rather
-            at, number = max(self.rate.between(before, self.rate.last), run.shares[number - 1]), number - 1
-        run.slides = Slides(self.number, min(at, share + size), number)
+        stuck, sticks = STICKS in state.kinds and not at_rest, STICKS in found.kinds
+        halves = now, now
+        if (stuck and not sticks) or (not sticks and self.run.slides is None and now[1] >= 0.5 * rate.most):
+            middle = self._at(state, found, share, size, 0.5)
+            if isinstance(middle, State):
+                a, b = far(state.where.pose, middle.where.pose), far(middle.where.pose, found.where.pose)
+                halves = (share + 0.25 * size, 2.0 * a / size), (share + 0.75 * size, 2.0 * b / size)
+        if stuck or rate.stuck == 0.0:
+            if size >= rate.least:
+                rate.stuck = max(rate.stuck, now[1], _on(*halves, share + size))
+        elif not sticks and self.run.slides is None and rate.most <= max(now[1], _on(*halves, share + size)):
+            self.run.slides = Slides(self.number, _reaches(*halves, rate.most, share), len(self.run.states) - 1)
 
     def _add(self, found: State, share: float) -> bool:
         """Whether anything happens on the way to this state."""
@@ -410,42 +420,32 @@ class Leg:
 
 
 class _Rate:
-    """How fast the object gives way in a stage, and whether it slides through. least : the shortest step that tells.
-    loads : whether a load changes in the stage.
+    """How fast the object gives way in a stage. least : the shortest step that tells, a shorter one lies between
+    changes at one load. loads : whether a load changes in the stage. stuck : the fastest while something stuck. last :
+    (middle, rate) of the last step; no rate at the beginning and after a snap.
     """
 
-    def __init__(self, stepper: Stepper, least: float, loads: bool) -> None:
-        self.stepper, self.least, self.loads = stepper, least, loads
-        self.stuck, self.last = 0.0, (0.0, 0.0)  # the fastest while something stuck; (middle, rate) of the last step
+    def __init__(self, least: float, loads: bool) -> None:
+        self.least, self.loads, self.stuck, self.last = least, loads, 0.0, (0.0, 0.0)
 
     @property
     def most(self) -> float:
         """The rate from which on the object slides through."""
         return FASTER * self.stuck
 
-    def of(self, state: State, found: State, share: float, size: float) -> tuple[float, float]:
-        """(middle, rate) of a step."""
-        return share + 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / size
 
-    def passes(self, state: State, found: State, share: float, size: float) -> bool:
-        """Whether it is faster in this step than what slides through is. What something sticks in is remembered."""
-        self.last = now = self.of(state, found, share, size)
-        if not self.loads or not found.loaded or not state.loaded:
-            return False
-        if STICKS in found.kinds or self.stuck == 0.0:
-            if size >= self.least:  # a shorter step lies between changes at one load
-                self.stuck = max(self.stuck, now[1])
-            return False
-        return now[1] >= self.most
+def _on(a: tuple[float, float], b: tuple[float, float], share: float) -> float:
+    """The rate at a share beyond two of them, on the exponential through both; no more than twice as fast."""
+    if not 0.0 < a[1] < b[1]:
+        return b[1]
+    return float(b[1] * min((b[1] / a[1]) ** ((share - b[0]) / (b[0] - a[0])), 2.0))
 
-    def crossed(self, state: State, middle: State, found: State, share: float, size: float) -> float:
-        """The share in such a step at which it becomes so fast, as its two halves tell."""
-        halves = self.of(state, middle, share, 0.5 * size), self.of(middle, found, share + 0.5 * size, 0.5 * size)
-        return max(self.between(*halves), share) if halves[1][1] > halves[0][1] else share
 
-    def between(self, a: tuple[float, float], b: tuple[float, float]) -> float:
-        """The same on the exponential through two rates."""
-        return float(a[0] + np.log(self.most / a[1]) / np.log(b[1] / a[1]) * (b[0] - a[0]))
+def _reaches(a: tuple[float, float], b: tuple[float, float], rate: float, first: float) -> float:
+    """The share, no less than the first, at which a rate is reached on the exponential through two."""
+    if not 0.0 < a[1] < b[1]:
+        return first
+    return max(float(a[0] + np.log(rate / a[1]) / np.log(b[1] / a[1]) * (b[0] - a[0])), first)
 
 
 def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:

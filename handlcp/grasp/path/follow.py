@@ -12,6 +12,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, integer, number, read_only
+from handlcp.doubled import doubled, insisted
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
@@ -24,7 +25,6 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.advance import Outcome, Run, Slides, advance
-from handlcp.grasp.path.doubled import doubled
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
 from handlcp.grasp.path.program import Controls, Goal, read_stages
@@ -222,7 +222,8 @@ def _accurate(
     def answer(times: int) -> Loading:
         return follow(spec, section, load, order, geometry, times * count, tolerance)
 
-    found, off = doubled(answer, _apart, accuracy, "the end")
+    found, off = doubled(answer, _apart, accuracy)
+    insisted(off, accuracy, "the end")
     return replace(found, accuracy=off)
 
 

@@ -72,6 +72,7 @@ class Look(NamedTuple):
 class Geometry:
     """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
     weighs : whether the fingers' weight is asked for. noise : of the contacts, as a share of their radii.
+    quick : whether contacts are known in closed form, so that a path takes a tenth of a second.
     posture (nv,) : from which commands of the joints are counted; apart (n, 3) : the part of the grasp's offsets there
     that the geometry itself knows of: gaps and overlaps [m].
     """
@@ -82,6 +83,7 @@ class Geometry:
     follows: bool
     weighs: bool
     noise: float = 0.0
+    quick: bool = True
 
     def mechanism(self, look: Look) -> Mechanism | None:
         """What moves the fingers, at the contacts of a look."""

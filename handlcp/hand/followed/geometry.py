@@ -64,7 +64,7 @@ class FollowedHand(Geometry):
         self._radius = np.sqrt(((spec.positions - self._centre) ** 2).sum(axis=1)) + 1e-9
         self._least = float(self._radius.min())
         self._turns = np.tile(np.eye(3), (self.n, 1, 1))
-        self._balls_alone = self.k == self.n and isinstance(self._find, Balls)
+        self.quick = self.k == self.n and isinstance(self._find, Balls)
         self._none = np.zeros(hand.nv)
         still = (np.eye(3), np.zeros(3))
         self.posture = mechanism.posture.q
@@ -98,7 +98,7 @@ class FollowedHand(Geometry):
         frames = np.empty((n, 3, 3))
         el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), self._root, weight)
         old = self._first_frames if before is None else before.frames
-        if self._balls_alone and isinstance(balls, Balls):
+        if self.quick and isinstance(balls, Balls):
             ball_look(
                 placements, *moving, self._pads, self._around, balls.kind, balls.sizes, balls.own, balls.at,
                 balls.beside, balls.radii, R, t, at.give, old, places, turns, touch.positions, touch.normals, touch.gap,

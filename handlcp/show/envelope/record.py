@@ -25,6 +25,7 @@ def record(env: Envelope, title: str = "") -> dict[str, Any]:
         "title": title, "of": env.of, "geometry": question.geometry,
         "at_m": question.load.at if env.of in ("force", "gravity") else None,
         "object_mass_kg": question.load.mass, "motion_m": question.motion, "turn_rad": question.turn,
+        "accuracy_asked": question.accuracy, "accuracy": env.accuracy,
         "plane": env.plane, "weakest": _extreme(env, env.weakest), "strongest": _extreme(env, env.strongest),
         "causes": [
             {"binds": _binds(x.binds), "says": x.says, "share": x.share, f"least_{held}": x.least,

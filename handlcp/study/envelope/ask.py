@@ -15,22 +15,26 @@ from handlcp.grasp.verify.bound import bound_of
 from handlcp.lcp.kernels.compile import at_once
 from handlcp.study.envelope.load import Load
 
-__all__ = ["Binds", "Question"]
+__all__ = ["FIXED", "FOLLOWED", "Binds", "Question"]
 
-_PIECE = {"fixed": 64, "followed": 4}  # directions that are asked for at once
+FIXED, FOLLOWED = "fixed", "followed"
+_PIECE = {FIXED: 64, FOLLOWED: 4}  # directions that are asked for at once
 
 Binds = tuple[Cause, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked along every direction. section : of friction. geometry, motion, turn : as in `envelope`."""
+    """What is asked along every direction. section : of friction. geometry, motion, turn, accuracy : as in
+    `envelope`.
+    """
 
     load: Load
     section: Section
     geometry: str
     motion: float | None
     turn: float | None
+    accuracy: float | None = None
 
     def wrenches(self, directions: Array, given: Array | None) -> Array:
         """(m, 6) for a factor of 1. given : in place of those of the directions."""
@@ -38,22 +42,24 @@ class Question:
 
     def ask(
         self, directions: Array, given: Array | None, progress: Progress = None
-    ) -> tuple[Array, tuple[Binds, ...]]:  # fmt: skip
-        """(m,) factors, and for each what binds; () where nothing does. progress : as in `envelope`.
+    ) -> tuple[Array, tuple[Binds, ...], Array]:  # fmt: skip
+        """(m,) factors, and for each what binds, () where nothing does, and its estimated error. progress : as in
+        `envelope`.
 
         No load that friction and torque limits alone bound is held without end: where a path found no limit although
         there is such a bound, the factor is NaN.
         """
         wrenches, m = self.wrenches(directions, given), len(directions)
-        factors, binds = np.empty(m), list[Binds]([()] * m)
+        factors, binds, off = np.empty(m), list[Binds]([()] * m), np.empty(m)
         with told(progress, m) as done, at_once(m):
             done(0)
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)
                 for start in range(0, len(every), _PIECE[self.geometry]):
                     here = every[start : start + _PIECE[self.geometry]]
-                    found = limits_of(spec, self.section, wrenches[here], self.geometry, self.motion, self.turn)
-                    factors[here] = found.factors
+                    most = self.motion, self.turn
+                    found = limits_of(spec, self.section, wrenches[here], self.geometry, *most, self.accuracy)
+                    factors[here], off[here] = found.factors, found.accuracy
                     for k, some in zip(here.tolist(), found.binds, strict=True):
                         binds[k] = some
                     endless = here[np.isinf(found.factors)]
@@ -62,7 +68,7 @@ class Question:
                         for k in endless[np.isfinite(known)].tolist():
                             factors[k], binds[k] = np.nan, (Cause(UNDECIDED, OBJECT),)
                     done(len(here))
-        return factors, tuple(binds)
+        return factors, tuple(binds), off
 
     def bound(self, directions: Array, given: Array | None) -> Array:
         """(m,) the largest factors that any forces within friction and torque limits balance."""

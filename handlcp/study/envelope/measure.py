@@ -12,7 +12,8 @@ from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.batch.progress import Progress
 from handlcp.grasp.friction import Pyramid, as_section
-from handlcp.study.envelope.ask import Binds, Question
+from handlcp.grasp.path.follow import geometry_of
+from handlcp.study.envelope.ask import FIXED, FOLLOWED, Binds, Question
 from handlcp.study.envelope.directions import Asked, read_directions
 from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.load import FORCE, WRENCH, Load, load_of
@@ -22,12 +23,13 @@ __all__ = ["envelope"]
 
 _MORE = 2.0  # directions that are added at most, for each one that was asked for
 _ROUNDS = 2
+_FEW = 100  # directions: followed ones of these take seconds
 
 
 def envelope(
-    grasp: Grasp, directions: Any = 362, *, of: str = FORCE, at: Any = None, geometry: str = "fixed",
+    grasp: Grasp, directions: Any = 362, *, of: str = FORCE, at: Any = None, geometry: str | None = None,
     faces: int | str | Pyramid = "cone", adaptive: int = _ROUNDS, motion: float | None = None,
-    turn: float | None = None, progress: Progress = None,
+    turn: float | None = None, accuracy: float | None = None, progress: Progress = None,
 ) -> Envelope:  # fmt: skip
     """How much the grasp holds in each direction, and what gives out first: `grasp.load_limit` along all of them.
 
@@ -41,11 +43,15 @@ def envelope(
     at : (3,) where the force acts [m]; None: at the grasp's reference, the object's centre of mass unless said
         otherwise.
     geometry : "fixed": contact points and normals of this posture. "followed": hand and object move under the load, and
-        contacts are detected anew; about a hundred times slower.
+        contacts are detected anew; ten to thirty times slower. None: "followed" for a hand of round fingertips on an
+        object whose surface is known in closed form, in up to a hundred directions, which takes seconds; else "fixed".
+        The answer says which it was.
     faces : as in `Grasp.solve`. motion, turn : how far the object may move [m] and turn [rad] since the load began;
         None: any distance.
     adaptive : how many times the steps between directions with different causes are halved, with at most two
         directions more for each that was asked for; 0: not at all. (m, 3) and (m, 6) stay as they are.
+    accuracy : the relative error of the factors that is asked for: followed paths take twice as many steps until a
+        factor changes by no more. What was reached is `.accuracy` of the answer, in each direction.
     progress : True: a bar on stderr. A function: called with (done, total).
 
     A direction in which nothing ever gives out has the factor infinity. Raises InputError; Unsupported for grasps that
@@ -53,23 +59,31 @@ def envelope(
     """
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp", repr(grasp)[:80])
-    if geometry not in ("fixed", "followed"):
-        raise InputError("geometry", '"fixed" or "followed"', repr(geometry)[:80])
+    if geometry not in (None, FIXED, FOLLOWED):
+        raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
     far = None if motion is None else number("motion", motion, above=0.0)
     wide = None if turn is None else number("turn", turn, above=0.0)
+    near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
     rounds = integer("adaptive", adaptive, 0, 12)
     asked, load = _read(grasp, directions, of, at)
-    question = Question(load, as_section(faces, planar=grasp.scene.kind.planar), geometry, far, wide)
-    grid, (factors, binds) = asked.grid, question.ask(asked.grid.points, asked.wrenches, progress)
+    how = geometry or (FOLLOWED if len(asked.grid.points) <= _FEW and _is_quick(grasp) else FIXED)
+    question = Question(load, as_section(faces, planar=grasp.scene.kind.planar), how, far, wide, near)
+    grid, (factors, binds, off) = asked.grid, question.ask(asked.grid.points, asked.wrenches, progress)
     room = round(_MORE * len(grid.points))
     for _ in range(rounds if asked.divides else 0):
         cut = _between_causes(grid, binds)[:room]
         if not len(cut):
             break
         grid, before = grid.halved(cut), len(grid.points)
-        more, why = question.ask(grid.points[before:], None, progress)
-        factors, binds, room = np.append(factors, more), (*binds, *why), room - len(cut)
-    return Envelope(question, grid, asked.wrenches, factors, binds, asked.plane)
+        more, why, apart = question.ask(grid.points[before:], None, progress)
+        factors, binds, off, room = np.append(factors, more), (*binds, *why), np.append(off, apart), room - len(cut)
+    return Envelope(question, grid, asked.wrenches, factors, binds, asked.plane, off)
+
+
+def _is_quick(grasp: Grasp) -> bool:
+    """Whether following the grasp's contacts takes little time."""
+    moves = geometry_of(grasp.spec, None)
+    return moves.follows and moves.quick
 
 
 def _read(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[Asked, Load]:

@@ -9,6 +9,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.cause.wording import NOTHING, said
+from handlcp.study.envelope.ask import FOLLOWED
 from handlcp.text_table import TextTable, wrapped
 
 __all__ = ["amount", "direction", "geometry", "given_away", "headline", "printed"]
@@ -22,7 +23,8 @@ def printed(env: Any) -> str:
     """See `Envelope.__str__`."""
     if env.strongest.factor == 0.0:
         return "\n".join([wrapped(_head(env), "  "), wrapped(headline(env), "  ")])
-    lines = [wrapped(line, "  ") for line in (_head(env), *_extremes(env), given_away(env), geometry(env)) if line]
+    told = (_head(env), *_extremes(env), given_away(env), geometry(env), _accuracy(env))
+    lines = [wrapped(line, "  ") for line in told if line]
     return "\n".join([*lines, "", str(_table(env))])
 
 
@@ -41,12 +43,24 @@ def headline(env: Any) -> str:
 
 def geometry(env: Any) -> str:
     """What stays where it is while the load grows, and what else one may ask for."""
-    if env.question.geometry == "followed":
+    if env.geometry == FOLLOWED:
         return "fingers and object move under the load, and contacts are detected anew"
     return (
         'contacts stay where they are in this posture; geometry="followed" (--followed) lets fingers and object move: '
         "slower, and for soft hands the numbers can differ much"
     )
+
+
+def _accuracy(env: Any) -> str:
+    """How near the factors are to those of finer steps, where that was asked for."""
+    asked = env.question.accuracy
+    if asked is None:
+        return ""
+    off = np.where(np.isnan(env.accuracy), np.inf, env.accuracy)
+    k, m = int(off.argmax()), int((off <= asked).sum())
+    few = "all" if m == len(off) else f"{m} of"
+    text = f"estimated to be within {words.percent(asked)} in {few} {len(off)} directions"
+    return text if m == len(off) else f"{text}; off by {words.percent(float(off[k]))} {_way(env, k)}"
 
 
 def amount(env: Any, factor: float) -> str:
@@ -113,6 +127,8 @@ def given_away(env: Any) -> str:
     if np.isnan(c.median):
         return ""
     text = f"friction and torque limits alone would hold {amount(env, float(env.bound.min()))} in the weakest direction"
+    if env.geometry == FOLLOWED:  # which may end in postures that hold more
+        return f"in this posture, {text}"
     if c.least > 1.0 - 1e-6:
         return f"{text}: compliance gives nothing away"
     return (

@@ -42,6 +42,7 @@ class Envelope(Data):
         NaN where it is undecided: no limit was found, although friction and torque limits alone must end the load.
     binds : (m,) tuples of what gives out first, each with `kind` and `who`, as `LoadLimit.binds`; () for nothing,
         and the kind "undecided" where it is.
+    accuracy : (m,) estimated relative errors of the factors; NaN where none was asked for.
     """
 
     question: Question
@@ -50,10 +51,12 @@ class Envelope(Data):
     factors: Array
     binds: tuple[Binds, ...]
     plane: Array | None
+    accuracy: Array
 
     def __post_init__(self) -> None:
         """Read-only."""
         read_only(self.factors)
+        read_only(self.accuracy)
 
     @property
     def of(self) -> str:
@@ -64,6 +67,11 @@ class Envelope(Data):
     def unit(self) -> str:
         """Of the factors: "N", "N·m", "kg"; "" for multiples of wrenches."""
         return self.question.load.unit
+
+    @property
+    def geometry(self) -> str:
+        """As asked or chosen: "fixed" or "followed"."""
+        return self.question.geometry
 
     @property
     def grasp(self) -> Grasp:
