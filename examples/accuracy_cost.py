@@ -1,4 +1,4 @@
-"""What accuracy costs, and how NSNGRK converges: two figures and the numbers behind them.
+"""What accuracy costs, on a path too, and how NSNGRK converges: figures and the numbers behind them.
 
 Run it: `python examples/accuracy_cost.py` takes about two minutes and writes its pictures beside itself. It
 needs matplotlib: `pip install 'handlcp[plot]'`.
@@ -54,15 +54,24 @@ def table_10(seeds: Iterable[int] = range(6)) -> Convergence:
     return found
 
 
+def what_a_path_costs(**fewer: Any) -> hl.PathCost:
+    """Time against error of a path: a cube in three fingers, pulled aside; `fewer` goes to `hl.path_cost`."""
+    cube = scene.load(HERE / "cube_three_fingers.toml").build()
+    return hl.path_cost(cube, (0.3, 0.9, 0.3, 0, 0, 0), **fewer)
+
+
 def write(
-    costs: list[tuple[str, hl.AccuracyCost]], found: Convergence, other: Convergence, folder: Path, out: Console
-) -> list[Path]:
+    costs: list[tuple[str, hl.AccuracyCost]], path: hl.PathCost, found: Convergence, other: Convergence, folder: Path,
+    out: Console,
+) -> list[Path]:  # fmt: skip
     """Tables to the terminal, pictures into the folder."""
     for title, cost in costs:
         out.print(title, style="bold", end="\n\n")
         for table in accuracy_table.all_tables(cost):
             out.print(table)
         out.print(f"{cost.summary}.", end="\n\n", highlight=False)
+    out.print("A path: the cube in three fingers, pulled along (0.3, 0.9, 0.3)", style="bold", end="\n\n")
+    out.print(str(path), end="\n\n", highlight=False)
     i = found.disputed
     out.print(
         f"Example 3, {FACES} faces: in metres and newtons seeds disagree about the normal force of {found.names[i]} by "
@@ -74,6 +83,7 @@ def write(
     also = ("Table 10", float(paper.table(10).forces(5)[other.disputed, 2]))
     return [
         work_precision.save(costs, folder / "accuracy_cost.png"),
+        path.plot(folder / "path_cost.png", title="What accuracy costs on a path: a cube pulled aside"),
         picture.save(found, folder / "convergence.png", f"How NSNGRK converges: Example 3, {FACES} faces", printed),
         picture.save(other, folder / "convergence_table_10.png", "How NSNGRK converges: Example 5, 6 faces", also),
     ]
@@ -82,7 +92,7 @@ def write(
 def main(folder: Path = HERE) -> None:
     """Both studies, the tables, the pictures."""
     checked(folder / "accuracy_cost.png")  # before two minutes are spent
-    for path in write(what_accuracy_costs(), how_it_converges(), table_10(), folder, Console()):
+    for path in write(what_accuracy_costs(), what_a_path_costs(), how_it_converges(), table_10(), folder, Console()):
         print(f"Written: {path}")
 
 

@@ -94,7 +94,7 @@ if TYPE_CHECKING:
     )
     from handlcp.lcp import LCP, NSNGRK, Auto, LCPSolution, Lemke, SemismoothNewton, Status, solve_lcp
     from handlcp.simulator import to_mujoco
-    from handlcp.study.accuracy import AccuracyCost, accuracy_cost
+    from handlcp.study.accuracy import AccuracyCost, PathCost, accuracy_cost, path_cost
     from handlcp.study.envelope import Envelope, envelope
     from handlcp.study.reliability import Chance, Influence, Reliability, Sample, reliability
 
@@ -106,13 +106,14 @@ __all__ = [
     "Environment", "Equilibria", "Explanation", "FingerForceBound", "Found", "Frictionless", "GeometricStiffness",
     "Grasp", "GraspProblem", "GraspSolution", "GraspStream", "GraspUpdate", "Hand", "HandDescription", "HandGrasp",
     "HandGraspSolution", "HandLCPError", "HandState", "Influence", "InputError", "KnownForce", "LCPSolution", "Lemke",
-    "LoadLimit", "Loading", "Margins", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PathSensitivity",
-    "PrescribedForce", "Pyramid", "Reason", "Reliability", "Required", "RequiredStiffness", "RequiredTorque",
-    "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "Sensitivity", "SoftFinger", "SoftWrist", "Solutions",
-    "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons", "TorqueCheck", "TorqueSaturation",
-    "TotalForceBound", "TriedChange", "URDFError", "Uniqueness", "UnknownName", "Unsupported", "Verdict",
-    "accuracy_cost", "audit_urdf", "describe_urdf", "envelope", "example_hand", "find_grasp", "reliability",
-    "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
+    "LoadLimit", "Loading", "Margins", "Mesh", "NoGraspFound", "NoSolutionFound", "NotReached", "PathCost",
+    "PathSensitivity", "PrescribedForce", "Pyramid", "Reason", "Reliability", "Required", "RequiredStiffness",
+    "RequiredTorque", "Residuals", "Sample", "SceneFileError", "SemismoothNewton", "Sensitivity", "SoftFinger",
+    "SoftWrist", "Solutions", "Sphere", "Stage", "Status", "Suggestions", "Synergies", "Table", "Tendons",
+    "TorqueCheck", "TorqueSaturation", "TotalForceBound", "TriedChange", "URDFError", "Uniqueness", "UnknownName",
+    "Unsupported", "Verdict",
+    "accuracy_cost", "audit_urdf", "describe_urdf", "envelope", "example_hand", "find_grasp", "path_cost",
+    "reliability", "solve_lcp", "solve_many", "to_mujoco", "wrench_from_fingertip_forces",
 ]  # fmt: skip
 
 # Where to import a name from when it is first asked for; those of no other room are in handlcp.grasp
@@ -128,7 +129,7 @@ _ROOMS = {
         "Synergies", "Table", "Tendons", "TorqueCheck", "audit_urdf", "describe_urdf", "example_hand", "find_grasp",
     },
     "simulator": {"to_mujoco"},
-    "study.accuracy": {"AccuracyCost", "accuracy_cost"},
+    "study.accuracy": {"AccuracyCost", "PathCost", "accuracy_cost", "path_cost"},
     "study.envelope": {"Envelope", "envelope"},
     "study.reliability": {"Chance", "Influence", "Reliability", "Sample", "reliability"},
     "grasp": set[str](),

@@ -7,33 +7,42 @@ from typing import TypeVar
 
 from handlcp.errors import Unsupported
 
-__all__ = ["doubled", "insisted"]
+__all__ = ["MORE", "SAFE", "doubled", "insisted"]
 
+MORE = 1.6  # times as many steps: fewer than that tell nothing about the error
+SAFE = 1.5  # times the change from half the steps, which is the error where it falls with the steps
 _MOST = 6  # times: no more steps for an accuracy
 
 T = TypeVar("T")
 
 
-def doubled(answer: Callable[[int], T], apart: Callable[[T, T], float], accuracy: float) -> tuple[T, float]:
-    """The first answer that is no farther from the one with half the steps than `accuracy`, or the last one that is
-    tried; and how far it is.
+def doubled(
+    answer: Callable[[int], T], apart: Callable[[T, T], float], steps: Callable[[T], int], accuracy: float
+) -> tuple[T, float]:
+    """The first answer whose error is estimated to be no more than `accuracy`, or the last one that is tried; and that
+    estimate, from the change since an answer with about half the steps.
 
-    answer : with so many times as many steps. apart : how far two are from each other, relative.
+    answer : asked for so many times as many steps. steps : that an answer took and that matter, which may be hardly
+    more than before where steps are short for other reasons. apart : how far two are from each other,
+    relative.
     """
-    last, off = answer(1), float("inf")
+    last = found = answer(1)
+    off = float("inf")
     for k in range(1, _MOST + 1):
         found = answer(2**k)
-        off = apart(last, found)
-        last = found
+        if steps(found) < MORE * steps(last):
+            continue
+        off = SAFE * apart(last, found)
         if off <= accuracy:
             break
-    return last, off
+        last = found
+    return found, off
 
 
 def insisted(off: float, accuracy: float, what: str) -> None:
-    """Raises Unsupported where what `doubled` found is farther off. what : changes, such as "the limit"."""
+    """Raises Unsupported where what `doubled` found is farther off. what : is found, such as "the limit"."""
     if off > accuracy:
         raise Unsupported(
-            f"with {2**_MOST} times as many steps {what} still changes by {off:.2g}, more than accuracy={accuracy:g}: "
-            "the path branches where its steps are"
+            f"with {2**_MOST} times as many steps {what} is still estimated to be off by {off:.2g}, more than "
+            f"accuracy={accuracy:g}: ask for less, or the path branches where its steps are"
         )

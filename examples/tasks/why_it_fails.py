@@ -3,7 +3,7 @@
 import handlcp as hl
 
 hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.8)
+cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.9)
 grasp = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005)
 
 verdict = grasp.check()

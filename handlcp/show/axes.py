@@ -32,12 +32,14 @@ def say(ax: Any, text: str) -> None:
 
 
 def time_ticks(ax: Any) -> None:
-    """Along x, seconds as µs, ms and s."""
+    """Along x, seconds as µs, ms and s: decades, and 2 and 5 times them where few are in sight."""
     from matplotlib.ticker import EngFormatter
 
-    low, high = np.log10(ax.get_xlim())
-    decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
-    _ticks(ax.xaxis, (10.0**e for e in decades), EngFormatter("s"))
+    first, last = ax.get_xlim()
+    low, high = np.log10((first, last))
+    within = (1.0,) if high - low > 2.0 else (1.0, 2.0, 5.0)
+    every = (k * 10.0**e for e in range(int(np.floor(low)), int(np.floor(high)) + 1) for k in within)
+    _ticks(ax.xaxis, (x for x in every if first <= x <= last), EngFormatter("s"))
 
 
 def error_ticks(ax: Any) -> None:

@@ -14,14 +14,15 @@ from handlcp.show.file import checked, write
 from handlcp.show.frame import data_frame, solution_frame
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
+from handlcp.study.accuracy import PathCost
 from handlcp.study.envelope import Envelope
 from handlcp.study.plain import json_text
 from handlcp.study.reliability import Reliability
 
 __all__ = [
     "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
-    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot", "solution_frame",
-    "table_html", "text_html", "to_dict", "to_json",
+    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "path_cost_plot", "plot", "reliability_plot",
+    "solution_frame", "table_html", "text_html", "to_dict", "to_json",
 ]  # fmt: skip
 
 DPI = 160  # dots an inch
@@ -72,6 +73,13 @@ def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", 
     from handlcp.show.page.document import save_loading
 
     return save_loading(loading, path, title, obj, verdict)
+
+
+def path_cost_plot(cost: PathCost, path: Any = None, title: str = "") -> Any:
+    """See `PathCost.plot`."""
+    from handlcp.show.work_precision.paths import figure
+
+    return _drawn(figure, cost, path, title)
 
 
 def envelope_plot(env: Envelope, path: Any = None, title: str = "") -> Any:

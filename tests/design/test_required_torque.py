@@ -117,7 +117,7 @@ def test_more_safety_needs_more_of_every_motor():
     for less, more in itertools.pairwise(found):
         assert (more.torque > less.torque).all()
     # Small motions are linear: twice the load takes about twice the torque of the joint that needs most
-    assert found[2].torque.max() == pytest.approx(2 * found[0].torque.max(), rel=0.05)
+    assert found[2].torque.max() == pytest.approx(2 * found[0].torque.max(), rel=0.1)
 
 
 def test_what_counts_are_shares_of_the_limits_where_all_joints_have_one():

@@ -27,10 +27,15 @@ def script():
 def test_it_prints_its_tables_writes_its_pictures_and_measures_what_mechanics_asks_for(script, tmp_path):
     few = {"methods": ["cone, Newton", "Lemke"], "faces": [4, 8], "tolerances": [1e-9], "repeats": 1, "left_out": False}
     costs, found = script.what_accuracy_costs(seconds=ENOUGH, **few), script.how_it_converges(range(2))
-    other = script.table_10(range(2))
+    other, path = script.table_10(range(2)), script.what_a_path_costs(times=(0.5, 1), repeats=1)
     said = io.StringIO()
-    paths = script.write(costs, found, other, tmp_path, Console(file=said, width=100))
-    assert [p.name for p in paths] == ["accuracy_cost.png", "convergence.png", "convergence_table_10.png"]
+    paths = script.write(costs, path, found, other, tmp_path, Console(file=said, width=100))
+    assert [p.name for p in paths] == [
+        "accuracy_cost.png",
+        "path_cost.png",
+        "convergence.png",
+        "convergence_table_10.png",
+    ]
     assert all(p.stat().st_size > 20_000 for p in paths)
     (_, hand), (_, cube) = costs
     # Five fingers hold 0.3 kg alike; the hand hangs, so that +z is down

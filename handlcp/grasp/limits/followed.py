@@ -25,7 +25,7 @@ from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import watch_of
 from handlcp.tolerances import OVER
 
-__all__ = ["accurate_limit", "followed_limit"]
+__all__ = ["accurate_limit", "followed_limit", "sliding"]
 
 _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
 _STEPS = 8  # of squeeze and weight
@@ -83,8 +83,13 @@ def accurate_limit(
     def answer(times: int) -> LoadLimit:
         return followed_limit(spec, section, wrench, most, geometry, float(times))
 
-    found, off = doubled(answer, apart, accuracy)
+    found, off = doubled(answer, apart, sliding, accuracy)
     return replace(found, accuracy=off)
+
+
+def sliding(found: LoadLimit) -> int:
+    """How many steps there are from the first slip on: before it a step is exact, however long."""
+    return 0 if found.first_slip is None else int((found.path.factors > found.first_slip).sum())
 
 
 def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:

@@ -28,7 +28,7 @@ from handlcp.grasp.path.advance import Outcome, Run, Slides, advance
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
 from handlcp.grasp.path.program import Controls, Goal, read_stages
-from handlcp.grasp.path.state import State
+from handlcp.grasp.path.state import SLIDES, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
@@ -40,7 +40,7 @@ from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of", "loading_of", "solution_of"]
+__all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of", "loading_of", "sliding", "solution_of"]
 
 _COARSER = 100.0  # steps of differences of a path, beside those of one solve: its own steps are no finer
 TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
@@ -222,9 +222,14 @@ def _accurate(
     def answer(times: int) -> Loading:
         return follow(spec, section, load, order, geometry, times * count, tolerance)
 
-    found, off = doubled(answer, _apart, accuracy)
+    found, off = doubled(answer, _apart, sliding, accuracy)
     insisted(off, accuracy, "the end")
     return replace(found, accuracy=off)
+
+
+def sliding(found: Loading) -> int:
+    """How many steps there are in which a contact slides: elsewhere a step is exact, however long."""
+    return sum([SLIDES in s.kinds for s in found.steps.states])
 
 
 def _apart(last: Loading, found: Loading) -> float:

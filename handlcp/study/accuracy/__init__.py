@@ -2,6 +2,18 @@
 
 from handlcp.study.accuracy.cost import accuracy_cost
 from handlcp.study.accuracy.methods import METHODS
+from handlcp.study.accuracy.on_paths import PathCost, PathRow, path_cost
 from handlcp.study.accuracy.result import AccuracyCost, FaceLaw, LeftOut, Reference, Row
 
-__all__ = ["METHODS", "AccuracyCost", "FaceLaw", "LeftOut", "Reference", "Row", "accuracy_cost"]
+__all__ = [
+    "METHODS",
+    "AccuracyCost",
+    "FaceLaw",
+    "LeftOut",
+    "PathCost",
+    "PathRow",
+    "Reference",
+    "Row",
+    "accuracy_cost",
+    "path_cost",
+]
