@@ -11,7 +11,7 @@ from handlcp.check import Array
 from handlcp.grasp.cause.wording import called
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["LOOSE", "NO_BALANCE", "NO_FORCES", "PUSHED_OUT", "RUNS_AWAY", "UNSTABLE", "under_load", "why_lost"]
+__all__ = ["LOOSE", "NO_BALANCE", "NO_FORCES", "PUSHED_OUT", "RUNS_AWAY", "UNSTABLE", "moves", "under_load", "why_lost"]
 
 # How a loading fails
 RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_BALANCE, NO_FORCES = (
@@ -19,7 +19,7 @@ RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_BALANCE, NO_FORCES = (
 )  # fmt: skip
 _SENTENCES = {
     RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
-    UNSTABLE: "the object is in balance, but a small push drives it away: the fingers are too soft for their forces",
+    UNSTABLE: "the object is in balance, but a small push{} drives it away: the fingers are too soft for their forces",
     PUSHED_OUT: "the squeeze pushes the object out from between the fingers",
     LOOSE: "no finger holds the object any more",
     NO_BALANCE: "no forces within friction balance the load in this position",
@@ -29,7 +29,7 @@ _SENTENCES = {
 
 def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | None = None) -> str:
     """How the loading fails, one of the above, and what the contacts last did: kinds (n,) "separated", "sticking",
-    "sliding". motion (6,) : in which the object runs away; None: not known.
+    "sliding". motion (6,) : in which the object runs away, or a small push grows; None: not known.
     """
     open_, sliding = (
         [name for name, kind in zip(spec.names, kinds, strict=True) if kind == what]
@@ -40,7 +40,7 @@ def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | No
         state.append(f"{called(sliding, spec)} {'slide' if len(sliding) > 1 else 'slides'}")
     if open_:
         state.append(f"{called(open_, spec)} {'have' if len(open_) > 1 else 'has'} let go")
-    text = _SENTENCES[how if how in _SENTENCES else NO_FORCES].format(_moves(motion))
+    text = _SENTENCES[how if how in _SENTENCES else NO_FORCES].format("" if motion is None else moves(motion))
     return f"{text} ({' and '.join(state)})" if state else text
 
 
@@ -55,9 +55,9 @@ def under_load(now: Array, end: Array) -> str:
     return f", under {' of '.join(words.torques(moments))}" if max(moments) > 0.0 else ""
 
 
-def _moves(twist: Array | None) -> str:
-    """Such as " along -z"."""
-    if twist is None or not np.isfinite(twist).all() or not abs(twist[:3]).max() > 0.0:
+def moves(twist: Array) -> str:
+    """Such as " along -z", of a motion (6,); "" for one that only turns."""
+    if not np.isfinite(twist).all() or not abs(twist[:3]).max() > 0.0:
         return ""
     axis = int(abs(twist[:3]).argmax())
     return f" along {'+' if twist[axis] > 0 else '-'}{'xyz'[axis]}"

@@ -7,11 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.doubled import doubled
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.cause import EQUILIBRIUM, OBJECT, SLIPS, Cause
 from handlcp.grasp.cause.judge import Limits, binding, limits_of, over, slipping, used
+from handlcp.grasp.cause.lost import moves
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
@@ -63,7 +65,8 @@ def followed_limit(
     run = Run([start], [0], [0.0])
     leg = Leg(stepper, watch, run, 0, goals[-1], 1.0, Open(_FIRST * size / finer, _RAY * size, beyond, 1.0 / finer))
     leg.through(pause=True)
-    return _answer(_Followed(spec, section, wrench, run, leg, stepper, limits, at, geometry))
+    slid = None if before.slides is None else (before.slides.share, _kinds_near(before, before.slides.number))
+    return _answer(_Followed(spec, section, wrench, run, leg, stepper, limits, at, geometry, slid))
 
 
 def accurate_limit(
@@ -107,7 +110,9 @@ def _used(stepper: Stepper, limits: Limits, at: Array, state: State) -> Array:
 
 
 class _Followed(NamedTuple):
-    """A path whose load has grown: run, from `at` (6,), the object's motion before it."""
+    """A path whose load has grown: run, from `at` (6,), the object's motion before it. slid : the share of the weight
+    at which the object slides through already, and what contacts do there; None: it does not.
+    """
 
     spec: GraspSpec
     section: Section
@@ -118,6 +123,7 @@ class _Followed(NamedTuple):
     limits: Limits
     at: Array
     geometry: str
+    slid: tuple[float, list[str]] | None
 
     def mark(self, factor: float) -> Reached:
         """How far the object has moved at a factor, between two states."""
@@ -147,9 +153,13 @@ def _answer(f: _Followed) -> LoadLimit:
         binds = slipping(f.spec.names, _kinds_near(run, number))
     if binds == (Cause(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
         binds = _about_to_slip(f, run.states[number]) or binds
+    if f.slid is not None:
+        factor, number, slides, binds = 0.0, 0, 0.0, slipping(f.spec.names, f.slid[1])
     gave_up = run.outcome is Outcome.GAVE_UP
 
     def sentence() -> str:
+        if f.slid is not None:
+            return f"the weight alone is not held: the object slides through from {words.percent(f.slid[0])} of it on"
         if gave_up:
             return (
                 f"the path was given up at {end:.4g} times the load, after more steps than paths of use take: no limit"
@@ -182,8 +192,14 @@ def _then(run: Run) -> str:
     """What the object does at the limit, other than that it is lost; "" for nothing."""
     if run.slides is None:
         return ""
-    there = [s.rests for s in run.snaps if (s.stage, s.share) == (run.slides.stage, run.slides.share)]
-    return "slides through" if not there else "snaps to another place" if there[0] else ""
+    there = [s for s in run.snaps if (s.stage, s.share) == (run.slides.stage, run.slides.share)]
+    if not there:
+        return "slides through"
+    pushed = there[0].pushed
+    by = f", as a small push{moves(np.array(pushed))} makes it where it is in balance" if pushed else ""
+    if there[0].rests:
+        return f"snaps to another place{by}"
+    return f"leaves{by}" if pushed else ""
 
 
 def _through(f: _Followed) -> Run:
@@ -197,14 +213,14 @@ def _rest(f: _Followed) -> Rest:
     run = _through(f)
     lost = run.shares[-1] if run.outcome is Outcome.LOST else None
     first = next((e.share for e in run.events if e.kind == "slips"), None)
-    slides = None if run.slides is None else run.slides.share
+    slides = 0.0 if f.slid is not None else None if run.slides is None else run.slides.share
     marks = {
         name: f.mark(x) for name, x in (("first_slip", first), ("slides", slides), ("lost", lost)) if x is not None
     }
     if run.outcome is Outcome.LIMIT:
         marks["limit"] = f.mark(run.shares[-1])
     events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
-    events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned) for s in run.snaps if s.rests]
+    events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps if s.rests]
     if slides is not None:
         events.append(LimitEvent("slides through", OBJECT, slides))
     return Rest(lost, marks, tuple(sorted(events, key=lambda e: e.factor)))

@@ -35,7 +35,8 @@ _SAME = 1e-6  # factors that differ by less are the same
 class LimitEvent:
     """What happens while the load grows. kind : "slips", "sticks", "opens", "touches" (a contact), "yields", "holds"
     (what is limited, such as a joint with `TorqueSaturation`), "snaps", "slides through" (the object). who : its name.
-    factor : on the load, when it happens. moved [m], turned [rad] : how far the object snaps.
+    factor : on the load, when it happens. moved [m], turned [rad] : how far the object snaps. pushed (6,) : as in
+    `Event`.
     """
 
     kind: str
@@ -43,9 +44,11 @@ class LimitEvent:
     factor: float
     moved: float = 0.0
     turned: float = 0.0
+    pushed: tuple[float, ...] = ()
 
     def __str__(self) -> str:
-        return f"{self.factor:.4g} times the load: {happens(self.kind, (self.who,))}{jump(self.moved, self.turned)}"
+        far = jump(self.moved, self.turned, self.pushed)
+        return f"{self.factor:.4g} times the load: {happens(self.kind, (self.who,))}{far}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +226,7 @@ def told(events: Iterable[LimitEvent], load: Callable[[float], str]) -> list[str
     for e in events:
         groups.setdefault((e.kind, load(e.factor)), []).append(e)
     return [
-        f"{at}: {happens(kind, [e.who for e in same])}{jump(same[0].moved, same[0].turned)}"
+        f"{at}: {happens(kind, [e.who for e in same])}{jump(same[0].moved, same[0].turned, same[0].pushed)}"
         for (kind, at), same in groups.items()
     ]
 

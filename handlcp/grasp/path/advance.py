@@ -61,7 +61,8 @@ class Outcome(Enum):
 class Snap(NamedTuple):
     """The object moves at constant load from one static state to another, or leaves. stage, share : where it begins,
     and `until` where a chain of them ends. moved [m], turned [rad] : of the object in all. rests : whether it comes to
-    rest. breaks : whether it leaves a state that is static, too, as a column that buckles does.
+    rest. pushed (6,) : it leaves a state that is static, too, as a column that buckles does: the motion of the small
+    push that grows there, world axes, of two that are alike always the same; (): no static state is left.
     """
 
     stage: int
@@ -70,7 +71,7 @@ class Snap(NamedTuple):
     moved: float
     turned: float
     rests: bool
-    breaks: bool
+    pushed: tuple[float, ...]
 
 
 class Slides(NamedTuple):
@@ -232,7 +233,7 @@ class Leg:
             near = self._no_snap(size)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
         if how != MOVES:
-            self._snapped(state, end, share, until, how == REST, False)
+            self._snapped(state, end, share, until, how == REST, ())
         if how != REST:
             self.ends, self.leaves, self.step = until, how != MOVES, size / 2.0
             return not known or run.ends(Outcome.LOST, why)
@@ -298,7 +299,7 @@ class Leg:
         """The step up to where a small push begins to grow, and that it does; all of it where a push that seemed to
         grow comes to rest where the object was.
         """
-        end, how = flow(self.stepper, found, found.controls, self._push(found))
+        end, how = flow(self.stepper, found, found.controls, self._push(found, self._growing(found)))
         if how == REST and self.stepper.far(found.where.pose, end.where.pose) < _SAME:
             self.calm = found.kinds
             return size, found, False
@@ -320,26 +321,31 @@ class Leg:
         if self._gives_way(state):
             return True
         more = min(share + 2.0**-_HALVED * self.base, self.last)
-        end, how = flow(self.stepper, state, self.controls(more), self._push(state))
-        self._snapped(state, end, share, more, how == REST, True)
+        motion = self._growing(state)
+        end, how = flow(self.stepper, state, self.controls(more), self._push(state, motion))
+        self._snapped(state, end, share, more, how == REST, tuple(motion.tolist()))
         if how == REST:
             self._add(end, more)
             self.share = more
         self.step, self.before = self.base, None
         return how == REST
 
-    def _push(self, state: State) -> Array:
-        """(6,) a small wrench along the motion that grows."""
-        stepper = self.stepper
-        motion = growing(state, stepper.laws.laws.freedom, stepper.geometry.turned(state.where.pose))
+    def _growing(self, state: State) -> Array:
+        """(6,) the motion in which a small push grows, turns times the contacts' distance."""
+        return growing(state, self.stepper.laws.laws.freedom, self.stepper.geometry.turned(state.where.pose))
+
+    def _push(self, state: State, motion: Array) -> Array:
+        """(6,) a small wrench along it."""
         size = _PUSH * float(abs(state.read.forces).sum())
-        return np.asarray(size * motion * np.array([1.0] * 3 + [stepper.length] * 3))
+        return np.asarray(size * motion * np.array([1.0] * 3 + [self.stepper.length] * 3))
 
     def _no_snap(self, size: float) -> float:
         """How far the object may go in such a step without a snap, as a share of the contacts' distances."""
         return NO_SNAP + JUMPS * self.rate.last[1] * size
 
-    def _snapped(self, state: State, end: State, share: float, until: float, rests: bool, breaks: bool) -> None:
+    def _snapped(
+        self, state: State, end: State, share: float, until: float, rests: bool, pushed: tuple[float, ...]
+    ) -> None:  # fmt: skip
         run = self.run
         moved = self.stepper.between(state.where.pose, end.where.pose)
         distance, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
@@ -348,9 +354,9 @@ class Leg:
         last = run.snaps[-1] if run.snaps else None
         if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.base:
             distance, turn, share = distance + last.moved, turn + last.turned, last.share
-            breaks = breaks or last.breaks
+            pushed = last.pushed or pushed
             run.snaps.pop()
-        run.snaps.append(Snap(self.number, share, until, distance, turn, rests, breaks))
+        run.snaps.append(Snap(self.number, share, until, distance, turn, rests, pushed))
 
     def _may_slide(self, state: State) -> bool:
         """Whether the object may begin to slide through, and has not yet."""

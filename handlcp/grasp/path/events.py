@@ -9,7 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from handlcp import words
+from handlcp.grasp.cause.lost import moves
 from handlcp.grasp.cause.wording import BY_TURNS, happens
 from handlcp.grasp.model.spec import GraspSpec
 
@@ -28,7 +31,8 @@ class Event:
     "range end", "range" (a joint), "snaps" (the object, which comes to rest again elsewhere), "slides through" (the
     object), "lost". who : the finger, the joint or "the object"; for "lost" the reason. stage : its name.
     share : of the stage, 0 to 1, when it was there; it came after the step before. number : of the stage, from 0.
-    moved [m], turned [rad] : how far the object snaps.
+    moved [m], turned [rad] : how far the object snaps. pushed (6,) : it was in balance, and snaps as a small push in
+    this motion makes it; (): no state was left to be in.
     """
 
     kind: str
@@ -38,13 +42,14 @@ class Event:
     number: int = 0
     moved: float = 0.0
     turned: float = 0.0
+    pushed: tuple[float, ...] = ()
 
     @property
     def sentence(self) -> str:
         """What happens, without the place."""
         if self.kind == _LOST:
             return f"the object is lost: {self.who}"
-        return happens(self.kind, (self.who,)) + jump(self.moved, self.turned)
+        return happens(self.kind, (self.who,)) + jump(self.moved, self.turned, self.pushed)
 
     def __str__(self) -> str:
         return f"{self.stage}, {_at(self.share)}: {self.sentence}"
@@ -121,10 +126,11 @@ class _Group:
     who: list[str]
     moved: float = 0.0
     turned: float = 0.0
+    pushed: tuple[float, ...] = ()
 
     def said(self, spec: GraspSpec) -> str:
         """In words, without the place."""
-        return happens(self.kind, self.who, spec) + jump(self.moved, self.turned)
+        return happens(self.kind, self.who, spec) + jump(self.moved, self.turned, self.pushed)
 
     def takes(self, other: _Group) -> bool:
         """Whether what another finger does is the same, at the same place."""
@@ -148,11 +154,13 @@ def _by_turns(events: Iterable[Event]) -> Iterator[_Group]:
         run = run if len(run) >= _TURNS else [first]
         kind = first.kind if len(run) == 1 else family + BY_TURNS
         moved, turned = sum([e.moved for e in run]), sum([e.turned for e in run])
-        yield _Group(kind, first.stage, first.number, first.share, run[-1].share, [first.who], moved, turned)
+        until, who = run[-1].share, [first.who]
+        yield _Group(kind, first.stage, first.number, first.share, until, who, moved, turned, first.pushed)
         left = [e for e in left if all(e is not other for other in run)]
 
 
-def jump(moved: float, turned: float) -> str:
-    """Such as ", by 5.5 mm and 14°"; "" for no jump."""
+def jump(moved: float, turned: float, pushed: tuple[float, ...] = ()) -> str:
+    """Such as ", by 5.5 mm and 14°", and the small push that makes an object in balance do it; "" for no jump."""
     parts = [words.length(moved)] * (moved > 0.0) + [words.angle(turned)] * (turned > 1e-4)
-    return f", by {' and '.join(parts)}" if parts else ""
+    far = f", by {' and '.join(parts)}" if parts else ""
+    return f"{far}: it was in balance, which a small push{moves(np.array(pushed))} ends" if pushed else far

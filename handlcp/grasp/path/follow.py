@@ -19,7 +19,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.cause.cause import OBJECT
-from handlcp.grasp.cause.lost import under_load, why_lost
+from handlcp.grasp.cause.lost import UNSTABLE, under_load, why_lost
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
@@ -301,7 +301,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     for snap in run.snaps:
         if snap.rests:
             at = goals[snap.stage].name, snap.share, snap.stage
-            events.append(Event("snaps", OBJECT, *at, snap.moved, snap.turned))
+            events.append(Event("snaps", OBJECT, *at, snap.moved, snap.turned, snap.pushed))
     if run.slides is not None:
         events.append(Event("slides through", OBJECT, goals[run.slides.stage].name, run.slides.share, run.slides.stage))
     events.sort(key=lambda e: (e.number, e.share))
@@ -309,6 +309,8 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     if lost:
         assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
+        if run.failure.kind == UNSTABLE:
+            going = np.array(run.snaps[-1].pushed)
         why = why_lost(run.failure.kind, spec, last.kinds, going)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
