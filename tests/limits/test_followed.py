@@ -144,3 +144,26 @@ def test_many_directions_have_each_the_limit_that_it_has_alone():
     np.testing.assert_array_equal(found.factors, [limit.factor for limit in alone])
     assert found.binds == tuple([limit.binds for limit in alone])
     assert found.events.tolist() == [len(limit.events) for limit in alone]
+
+
+def test_a_grasp_that_slides_through_under_the_weight_alone_holds_no_load_and_check_says_so():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.28, squeeze=0.005)
+    limit = grasp.load_limit((0, 0, -1, 0, 0, 0))
+    assert limit.factor == limit.slides == 0.0
+    assert limit.lost > 0.0  # the path goes on: slowly loaded it comes to rest
+    assert "the weight alone is not held: the object slides through" in limit.why
+    verdict = grasp.check()
+    assert verdict.word == "NOT HELD"
+    assert verdict.about("slides_through")
+
+
+def test_what_follows_a_snap_is_computed_when_it_is_asked_for():
+    """The factor of a load that ends in a snap is known before the snap is followed, and the same after it."""
+    limit = cube().load_limit((0.3, 0.9, 0.3, 0, 0, 0))
+    factor, binds = limit.factor, limit.binds
+    assert limit.lost is not None
+    assert limit.events[-1].factor >= factor
+    assert (limit.factor, limit.binds) == (factor, binds)
+    assert limit.why.startswith(f"at {factor:.4g} times the load")

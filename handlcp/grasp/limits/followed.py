@@ -18,11 +18,11 @@ from handlcp.grasp.cause.wording import why
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.advance import Leg, Open, Outcome, Run, advance
+from handlcp.grasp.path.advance import Leg, Open, advance
 from handlcp.grasp.path.follow import TOLERANCE, Loading, begun, geometry_of, loading_of, solution_of
 from handlcp.grasp.path.locate import margins
 from handlcp.grasp.path.program import Stage
-from handlcp.grasp.path.state import State
+from handlcp.grasp.path.state import Outcome, Run, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import watch_of
 from handlcp.tolerances import OVER

@@ -24,11 +24,11 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
-from handlcp.grasp.path.advance import Outcome, Run, Slides, advance
+from handlcp.grasp.path.advance import advance
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
 from handlcp.grasp.path.program import Controls, Goal, read_stages
-from handlcp.grasp.path.state import SLIDES, State
+from handlcp.grasp.path.state import SLIDES, Outcome, Run, Slides, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps

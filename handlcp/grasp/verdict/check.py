@@ -14,8 +14,8 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.advance import Outcome
 from handlcp.grasp.path.follow import Loading, follow
+from handlcp.grasp.path.state import Outcome
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.others import other_equilibria
 from handlcp.grasp.verdict.path_reasons import (
