@@ -39,8 +39,8 @@ _AGREED = 1e-7  # of a limit: as seen from two places
 _TRIES = 60
 _PAST = 1e-6  # of a limit: where no state may be found
 # Of a motion against a damper, in natural units: the first damper and the softest and stiffest one; its longest step;
-# when the object is gone; of the forces, what a damper takes of one at rest; steps
-_DAMPED, _VANISHED, _STIFFEST, _STRIDE, _GONE, _CALM, _CREEPS = 1e-4, 1e-11, 1e4, 0.3, 100.0, 1e-6, 200
+# when the object is gone, times how far anything has moved; of the forces, what a damper takes of one at rest; steps
+_DAMPED, _VANISHED, _STIFFEST, _STRIDE, _GONE, _CALM, _CREEPS = 1e-4, 1e-11, 1e4, 0.3, 10.0, 1e-6, 200
 _EVEN = 1e-9  # of the forces: what changes by less does not
 
 
@@ -89,14 +89,16 @@ def _rests(g: Still, x: Array, z: Array, kinds: Ints, factor: float) -> bool:
     """Whether the object comes to rest under this load: steps against a damper that vanishes (see `flow`)."""
     at, slips, own = x.copy(), z.copy(), kinds.copy()
     out, slip, slow = np.empty(len(x)), np.empty(len(x)), _DAMPED
-    m, tried = g.m, 0
+    m, tried, before, moved = g.m, 0, 0.0, 0.0
+    gone = _GONE * _reach(g, x)
     while slow > _VANISHED and tried < _CREEPS:
         tried += 1
         held = viscous(g, at, slips, factor, slow, out)
         step = 0.0
         for a in range(m, m + g.dof):
             step = max(step, abs(out[a] - at[a]))
-        if not held or step > _STRIDE:
+        most = _STRIDE * max(1.0, moved)
+        if not held or step > most:
             slow *= 8.0
             if slow > _STIFFEST:
                 return False
@@ -107,7 +109,8 @@ def _rests(g: Still, x: Array, z: Array, kinds: Ints, factor: float) -> bool:
         largest = np.max(np.abs(out[:m]))
         even = np.max(np.abs(out[:m] - at[:m])) <= _EVEN * largest
         at[:] = out
-        if (even and step > 0.1 * _STRIDE) or np.max(np.abs(at[m : m + g.dof] - x[m : m + g.dof])) > _GONE:
+        moved = np.max(np.abs(at[m : m + g.dof] - x[m : m + g.dof]))
+        if (even and step > 0.1 * _STRIDE) or moved > gone:
             return False  # it goes on and on at the same forces
         if step * slow < _CALM * np.max(np.abs(at[:m])) and tried > 3:
             held_, _ = euler(g, at, slips, at, factor, False, out)
@@ -117,8 +120,26 @@ def _rests(g: Still, x: Array, z: Array, kinds: Ints, factor: float) -> bool:
                 slipped(g, slip, own, slips)
                 x[:], z[:], kinds[:] = out, slips, own
                 return True
-        slow *= 0.25
+        if step < 2.0 * before or before == 0.0:  # else it speeds up, and with less of a damper there is no step
+            slow *= 0.25
+        before = step
     return False
+
+
+@kernel
+def _reach(g: Still, x: Array) -> float:
+    """The largest motion of a place: of the object, or of what is between it and a contact that is open."""
+    reach = 1.0
+    for a in range(g.m, g.m + g.dof):
+        reach = max(reach, abs(x[a]))
+    for i in range(len(g.contacts)):
+        j = g.contacts[i, 0]
+        if j >= 0 and not x[j] > 0.0:
+            gap = g.base[j]
+            for c in range(len(x)):
+                gap += g.problem.M[j, c] * x[c]
+            reach = max(reach, gap)
+    return reach
 
 
 @kernel
