@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Ints, array, read_only
+from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
@@ -30,14 +30,13 @@ __all__ = ["Limits", "limits_of"]
 @dataclass(frozen=True, eq=False)
 class Limits:
     """Limits of one grasp in m directions. wrenches (m, 6) : the loads, beside the weight [N, N·m]. factors (m,) : of
-    each, inf where nothing binds. binds (m,) : what gives out, as in `LoadLimit`. events (m,) : how many there are on
-    the way. geometry : "fixed" or "followed". accuracy (m,) : estimated relative errors of the factors; NaN: not asked.
+    each, inf where nothing binds. binds (m,) : what gives out, as in `LoadLimit`. geometry : "fixed" or "followed".
+    accuracy (m,) : estimated relative errors of the factors; NaN: not asked.
     """
 
     wrenches: Array
     factors: Array
     binds: tuple[tuple[Bind, ...], ...]
-    events: Ints
     geometry: str
     accuracy: Array
 
@@ -71,16 +70,15 @@ def _followed(
     spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float], accuracy: float | None
 ) -> Limits:
     found = [accurate_limit(spec, section, load, most, "followed", accuracy) for load in loads]
-    events = np.array([len(one.events) for one in found], dtype=np.int64)
     factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
-    return Limits(loads, read_only(factors), tuple([x.binds for x in found]), events, "followed", read_only(off))
+    return Limits(loads, read_only(factors), tuple([x.binds for x in found]), "followed", read_only(off))
 
 
 def _never(loads: Array) -> Limits:
     """Where squeeze or weight alone are not held."""
     m = len(loads)
     none, binds = read_only(np.zeros(m)), ((Bind(EQUILIBRIUM, OBJECT),),) * m
-    return Limits(loads, none, binds, np.zeros(m, np.int64), "fixed", none)
+    return Limits(loads, none, binds, "fixed", none)
 
 
 def _fixed(
@@ -115,6 +113,5 @@ def _fixed(
     off = np.full(m, np.nan if accuracy is None else EVENTS_END)
     for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
         found = accurate_limit(spec, section, loads[a], most, "fixed", accuracy)
-        answers[a, 2:], binds[a], off[a] = (found.factor, len(found.events)), found.binds, found.accuracy
-    factors, events = read_only(answers[:, 2].copy()), answers[:, 3].astype(np.int64)
-    return Limits(loads, factors, tuple(binds), events, "fixed", read_only(off))
+        answers[a, 2], binds[a], off[a] = found.factor, found.binds, found.accuracy
+    return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), "fixed", read_only(off))
