@@ -143,7 +143,6 @@ def test_many_directions_have_each_the_limit_that_it_has_alone():
     assert found.geometry == "followed"
     np.testing.assert_array_equal(found.factors, [limit.factor for limit in alone])
     assert found.binds == tuple([limit.binds for limit in alone])
-    assert found.events.tolist() == [len(limit.events) for limit in alone]
 
 
 def test_a_grasp_that_slides_through_under_the_weight_alone_holds_no_load_and_check_says_so():
