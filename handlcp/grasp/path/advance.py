@@ -30,6 +30,8 @@ FINEST = 2.0**-9  # of a step: what has no end then has none
 _EXACT = 2.0**-16  # of a step: where a snap or the last static state is found, once it is known that there is one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 _TELLS = 2.0**-5  # of a step: the shortest whose rate counts as one while something stuck
+_ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
+_BEHIND = 0.98  # of a step up to a change: short of it
 _ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
 _MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
@@ -145,7 +147,10 @@ class Leg:
         if self.ends < np.inf:
             return max(0.5 * size, _EXACT * self.base)
         grows = 0.0 if self.beyond is None else self.beyond.coarse * _GROWS[SLIDES in found.kinds]
-        return min(max(self.base, grows * share), most)
+        step = max(self.base, grows * share)
+        if self.before is None and SLIDES in found.kinds:
+            step *= _ANEW
+        return min(step, most)
 
     def _failed(self, state: State, why: Failure, size: float) -> bool:
         """A step without an end is halved; the shortest moves on by a flow. Whether the path goes on."""
@@ -209,14 +214,30 @@ class Leg:
         controls, guess = self.controls(share + size), None
         if self.before is not None:
             guess = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
-        found = self.stepper.step(state, controls, guess)
+        found = self._second(state, controls, guess, size)
+        if found is None:
+            found = self.stepper.step(state, controls, guess)
         if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
             found = self.stepper.step(state, controls)
         return found
 
+    def _second(self, state: State, controls: Controls, guess: Guess | None, size: float) -> State | None:
+        """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it
+        (BDF2). None where contacts change their state.
+        """
+        if self.before is None or SLIDES not in state.kinds:
+            return None
+        ratio = size / self.before[1]
+        slides = np.array([kind == SLIDES for kind in state.kinds])
+        past = ratio**2 / (1.0 + 2.0 * ratio) * state.slid * slides[:, None]
+        found = self.stepper.step(state, controls, guess, None, 1.0, past)
+        return found if isinstance(found, State) and found.kinds == state.kinds else None
+
     def _at(self, state: State, found: State, share: float, size: float, part: float) -> State | Failure:
         """The state at a part of a step that is known to have an end."""
-        return self.stepper.step(state, self.controls(share + part * size), _part(self.stepper, state, found, part))
+        controls, guess = self.controls(share + part * size), _part(self.stepper, state, found, part)
+        second = self._second(state, controls, guess, part * size)
+        return second if second is not None else self.stepper.step(state, controls, guess)
 
     def _located(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
         """The step up to where the first contact changes its state in it, or all of it."""
@@ -322,23 +343,40 @@ class Leg:
         """Note how fast the object gives way in a step that begins at a share, and whether it begins to slide through
         in it.
         """
-        rate, far = self.rate, self.stepper.far
+        rate = self.rate
         at_rest = rate.last[1] == 0.0  # where an object that snapped rests, everything sticks
-        rate.last = now = share + 0.5 * size, far(state.where.pose, found.where.pose) / size
+        stuck, sticks = STICKS in state.kinds and not at_rest, STICKS in found.kinds
+        rate.last = now = share + 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / size
         if not rate.loads or not found.loaded or not state.loaded:
             return
-        stuck, sticks = STICKS in state.kinds and not at_rest, STICKS in found.kinds
-        halves = now, now
-        if (stuck and not sticks) or (not sticks and self.run.slides is None and now[1] >= 0.5 * rate.most):
-            middle = self._at(state, found, share, size, 0.5)
-            if isinstance(middle, State):
-                a, b = far(state.where.pose, middle.where.pose), far(middle.where.pose, found.where.pose)
-                halves = (share + 0.25 * size, 2.0 * a / size), (share + 0.75 * size, 2.0 * b / size)
-        if stuck or rate.stuck == 0.0:
-            if size >= rate.least:
-                rate.stuck = max(rate.stuck, now[1], _on(*halves, share + size))
-        elif not sticks and self.run.slides is None and rate.most <= max(now[1], _on(*halves, share + size)):
-            self.run.slides = Slides(self.number, _reaches(*halves, rate.most, share), len(self.run.states) - 1)
+        if sticks and (stuck or rate.stuck == 0.0):
+            rate.sticks(now[1], size)
+        elif not sticks:
+            stays = stuck and self._stays(state, found, share, size)
+            if rate.stuck == 0.0:
+                rate.sticks(now[1], size)
+            elif not stays and self.run.slides is None and now[1] >= 0.5 * rate.most:
+                halves = self._rates(state, found, share, size, 0.5, 1.0)
+                if max(now[1], _on(*halves, share + size)) >= rate.most:
+                    self.run.slides = Slides(self.number, _reaches(*halves, rate.most, share), len(self.run.states) - 1)
+
+    def _stays(self, state: State, found: State, share: float, size: float) -> bool:
+        """Whether something sticks in most of a step at whose end nothing does; its rate up to there is noted."""
+        last = self._at(state, found, share, size, _BEHIND)
+        stays = isinstance(last, State) and STICKS in last.kinds
+        if stays:
+            self.rate.sticks(_on(*self._rates(state, last, share, size, 0.5 , _BEHIND), share + size), size)
+        return stays
+
+    def _rates(self, state: State, found: State, share: float, size: float, part: float, end: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The middles and rates of both pieces of a step that ends with `found` at this part of it, parted there."""
+        middle = self._at(state, found, share, size, part)
+        if isinstance(middle, Failure):
+            both = share + 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / (end * size)
+            return both, both
+        a = self.stepper.far(state.where.pose, middle.where.pose) / (part * size)
+        b = self.stepper.far(middle.where.pose, found.where.pose) / ((end - part) * size)
+        return (share + 0.5 * part * size, a), (share + 0.5 * (part + end) * size, b)
 
     def _add(self, found: State, share: float) -> bool:
         """Whether anything happens on the way to this state."""
@@ -363,6 +401,11 @@ class _Rate:
 
     def __init__(self, least: float, loads: bool) -> None:
         self.least, self.loads, self.stuck, self.last = least, loads, 0.0, (0.0, 0.0)
+
+    def sticks(self, rate: float, size: float) -> None:
+        """Note the rate of a step of this size in which something sticks."""
+        if size >= self.least:
+            self.stuck = max(self.stuck, rate)
 
     @property
     def most(self) -> float:

@@ -89,10 +89,11 @@ class Stepper:
         )  # fmt: skip
 
     def step(
-        self, state: State, controls: Controls, guess: Guess | None = None, h: float | None = None, rough: float = 1.0
-    ) -> State | Failure:
+        self, state: State, controls: Controls, guess: Guess | None = None, h: float | None = None, rough: float = 1.0,
+        past: Array | None = None,
+    ) -> State | Failure:  # fmt: skip
         """The state under other controls. guess : what is expected of it. h : of the damper, less for a viscous step.
-        rough : times the tolerance.
+        rough : times the tolerance. past (n, 3) : slip that is left out of what friction opposes; None: none.
         """
         self.counts["steps"] += 1
         h = self.slow if h is None else h
@@ -103,6 +104,8 @@ class Stepper:
         damper, most, here = self._damper / h, near if follows else -1.0, None
         for count in range(1, _MOST + 1):
             slipped = geometry.slipped(state.look, look, state.carry)
+            if past is not None:
+                slipped -= past
             loads = self.grasp.loads(look, slipped, under)
             done = self.between(state.where.pose, look.at.pose)
             damping = Damping(1.0 / h, damper, done, state.where.q - look.at.q)
@@ -119,6 +122,9 @@ class Stepper:
                 if still and self._held_back(state.where.pose, end.pose, led.forces) > _HELD_BACK:
                     return Failure("no answer")
                 motion, spin = led.motion, led.spin
+                if past is not None:
+                    motion[:, :2] += past[:, :2]
+                    spin += past[:, 2]
                 slid = motion.copy()
                 slid[:, 2] = spin
                 yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
