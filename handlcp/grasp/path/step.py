@@ -175,7 +175,7 @@ class Stepper:
             return self._pressed(asked._replace(near=-1.0)) or found
         if not len(begun) or (found is not None and names_of(found.kinds) == state.kinds):
             return found
-        other = self._solved(asked, _NOWHERE)
+        other = self._solved(asked, begun, cold=True)
         if found is None or other is None:
             return found or other
         if names_of(other.kinds) == state.kinds:
@@ -196,8 +196,8 @@ class Stepper:
             start = found.start
         return found
 
-    def _solved(self, asked: _Asked, start: Array, friction: float = 1.0) -> Led | None:
-        """One solve; friction : times what it is."""
+    def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Led | None:
+        """One solve; friction : times what it is. cold : from contacts that all stick, not from the start."""
         self.counts["solves"] += 1
         laws, look = self.laws, asked.look
         extra, giving, loads = laws.added(look, asked.loads, asked.gives)
@@ -206,7 +206,7 @@ class Stepper:
             look.touch, look.frames, look.moving, look.elastic, loads, asked.slipped, look.radius,
             asked.damping, extra,
             laws.laws, laws.limits if friction == 1.0 else friction * laws.limits, giving, laws.yields, laws.pattern,
-            start, _SEED, asked.near, row,
+            start, not cold, _SEED, asked.near, row,
         )  # fmt: skip
         return Led(row, laws.answer.parts) if row[0] else None
 

@@ -156,7 +156,9 @@ class FollowedHand(Geometry):
 
     # ---- what moved
     def slipped(self, a: Look, b: Look, carry: Array) -> Array:
-        return slip_between(a.positions, a.frames, a.bodies, b.positions, b.frames, b.bodies, carry)
+        slip = slip_between(a.positions, a.frames, a.bodies, b.positions, b.frames, b.bodies, carry)
+        slip[:, 2] -= b.at.turn - a.at.turn
+        return slip
 
     def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
         R, t = pose

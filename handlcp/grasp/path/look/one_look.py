@@ -87,15 +87,16 @@ class Led:
 @kernel
 def one_look(
     t: Touch, frames: Array, m: Moving, el: Elastic, loads: Loads, slipped: Array, radius: Array, damping: Damping,
-    extra: Array, laws: Laws, limits: Array, giving: Giving, yields: Array, p: ScenePattern, start: Array, seed: int,
-    near: float, row: Array,
+    extra: Array, laws: Laws, limits: Array, giving: Giving, yields: Array, p: ScenePattern, start: Array, begun: bool,
+    seed: int, near: float, row: Array,
 ) -> None:  # fmt: skip
     """Write the numbers of `Answer` into the row (of zeros): each array that compiled code makes for Python costs more
     than most of what is computed here.
 
     slipped (n, 3) : since the step began. radius (n,) : as in `Look`. extra (c, c) : flexibility that effects add, in
     contact axes; empty: none. limits (n,) : of friction. yields (nv, k) : how far limits that give way drive joints
-    back. start : forces in the laws' coordinates (c,), twist and centre, where the solve begins; empty: nowhere.
+    back. start : forces in the laws' coordinates (c,), about which they turn, twist and centre; empty: no forces.
+    begun : whether the solve begins there, or else from contacts that all stick.
     near : what a push meets is measured where the answer misses its look by no more.
     """
     n, nv, soft, c = len(frames), el.J.shape[1], laws.soft, len(laws.scale)
@@ -129,7 +130,7 @@ def one_look(
     g, posed, problem, y = linear_problem(
         t.positions, frames, laws, limits, lin, force, moment, giving, p, start
     )  # fmt: skip
-    residual = solved(problem, y, len(start) > 0, seed)
+    residual = solved(problem, y, begun and len(start) > 0, seed)
     passes, r, v, twist, kinds, gives = answered(g, posed, laws, limits, lin, giving, p, y, residual)
     if not passes:
         return
