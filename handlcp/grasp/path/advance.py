@@ -219,7 +219,16 @@ class Leg:
             found = self.stepper.step(state, controls, guess)
         if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
             found = self.stepper.step(state, controls)
+        if isinstance(found, Failure) and self._last_resort(size):
+            guess = self.stepper.sought(state, controls)
+            found = found if guess is None else self.stepper.step(state, controls, guess)
         return found
+
+    def _last_resort(self, size: float) -> bool:
+        """Whether all methods are asked for the answer of a step: where contacts stay it is one solve, however long,
+        elsewhere once no shorter step has an end.
+        """
+        return self.ends == np.inf and (size <= FINEST * self.base or not self.stepper.geometry.follows)
 
     def _second(self, state: State, controls: Controls, guess: Guess | None, size: float) -> State | None:
         """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it

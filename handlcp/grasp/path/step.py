@@ -23,6 +23,7 @@ from handlcp.grasp.path.program import Controls
 from handlcp.grasp.path.state import OPEN, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.step_laws import StepLaws
+from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.contact_states import names_of
 from handlcp.lcp import Auto
 
@@ -38,6 +39,7 @@ _CONTRACTS, _PARTS = 0.6, 1.5  # from the fourth look on each has to come nearer
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 _LEAST = 0.2  # of the way from a look to its end
 _SEED = Auto().seed
+_ALL = Auto(search_seconds=0.0)
 _NOWHERE = np.zeros(0)
 _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
 
@@ -145,6 +147,23 @@ class Stepper:
             last = miss if share == 1.0 else max(miss, last)
             look = geometry.look(end if share == 1.0 else between(geometry, look.at, end, share), look)
         return Failure("runs away")
+
+    def sought(self, state: State, controls: Controls) -> Guess | None:
+        """What is expected of a step by all that one grasp is solved with, contacts as they stand; None: no answer
+        either. Steps themselves ask the first method alone.
+        """
+        if self.grasp.general:
+            return None
+        look = self.geometry.look(state.where, state.look)
+        slipped = self.geometry.slipped(state.look, look, state.carry)
+        loads = self.grasp.loads(look, slipped, self.grasp.under(controls, state.controls))
+        found = solve_spec(self.grasp.made(look, loads), self.section, _ALL)
+        if not found.held:
+            return None
+        soft, forces = self.grasp.soft, found.forces.reshape(-1)
+        own = forces if found.torsion is None else np.append(forces, found.torsion[soft])
+        start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference])
+        return Guess(state.where, start, state.gives)
 
     def between(self, a: object, b: object) -> Array:
         """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""
