@@ -23,6 +23,8 @@ from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, Outcome, Ru
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Watch
 from handlcp.tolerances import FASTER, JUMPS, NO_SNAP
+import os
+RUNS = float(os.environ.get('RUNS', '0.02'))
 
 __all__ = ["Leg", "Open", "advance"]
 
@@ -364,10 +366,8 @@ class Leg:
             stays = stuck and self._stays(state, found, share, size)
             if rate.stuck == 0.0:
                 rate.sticks(now[1], size)
-            elif not stays and self.run.slides is None and now[1] >= 0.5 * rate.most:
-                halves = self._rates(state, found, share, size, 0.5, 1.0)
-                if max(now[1], _on(*halves, share + size)) >= rate.most:
-                    self.run.slides = Slides(self.number, _reaches(*halves, rate.most, share), len(self.run.states) - 1)
+            elif not stays and self.run.slides is None and rate.runs(now[1], size) >= RUNS:
+                self.run.slides = Slides(self.number, share + size * rate.part(now[1], size), len(self.run.states) - 1)
 
     def _stays(self, state: State, found: State, share: float, size: float) -> bool:
         """Whether something sticks in most of a step at whose end nothing does; its rate up to there is noted."""
@@ -410,9 +410,20 @@ class _Rate:
 
     def __init__(self, least: float, loads: bool) -> None:
         self.least, self.loads, self.stuck, self.last = least, loads, 0.0, (0.0, 0.0)
+        self.before = self.beyond = 0.0
+
+    def runs(self, rate: float, size: float) -> float:
+        """How far the object has gone beyond what the rate that is allowed explains, a step of this size included."""
+        self.before, self.beyond = self.beyond, max(self.beyond + (rate - self.most) * size, 0.0)
+        return self.beyond
+
+    def part(self, rate: float, size: float) -> float:
+        """Of that step, where it has gone too far."""
+        return min(max((RUNS - self.before) / ((rate - self.most) * size), 0.0), 1.0)
 
     def sticks(self, rate: float, size: float) -> None:
         """Note the rate of a step of this size in which something sticks."""
+        self.beyond = 0.0
         if size >= self.least:
             self.stuck = max(self.stuck, rate)
 
@@ -427,13 +438,6 @@ def _on(a: tuple[float, float], b: tuple[float, float], share: float) -> float:
     if not 0.0 < a[1] < b[1]:
         return b[1]
     return float(b[1] * min((b[1] / a[1]) ** ((share - b[0]) / (b[0] - a[0])), 2.0))
-
-
-def _reaches(a: tuple[float, float], b: tuple[float, float], rate: float, first: float) -> float:
-    """The share, no less than the first, at which a rate is reached on the exponential through two."""
-    if not 0.0 < a[1] < b[1]:
-        return first
-    return max(float(a[0] + np.log(rate / a[1]) / np.log(b[1] / a[1]) * (b[0] - a[0])), first)
 
 
 def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:
