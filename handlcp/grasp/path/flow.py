@@ -55,6 +55,5 @@ def flow(
             rest = stepper.step(state, controls)
             if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _NEAR:
                 return rest, REST
-            return state, CREEPS
         h = min(2.0 * h, stepper.slow)
     return state, CREEPS
