@@ -22,6 +22,7 @@ __all__ = [
     "OVER",
     "PIVOT",
     "RANK",
+    "RUNS",
     "SEMIDEFINITE",
     "SOLVE",
     "STEEPEST",
@@ -84,9 +85,11 @@ UNIT_NORMAL = 1e-6
 # Relative: how closely a limit in one posture is found, from event to event
 EVENTS_END = 1e-6
 
-# An object slides through where nothing that presses sticks any more and it gives way so many times faster than while
-# something stuck; it snaps where it goes so many times farther than it was about to, and by more than this share of
-# the contacts' distances.
+# An object slides through where nothing that presses sticks any more and it gives way faster than `FASTER` times as fast
+# as while something stuck, once that has led it `RUNS` farther (of the contacts' distances, turns in radians: 0.6 mm or
+# 1.1° on a cube of 50 mm); a snap counts with all its way. It snaps where it goes `JUMPS` times farther than it was about
+# to, and by more than `NO_SNAP`.
 FASTER = 10.0
+RUNS = 0.02
 JUMPS = 5.0
 NO_SNAP = 2e-3

@@ -22,9 +22,7 @@ from handlcp.grasp.path.stability import GROWS, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Watch
-from handlcp.tolerances import FASTER, JUMPS, NO_SNAP
-import os
-RUNS = float(os.environ.get('RUNS', '0.02'))
+from handlcp.tolerances import FASTER, JUMPS, NO_SNAP, RUNS
 
 __all__ = ["Leg", "Open", "advance"]
 
@@ -167,7 +165,7 @@ class Leg:
             return run.ends(Outcome.LOST, why)
         until, near = self.ends if known else share + size, np.inf
         if not known and self._may_slide(state):  # whether it rests, or where, is asked from where exactly it snaps
-            near = self._no_snap(size)
+            near = max(self._no_snap(size), RUNS - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
         if how != MOVES:
             self._snapped(state, end, share, until, how == REST, ())
@@ -177,6 +175,7 @@ class Leg:
         self.share, self.ends = until, np.inf
         self._add(end, until)
         self.step, self.before, self.rate.last = min(_AFTER * FINEST * self.base, self.base), None, (0.0, 0.0)
+        self.rate.beyond += self.stepper.far(state.where.pose, end.where.pose)
         return True
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:

@@ -1,5 +1,6 @@
-"""Where on a path the object begins to slide through: nothing that presses sticks any more, and the object gives way
-ten times faster than it did while something stuck, or it jumps. The same rule as on a path in steps (`path/advance`).
+"""Where on a path the object begins to slide through: nothing that presses sticks any more, and the object has gone
+farther than ten times the rate while something stuck explains, or it jumps. The same rule as on a path in steps
+(`path/advance`).
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.limits.kernels.parts import Parts
 from handlcp.lcp.kernels.compile import kernel
-from handlcp.tolerances import FASTER, JUMPS, NO_SNAP
+from handlcp.tolerances import FASTER, RUNS
 
 __all__ = ["slides_at"]
 
@@ -24,31 +25,23 @@ def slides_at(p: Parts, moves: Array, length: float, path: Array, point: Array) 
 
     moves (6, dof) : the object's motion, SI, of natural unknowns. length [m] : of the contacts from their centre.
     """
-    stuck, last, middle, width = 0.0, 0.0, 0.0, path.shape[1] - 1
+    stuck, beyond, width = 0.0, 0.0, path.shape[1] - 1
     for a in range(1, len(path)):
         size, d = path[a, 0] - path[a - 1, 0], np.empty(width)
         for j in range(width):
             d[j] = path[a, 1 + j] - path[a - 1, 1 + j]
         far = _far(p, moves, length, d)
-        if size <= _NO_LOAD * abs(path[a, 0]):
-            if far > NO_SNAP + JUMPS * last * size:
-                point[:] = path[a - 1]
-                return True
-            continue
-        rate, before, at = far / size, last, path[a - 1, 0] + 0.5 * size
-        last = rate
-        sticks = _something_sticks(p, path[a - 1], path[a], d)
-        if stuck == 0.0 or sticks:
-            stuck = max(stuck, rate)
-        elif rate >= FASTER * stuck:
-            share = 0.0
-            if before > 0.0:
-                part = np.log(FASTER * stuck / before) / np.log(rate / before)
-                share = min(max((middle + part * (at - middle) - path[a - 1, 0]) / size, 0.0), 1.0)
+        if size > _NO_LOAD * abs(path[a, 0]):
+            if stuck == 0.0 or _something_sticks(p, path[a - 1], path[a], d):
+                stuck, beyond = max(stuck, far / size), 0.0
+                continue
+            far -= FASTER * stuck * size
+        if beyond + far >= RUNS:
+            share = max((RUNS - beyond) / far, 0.0)
             for j in range(width + 1):
                 point[j] = path[a - 1, j] + share * (path[a, j] - path[a - 1, j])
             return True
-        middle = at
+        beyond = max(beyond + far, 0.0)
     return False
 
 
