@@ -12,7 +12,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.asked import is_followed, tolerance
 from handlcp.grasp.limits.binds import binds_of
-from handlcp.grasp.limits.fixed import over_nothing, slid_place, watch_from
+from handlcp.grasp.limits.fixed import ends_plainly, fixed_limit, over_nothing, slid_place, watch_from
 from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
@@ -110,8 +110,10 @@ def _fixed(
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
-    off = np.full(m, np.nan if accuracy is None else EVENTS_END)
-    for a in np.flatnonzero(answers[:, 0] == GIVES_UP).tolist():
-        found = accurate_limit(spec, section, loads[a], most, "fixed", accuracy)
+    off, again = np.full(m, np.nan if accuracy is None else EVENTS_END), answers[:, 0] == GIVES_UP
+    if not ends_plainly(system):
+        again |= (answers[:, 0] == LOST) & np.isnan(points[:, 0])
+    for a in np.flatnonzero(again).tolist():
+        found = fixed_limit(spec, section, loads[a], most, accuracy)
         answers[a, 2], binds[a], off[a] = found.factor, found.binds, found.accuracy
     return Limits(loads, read_only(answers[:, 2].copy()), tuple(binds), "fixed", read_only(off))

@@ -19,9 +19,13 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import certified
+from handlcp.lcp import Auto
 from handlcp.tolerances import CERTIFY
 
 __all__ = ["TracedPath"]
+
+_ALL = Auto(search_seconds=0.0)
+_MORE = 1e-3  # load, where a path seems to end
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +111,24 @@ class TracedPath:
             self._extra(point[1 + m + dof :]), len(scene.soft),
         )  # fmt: skip
         return certified(spec, build(spec), system.section, candidate, "the end of a path")
+
+    def ends(self) -> bool:
+        """Whether no solver knows an answer under a little more load, from how contacts stand at its end."""
+        system, place = self.system, self.place
+        if place is None or place.give.any():
+            return True
+        scene, p = system.scene, system.parts
+        slip = np.zeros(len(p.E))
+        for i, row in enumerate(p.contacts):
+            if row[0] >= 0 and place.closed[i] != CLOSED:
+                slip[row[0]] = place.gap[i]
+        d = np.zeros(scene.components)
+        d[scene.kind.index] = (slip - self._motions(self.points[-1]) - scene.natural.d) * scene.units.motion
+        spec = system.spec.replace(
+            wrench=read_only(system.weight + (1.0 + _MORE) * float(self.points[-1, 0]) * self.wrench),
+            effects=(*system.spec.effects, _Moved(scene.lawful(d))),
+        )
+        return not solve_spec(spec, system.section, _ALL).held
 
     def _extra(self, give: Array) -> dict[str, Array]:
         """By name, SI, how far limits give way."""

@@ -18,11 +18,12 @@ from handlcp.grasp.path.flow import MOVES, REST, flow
 from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.locate import first_change
 from handlcp.grasp.path.program import Controls, Goal
+from handlcp.grasp.path.rate import Rate, reached
 from handlcp.grasp.path.stability import GROWS, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Watch
-from handlcp.tolerances import FASTER, JUMPS, NO_SNAP, RUNS
+from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
 
 __all__ = ["Leg", "Open", "advance"]
 
@@ -93,7 +94,7 @@ class Leg:
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
         self.calm: tuple[str, ...] = ()  # contact states in which a push that seemed to grow did not
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
-        self.rate = _Rate(_TELLS * self.base, bool(load.any()) or weight)
+        self.rate = Rate(_TELLS * self.base, bool(load.any()) or weight)
 
     def through(self, pause: bool = False) -> bool:
         """Whether its end is reached; called again it goes on. pause : also where it slides through."""
@@ -174,15 +175,15 @@ class Leg:
             return not known or run.ends(Outcome.LOST, why)
         self.share, self.ends = until, np.inf
         self._add(end, until)
-        self.step, self.before, self.rate.last = min(_AFTER * FINEST * self.base, self.base), None, (0.0, 0.0)
-        self.rate.beyond += self.stepper.far(state.where.pose, end.where.pose)
+        self.step, self.before = min(_AFTER * FINEST * self.base, self.base), None
+        self.rate.snaps(self.stepper.far(state.where.pose, end.where.pose))
         return True
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:
         """Whether the step ends much farther away than the last one led, or far from where it was expected; without a
         last one, whether half of it ends far from its middle. It may end on the other side of a jump.
         """
-        last, far = self.rate.last[1], self.stepper.far(state.where.pose, found.where.pose)
+        last, far = self.rate.last, self.stepper.far(state.where.pose, found.where.pose)
         if last > 0.0 and far > self._no_snap(size):
             return True
         if far <= NO_SNAP or size <= 2.0 * FINEST * self.base:
@@ -215,9 +216,7 @@ class Leg:
         controls, guess = self.controls(share + size), None
         if self.before is not None:
             guess = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
-        found = self._second(state, controls, guess, size)
-        if found is None:
-            found = self.stepper.step(state, controls, guess)
+        found = self._second(state, controls, guess, size) or self.stepper.step(state, controls, guess)
         if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
             found = self.stepper.step(state, controls)
         if isinstance(found, Failure) and self._last_resort(size):
@@ -246,8 +245,7 @@ class Leg:
     def _at(self, state: State, found: State, share: float, size: float, part: float) -> State | Failure:
         """The state at a part of a step that is known to have an end."""
         controls, guess = self.controls(share + part * size), _part(self.stepper, state, found, part)
-        second = self._second(state, controls, guess, part * size)
-        return second if second is not None else self.stepper.step(state, controls, guess)
+        return self._second(state, controls, guess, part * size) or self.stepper.step(state, controls, guess)
 
     def _located(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
         """The step up to where the first contact changes its state in it, or all of it."""
@@ -302,7 +300,7 @@ class Leg:
 
     def _no_snap(self, size: float) -> float:
         """How far the object may go in such a step without a snap, as a share of the contacts' distances."""
-        return NO_SNAP + JUMPS * self.rate.last[1] * size
+        return NO_SNAP + JUMPS * self.rate.last * size
 
     def _snapped(
         self, state: State, end: State, share: float, until: float, rests: bool, pushed: tuple[float, ...]
@@ -353,38 +351,30 @@ class Leg:
         """Note how fast the object gives way in a step that begins at a share, and whether it begins to slide through
         in it.
         """
-        rate = self.rate
-        at_rest = rate.last[1] == 0.0  # where an object that snapped rests, everything sticks
+        rate, far = self.rate, self.stepper.far(state.where.pose, found.where.pose)
+        at_rest = rate.last == 0.0  # where an object that snapped rests, everything sticks
         stuck, sticks = STICKS in state.kinds and not at_rest, STICKS in found.kinds
-        rate.last = now = share + 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / size
+        rate.last = now = far / size
         if not rate.loads or not found.loaded or not state.loaded:
             return
-        if sticks and (stuck or rate.stuck == 0.0):
-            rate.sticks(now[1], size)
-        elif not sticks:
-            stays = stuck and self._stays(state, found, share, size)
-            if rate.stuck == 0.0:
-                rate.sticks(now[1], size)
-            elif not stays and self.run.slides is None and rate.runs(now[1], size) >= RUNS:
-                self.run.slides = Slides(self.number, share + size * rate.part(now[1], size), len(self.run.states) - 1)
+        if (sticks and stuck) or rate.stuck == 0.0:
+            rate.sticks(now, size)
+        elif not sticks and self.run.slides is None and not (stuck and self._stays(state, found, share, size)):
+            part = rate.runs(now, size)
+            if part is not None:
+                self.run.slides = Slides(self.number, share + part * size, len(self.run.states) - 1)
 
     def _stays(self, state: State, found: State, share: float, size: float) -> bool:
-        """Whether something sticks in most of a step at whose end nothing does; its rate up to there is noted."""
-        last = self._at(state, found, share, size, _BEHIND)
-        stays = isinstance(last, State) and STICKS in last.kinds
-        if stays:
-            self.rate.sticks(_on(*self._rates(state, last, share, size, 0.5 , _BEHIND), share + size), size)
-        return stays
-
-    def _rates(self, state: State, found: State, share: float, size: float, part: float, end: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The middles and rates of both pieces of a step that ends with `found` at this part of it, parted there."""
-        middle = self._at(state, found, share, size, part)
-        if isinstance(middle, Failure):
-            both = share + 0.5 * size, self.stepper.far(state.where.pose, found.where.pose) / (end * size)
-            return both, both
-        a = self.stepper.far(state.where.pose, middle.where.pose) / (part * size)
-        b = self.stepper.far(middle.where.pose, found.where.pose) / ((end - part) * size)
-        return (share + 0.5 * part * size, a), (share + 0.5 * (part + end) * size, b)
+        """Whether something sticks in most of a step at whose end nothing does; the rate that it reaches is noted."""
+        middle, last = [self._at(state, found, share, size, part) for part in (0.5, _BEHIND)]
+        if isinstance(last, Failure) or STICKS not in last.kinds:
+            return False
+        if isinstance(middle, State):
+            far = self.stepper.far
+            first = far(state.where.pose, middle.where.pose) / (0.5 * size)
+            second = far(middle.where.pose, last.where.pose) / ((_BEHIND - 0.5) * size)
+            self.rate.sticks(reached(first, second, 0.25, 0.5 * (0.5 + _BEHIND)), size)
+        return True
 
     def _add(self, found: State, share: float) -> bool:
         """Whether anything happens on the way to this state."""
@@ -399,44 +389,6 @@ class Leg:
         run, first = self.run, self.run.stages.index(self.number) if self.number else 0
         moved = self.stepper.between(run.states[first].where.pose, run.states[-1].where.pose)
         return float(abs(moved[:3]).max()) > self.watch.near
-
-
-class _Rate:
-    """How fast the object gives way in a stage. least : the shortest step that tells, a shorter one lies between
-    changes at one load. loads : whether a load changes in the stage. stuck : the fastest while something stuck. last :
-    (middle, rate) of the last step; no rate at the beginning and after a snap.
-    """
-
-    def __init__(self, least: float, loads: bool) -> None:
-        self.least, self.loads, self.stuck, self.last = least, loads, 0.0, (0.0, 0.0)
-        self.before = self.beyond = 0.0
-
-    def runs(self, rate: float, size: float) -> float:
-        """How far the object has gone beyond what the rate that is allowed explains, a step of this size included."""
-        self.before, self.beyond = self.beyond, max(self.beyond + (rate - self.most) * size, 0.0)
-        return self.beyond
-
-    def part(self, rate: float, size: float) -> float:
-        """Of that step, where it has gone too far."""
-        return min(max((RUNS - self.before) / ((rate - self.most) * size), 0.0), 1.0)
-
-    def sticks(self, rate: float, size: float) -> None:
-        """Note the rate of a step of this size in which something sticks."""
-        self.beyond = 0.0
-        if size >= self.least:
-            self.stuck = max(self.stuck, rate)
-
-    @property
-    def most(self) -> float:
-        """The rate from which on the object slides through."""
-        return FASTER * self.stuck
-
-
-def _on(a: tuple[float, float], b: tuple[float, float], share: float) -> float:
-    """The rate at a share beyond two of them, on the exponential through both; no more than twice as fast."""
-    if not 0.0 < a[1] < b[1]:
-        return b[1]
-    return float(b[1] * min((b[1] / a[1]) ** ((share - b[0]) / (b[0] - a[0])), 2.0))
 
 
 def _further(stepper: Stepper, before: State, now: State, share: float) -> Guess:
