@@ -81,7 +81,7 @@ def test_following_the_load_holds_below_the_limit_and_not_above(direction):
 def test_an_object_that_slides_through_is_lost_where_the_simulator_loses_it(direction, mujoco):
     limit = cube().load_limit((*direction, 0.0, 0.0, 0.0))
     assert limit.factor == limit.slides
-    assert limit.first_slip < limit.slides < 0.8 * limit.lost
+    assert limit.first_slip < limit.slides < 0.9 * limit.lost
     assert limit.lost == pytest.approx(mujoco, rel=0.01)  # of `simulate_limit`, in 8 s
     assert limit.marks["slides"].moved < limit.marks["lost"].moved
 

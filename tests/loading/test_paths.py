@@ -34,6 +34,27 @@ def test_half_the_step_halves_the_error_or_better():
     assert errors[2] <= errors[1] / 2
 
 
+def test_where_fingers_slide_four_times_the_steps_divide_the_error_by_more_than_eight():
+    """First order would divide it by four, second order by sixteen."""
+    load = 8.0 * np.array((0.3, 0.9, 0.3, 0, 0, 0))
+    forces = {n: cube(squeeze=0.005).follow(load, steps=n).steps.forces[-1] for n in (16, 64, 512)}
+    coarse, fine = [abs(forces[n] - forces[512]).max() for n in (16, 64)]
+    assert 8.0 * fine < coarse < 0.005 * abs(forces[512]).max()
+
+
+def test_soft_pads_twist_as_their_flexibility_says_while_contacts_are_followed():
+    """Two fingers in line: a moment about the line through both turns the box by M c / 2, however stiff joints are."""
+    hand, box = hl.example_hand("two_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=1e-4)
+    c, moment = 3.0, 0.002
+    g = hand.at(hand.close_on(box)).grasp(box, hl.SoftFinger(0.8, 0.01, torsional_flexibility=c), squeeze=0.005)
+    line = g.spec.positions[1] - g.spec.positions[0]
+    line /= np.linalg.norm(line)
+    h = g.follow(np.append(np.zeros(3), moment * line))
+    assert h.last.kinds == ("sticking", "sticking")
+    assert line @ h.displacement[3:] == pytest.approx(0.5 * moment * c, rel=1e-4)
+    assert max(s.looks for s in h.steps.states) <= 5  # Newton's steps: no part of the tangent is missing
+
+
 @pytest.mark.parametrize("grasp", [cube, ball])
 def test_with_vanishing_load_and_squeeze_it_tends_to_one_solve(grasp):
     g = grasp(squeeze=3e-3)

@@ -112,7 +112,7 @@ def _fixed(
     ]
     off, again = np.full(m, np.nan if accuracy is None else EVENTS_END), answers[:, 0] == GIVES_UP
     if not ends_plainly(system):
-        again |= (answers[:, 0] == LOST) & np.isnan(points[:, 0])
+        again |= (answers[:, 0] == LOST) & np.isnan(points[:, 0]) & (answers[:, 2] > 0.0)
     for a in np.flatnonzero(again).tolist():
         found = fixed_limit(spec, section, loads[a], most, accuracy)
         answers[a, 2], binds[a], off[a] = found.factor, found.binds, found.accuracy

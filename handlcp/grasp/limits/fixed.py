@@ -65,7 +65,7 @@ def fixed_limit(
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP:  # where a contact opens while it slides, for one: steps of any size find the way
         return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
-    if status == LOST and not ends_plainly(system) and not path.ends():
+    if status == LOST and factor > 0.0 and not ends_plainly(system) and not path.ends():
         return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])

@@ -94,8 +94,8 @@ class LoadLimit(Data):
     wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
     several. geometry : "fixed" or "followed".
     first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides :
-    nothing that presses sticks any more and the object gives way ten times as fast as before, or it snaps:
-    from here inertia and damping decide how far it jumps. lost : no static rest on the path beyond.
+    nothing that presses sticks any more, and the object has gone farther than ten times the rate while something stuck
+    explains, or it snaps: from here inertia and damping decide how far it jumps. lost : no static rest on the path beyond.
     accuracy : estimated relative error of the factor; NaN: not asked for. made : computes what is asked for later.
     question : what was asked, as which it is pickled.
     """

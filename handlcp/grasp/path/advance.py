@@ -18,11 +18,10 @@ from handlcp.grasp.path.flow import MOVES, REST, flow
 from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.locate import first_change
 from handlcp.grasp.path.program import Controls, Goal
-from handlcp.grasp.path.rate import Rate, reached
 from handlcp.grasp.path.stability import GROWS, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import Watch
+from handlcp.grasp.path.watch import Rate, Watch, reached
 from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
 
 __all__ = ["Leg", "Open", "advance"]

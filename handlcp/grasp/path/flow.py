@@ -55,5 +55,7 @@ def flow(
             rest = stepper.step(state, controls)
             if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _NEAR:
                 return rest, REST
+            if push is not None:  # longer steps would lead back to what it was pushed out of
+                return state, CREEPS
         h = min(2.0 * h, stepper.slow)
     return state, CREEPS

@@ -77,7 +77,7 @@ class PathCost(Data):
         orders = []
         for question in (FOLLOW, LIMIT):
             rows = [r for r in self.of(question) if r.error > 0.0]
-            if len(rows) > 1:
+            if len({r.steps for r in rows}) > 1:
                 slope = np.polyfit(np.log([r.steps for r in rows]), np.log([r.error for r in rows]), 1)[0]
                 orders.append(f"{2.0 ** -float(slope):.2g} ({question})")
         known = [r for r in self.rows if np.isfinite(r.estimate)]
