@@ -95,7 +95,8 @@ class LoadLimit(Data):
     several. geometry : "fixed" or "followed".
     first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides :
     nothing that presses sticks any more, and the object has gone farther than ten times the rate while something stuck
-    explains, or it snaps: from here inertia and damping decide how far it jumps. lost : no static rest on the path beyond.
+    explains, or it snaps: from here inertia and damping decide how far it jumps. lost : no static rest on the path
+    beyond.
     accuracy : estimated relative error of the factor; NaN: not asked for. made : computes what is asked for later.
     question : what was asked, as which it is pickled.
     """

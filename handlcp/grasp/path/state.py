@@ -103,7 +103,9 @@ class Snap(NamedTuple):
 
 
 class Slides(NamedTuple):
-    """Where nothing that presses sticks any more, and the object has gone too far (`path/watch`), or it snaps. stage, share : where. number : of the last state before."""
+    """Where nothing that presses sticks any more, and the object has gone too far (`path/watch`), or it snaps.
+    stage, share : where. number : of the last state before.
+    """
 
     stage: int
     share: float
