@@ -67,14 +67,14 @@ def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution
 
 def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading, bool]:
     """The loading, and whether its end is the same with half the steps; where it is not, with twice as many, and twice
-    as many again. Raises Unsupported.
+    as many again. Where nothing slides it has half the steps. Raises Unsupported.
     """
-    path = follow(spec, section, None, order, None, STEPS, None)
-    if path.outcome is Outcome.GAVE_UP or not _slid(
-        path
-    ):  # steps in which nothing slides and nothing opens are as good as any others
-        return path, True
     coarse, count = follow(spec, section, None, order, None, STEPS // 2, None), STEPS
+    if not _slid(coarse):
+        return coarse, True  # steps in which nothing slides are exact, however long
+    path = follow(spec, section, None, order, None, STEPS, None)
+    if path.outcome is Outcome.GAVE_UP:
+        return path, True
     for _ in range(_MORE):
         if coarse.held == path.held:
             return path, True
