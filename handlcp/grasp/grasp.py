@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Self, overload
+from typing import TYPE_CHECKING, Any, Self, overload
 
 from handlcp.check import Array, number, read_only, yes_or_no
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
-from handlcp.grasp.analysis.compare_without import measured
-from handlcp.grasp.analysis.explanation import Explanation, explain
-from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.asked import Asked, alone, remade
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
-from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem, assemble
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.contact import Contact
@@ -23,6 +18,11 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.questions import Questions
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.lcp import Auto, ContactSolver, Solver
+
+if TYPE_CHECKING:
+    from handlcp.grasp.analysis.explanation import Explanation
+    from handlcp.grasp.assembly.contact_form import GraspContactProblem
+    from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem
 
 __all__ = ["Grasp"]
 
@@ -111,6 +111,9 @@ class Grasp(Questions):
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
+        from handlcp.grasp.assembly.contact_form import stamped
+        from handlcp.grasp.assembly.problem import assemble
+
         problem = assemble(self.scene, self._section(faces), stamped(self.spec.effects))
         problem.complete()
         return problem
@@ -121,6 +124,9 @@ class Grasp(Questions):
         measure : also in time: each one's share of a solve, from half a second of solves with it and without it (see
         `grasp.analysis.compare_without`); none where the grasp has no answer, or no scene is without the effect.
         """
+        from handlcp.grasp.analysis.compare_without import measured
+        from handlcp.grasp.analysis.explanation import explain
+
         section = self._section(faces)
         found = explain(self.spec, self.scene, section)
         solution = self.solve(faces, Auto(search_seconds=0), throw=False) if measure else None
@@ -128,6 +134,8 @@ class Grasp(Questions):
 
     def plan(self, faces: int | str | Pyramid = "cone", chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
+        from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
+
         return (chain or Auto()).plan(GraspContactProblem(self.scene, self._section(faces), stamped(self.spec.effects)))
 
     def solve(
@@ -150,6 +158,8 @@ class Grasp(Questions):
             section = self._section(faces)
             solution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
         elif faces == "cone":
+            from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
+
             asked = number("accuracy", accuracy, above=0.0)
             section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where, proof)
         else:
@@ -157,6 +167,9 @@ class Grasp(Questions):
         reached = solution.accuracy
         if not throw or (solution.held and (reached is None or reached.met)):
             return solution
+        from handlcp.grasp.assembly.contact_form import stamped
+        from handlcp.grasp.assembly.problem import assemble
+
         raise no_solution(assemble(self.scene, section, stamped(self.spec.effects)), solution)
 
     def replace(

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from handlcp.check import number
 from handlcp.errors import InputError, NoSolutionFound
-from handlcp.grasp.analysis.equilibria import Equilibria, equilibria
-from handlcp.grasp.analysis.required import Required
-from handlcp.grasp.analysis.suggestions import Suggestions
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import Verdict
-from handlcp.grasp.design.best_change import BestChange, best_change, means_of_fingers
-from handlcp.grasp.design.confirmed import confirmed_friction, confirmed_preload
-from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
 from handlcp.grasp.friction import Pyramid, Section, as_section
-from handlcp.grasp.limits.load_limit import load_limit
-from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.margins.margins import Margins, margins_of
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.follow import Loading, follow
-from handlcp.grasp.verdict.check import check
-from handlcp.grasp.verdict.suggested import suggested
-from handlcp.grasp.verdict.trials import stiffened
+
+if TYPE_CHECKING:
+    from handlcp.grasp.analysis.equilibria import Equilibria
+    from handlcp.grasp.analysis.required import Required
+    from handlcp.grasp.analysis.suggestions import Suggestions
+    from handlcp.grasp.answer.verdict import Verdict
+    from handlcp.grasp.design.best_change import BestChange
+    from handlcp.grasp.design.stiffness import RequiredStiffness
+    from handlcp.grasp.limits.result import LoadLimit
+    from handlcp.grasp.margins.margins import Margins
+    from handlcp.grasp.path.follow import Loading
 
 __all__ = ["Questions"]
 
@@ -47,6 +44,8 @@ class Questions(ABC):
 
         solution : of this grasp, solved with `faces`; None: solved now. Raises InputError.
         """
+        from handlcp.grasp.verdict.suggested import suggested
+
         solution = self.solve(faces, throw=False) if solution is None else solution
         if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
             raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
@@ -58,12 +57,16 @@ class Questions(ABC):
         """The smallest squeeze [m], added to every finger as a preload, with which the grasp holds, to a relative
         tolerance: as `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
         """
+        from handlcp.grasp.design.confirmed import confirmed_preload
+
         return confirmed_preload(self.spec, self._section(faces), tolerance)
 
     def required_friction(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds: as
         `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
         """
+        from handlcp.grasp.design.confirmed import confirmed_friction
+
         return confirmed_friction(self.spec, self._section(faces), tolerance)
 
     def required_stiffness(
@@ -74,6 +77,9 @@ class Questions(ABC):
 
         Pads stay as they are. What the hand is commanded stays, too. tolerance : relative. Raises InputError.
         """
+        from handlcp.grasp.design.stiffness import required_stiffness
+        from handlcp.grasp.verdict.trials import stiffened
+
         return required_stiffness(self.spec, self._section(faces), motion, tolerance, stiffened)
 
     def best_change(
@@ -87,6 +93,8 @@ class Questions(ABC):
         none, its weight once more. The load limit is found anew with each change, and `check()` judges the best one.
         Raises InputError, Unsupported (known forces).
         """
+        from handlcp.grasp.design.best_change import best_change, means_of_fingers
+
         return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_fingers)
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
@@ -94,6 +102,8 @@ class Questions(ABC):
 
         faces : see `problem`. Friction can hold an object in several ways under one load; `solve` returns one of them.
         """
+        from handlcp.grasp.analysis.equilibria import equilibria
+
         return equilibria(self.spec, self._section(faces), number("seconds", seconds, above=0.0))
 
     def check(
@@ -104,6 +114,8 @@ class Questions(ABC):
         torque limits. Links inside the object, joints past their ranges and doubtful limits are named; where it does
         not hold, what was tried and would help. solution : of this grasp with these faces; None: solved now.
         """
+        from handlcp.grasp.verdict.check import check
+
         one = self.solve(faces, throw=False) if solution is None else solution
         return check(self.spec, self.scene, self._section(faces), order, one)
 
@@ -123,6 +135,8 @@ class Questions(ABC):
         `accuracy` is that change. faces : as in `problem`. Raises InputError, Unsupported (known forces; an accuracy
         that is not reached); with `throw`, NoSolutionFound where it is lost.
         """
+        from handlcp.grasp.path.follow import follow
+
         found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance, accuracy)
         if throw and not found.reached:
             raise NoSolutionFound(found.why, found, found.solution)
@@ -143,6 +157,8 @@ class Questions(ABC):
         error of the factor that is enough, where the geometry is followed: steps are doubled until it changes by no
         more. Raises InputError, Unsupported (known forces; an accuracy that is not reached).
         """
+        from handlcp.grasp.limits.load_limit import load_limit
+
         return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn, accuracy)
 
     def margins(
@@ -154,6 +170,8 @@ class Questions(ABC):
         solution : of this grasp with these faces; None: solved now. length : that moments are divided by in the wrench
         space [m]; None: the root mean square of the contacts' distances from their centre. Raises InputError.
         """
+        from handlcp.grasp.margins.margins import margins_of
+
         one = self.solve(faces, throw=False) if solution is None else solution
         return margins_of(self.spec, self.scene, self._section(faces), one, length)
 

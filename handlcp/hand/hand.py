@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.hand.elasticity.pads import read_pads
-from handlcp.hand.elasticity.stiffness import read_stiffness
-from handlcp.hand.objects.close import close_on as _close_on
-from handlcp.hand.robot.audit.audit import Audit, audit_of
-from handlcp.hand.robot.describe.report import HandDescription, describe_hand
-from handlcp.hand.robot.doubt import Doubt
-from handlcp.hand.robot.fingertips.frames import find_tips
-from handlcp.hand.robot.joint_limits import read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import Description
-from handlcp.hand.robot.source.read import describe_model, describe_xml
-from handlcp.hand.robot.source.xml import MJCF, URDF
-from handlcp.hand.robot.tip_geometry import TipGeometry, read_radii
+from handlcp.hand.robot.tip_geometry import TipGeometry
 from handlcp.hand.state import HandState
 from handlcp.keywords import helped, needed
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from handlcp.hand.objects.object import Object
+    from handlcp.hand.robot.audit.audit import Audit
+    from handlcp.hand.robot.describe.report import HandDescription
 
 __all__ = ["Hand"]
 
@@ -81,6 +78,9 @@ class Hand(HandModel):
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
+        from handlcp.hand.robot.source.read import describe_model, describe_xml
+        from handlcp.hand.robot.source.xml import URDF
+
         if isinstance(source, pin.Model):
             if base is not None:
                 raise InputError("base", "None for a pinocchio.Model (only a URDF file can be cut)", repr(base))
@@ -110,6 +110,9 @@ class Hand(HandModel):
 
         Raises Unsupported without MuJoCo (pip install handlcp[mujoco]), and what `from_urdf` raises.
         """
+        from handlcp.hand.robot.source.read import describe_xml
+        from handlcp.hand.robot.source.xml import MJCF
+
         described = describe_xml("source", source, base, package_dirs, (MJCF,))
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
 
@@ -130,6 +133,8 @@ class Hand(HandModel):
         Pinocchio does not know mimic joints unless the model has them as joints of their own kind, which are refused:
         every joint is a joint of its own here. Arguments as of `from_urdf`. Raises InputError, URDFError, UnknownName.
         """
+        from handlcp.hand.robot.source.read import describe_model
+
         described = describe_model("model", model)
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
 
@@ -137,6 +142,12 @@ class Hand(HandModel):
     def _made(
         cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any
     ) -> Self:
+        from handlcp.hand.elasticity.pads import read_pads
+        from handlcp.hand.elasticity.stiffness import read_stiffness
+        from handlcp.hand.robot.fingertips.frames import find_tips
+        from handlcp.hand.robot.joint_limits import read_torque_limits
+        from handlcp.hand.robot.tip_geometry import read_radii
+
         model = pin.Model(described.model)
         kinematics = Kinematics(model, described.facts)
         tips = find_tips(model, described, fingertips)
@@ -164,6 +175,12 @@ class Hand(HandModel):
         Beside new fingertips, what was passed by name of the old ones has to be passed again. Raises InputError,
         UnknownName.
         """
+        from handlcp.hand.elasticity.pads import read_pads
+        from handlcp.hand.elasticity.stiffness import read_stiffness
+        from handlcp.hand.robot.fingertips.frames import find_tips
+        from handlcp.hand.robot.joint_limits import read_torque_limits
+        from handlcp.hand.robot.tip_geometry import read_radii
+
         joints, facts = self.joint_names, self.description.facts
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__)
@@ -206,6 +223,9 @@ class Hand(HandModel):
 
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
+        from handlcp.hand.robot.audit.audit import audit_of
+        from handlcp.hand.robot.doubt import Doubt
+
         doubts = self.doubts
         if self.stiffness.uniform:
             k = self.stiffness.matrix[0, 0]
@@ -216,6 +236,8 @@ class Hand(HandModel):
 
     def describe(self) -> HandDescription:
         """Joints with ranges, limits, stiffness; fingertips, and why; couplings; mass; size. To print, or as data."""
+        from handlcp.hand.robot.describe.report import describe_hand
+
         return describe_hand(self)
 
     def at(self, q: Any) -> HandState:
@@ -225,4 +247,23 @@ class Hand(HandModel):
         """
         return HandState(self, self.kinematics.posture("q", q))
 
-    close_on = _close_on
+    def close_on(
+        self, obj: Object, q0: Any = None, *, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
+        tolerance: float = 1e-6,
+    ) -> Array:  # fmt: skip
+        """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
+        read-only.
+
+        Only joints that move one fingertip alone take part, each within its range (q0 is moved into it first). Links
+        and the palm are not checked: they may pass through the object.
+
+        fingers : names of those that close; None: all. tolerance : [m] on the gap at the end.
+        squeeze : [m] how far the tips end up inside the object: a number ≥ 0, (n,), or a mapping by fingertip (others:
+            0). The posture is then the one that the joints are commanded to, and a grasp from there has the forces of
+            `squeeze=` of `state.grasp` from the posture that touches, to first order: contacts and levers are those of
+            the posture inside the object. There, joints that several fingers share take part, too.
+        Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
+        """
+        from handlcp.hand.objects.close import close_on
+
+        return close_on(self, obj, q0, fingers, squeeze, tolerance)

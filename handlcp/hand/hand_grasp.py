@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.analysis.equilibria import Equilibria
-from handlcp.grasp.analysis.explanation import Explanation
-from handlcp.grasp.analysis.suggestions import force_change
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
@@ -22,16 +19,18 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.force_iteration import force_dependent
 from handlcp.hand.asked.asked import HandAsked
-from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.design.questions import HandQuestions
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
-from handlcp.hand.reach import out_of_reach
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.keywords import helped
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.tolerances import SEMIDEFINITE
+
+if TYPE_CHECKING:
+    from handlcp.grasp.analysis.equilibria import Equilibria
+    from handlcp.grasp.analysis.explanation import Explanation
 
 __all__ = ["HandGrasp", "grasp_of"]
 
@@ -125,6 +124,8 @@ class HandGrasp(HandQuestions):
         """What was asked of the fingers and no command of their joints makes, one `Reach` for each kind: an overlap in
         the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within reach.
         """
+        from handlcp.hand.reach import out_of_reach
+
         return out_of_reach(self.spec)
 
     @property
@@ -153,6 +154,8 @@ class HandGrasp(HandQuestions):
         () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
         Raises NotReached, UnknownName, InputError.
         """
+        from handlcp.hand.asked.change import hand_remade
+
         given = dict(
             wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
             environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
@@ -198,6 +201,8 @@ class HandGrasp(HandQuestions):
         solution : of this grasp, an answer. faces : those that it was solved with. It costs one solve and the second
         derivatives. Raises InputError.
         """
+        from handlcp.grasp.analysis.suggestions import force_change
+
         if not getattr(solution, "held", False):
             got = "one without forces" if solution else repr(solution)
             raise InputError("solution", "an answer of this grasp", got)

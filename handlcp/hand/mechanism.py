@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.mechanism import Mechanism
@@ -26,21 +25,19 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.pads import tip_flexibility
-from handlcp.hand.followed.geometry import FollowedHand
-from handlcp.hand.objects.close import close_on
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.posture_reasons import posture_reasons
-from handlcp.hand.reach import eased, reach_reasons, squeezed_further
-from handlcp.hand.robot.audit.audit import doubt_reasons
-from handlcp.hand.robot.contact_hessian import contact_hessian
 from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.varied import Varied
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.squeeze import TOUCHING, overlaps
-from handlcp.hand.torques import TorqueCheck, torque_check, torque_reasons
 from handlcp.lazy import lazy
+
+if TYPE_CHECKING:
+    from handlcp.grasp.answer.verdict import Reason
+    from handlcp.hand.followed.geometry import FollowedHand
+    from handlcp.hand.torques import TorqueCheck
 
 __all__ = ["HandMechanism", "finger_flexibility", "mechanism_of"]
 
@@ -92,6 +89,8 @@ class HandMechanism(Varied, Mechanism):
 
     @lazy
     def _hessian(self) -> Array:
+        from handlcp.hand.robot.contact_hessian import contact_hessian
+
         H = contact_hessian(self.posture, self.tips, self.positions, self.frames)
         still = np.zeros((len(self.jacobian) - len(H), *H.shape[1:]))
         return read_only(np.concatenate([H, still]))
@@ -113,6 +112,8 @@ class HandMechanism(Varied, Mechanism):
 
     def followed(self, spec: GraspSpec) -> FollowedHand:
         """Of this grasp."""
+        from handlcp.hand.followed.geometry import FollowedHand
+
         return FollowedHand(spec)
 
     @property
@@ -145,6 +146,9 @@ class HandMechanism(Varied, Mechanism):
 
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """Of its torques, its limits and its posture."""
+        from handlcp.hand.robot.audit.audit import doubt_reasons
+        from handlcp.hand.torques import torque_reasons
+
         if solution.held:
             yield from torque_reasons(solution.torque_check)
             yield from doubt_reasons(self.posture.hand.doubts)
@@ -153,18 +157,27 @@ class HandMechanism(Varied, Mechanism):
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes."""
+        from handlcp.hand.reach import reach_reasons
+
         yield from reach_reasons(spec)
 
     def squeezed(self, spec: GraspSpec, depth: float) -> GraspSpec:
         """By commands of the joints."""
+        from handlcp.hand.reach import squeezed_further
+
         return squeezed_further(spec, depth)
 
     def eased(self, spec: GraspSpec, share: float) -> GraspSpec:
         """Commands of the joints included."""
+        from handlcp.hand.reach import eased
+
         return eased(spec, share)
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """Of torques and posture at the end of a loading."""
+        from handlcp.hand.robot.audit.audit import doubt_reasons
+        from handlcp.hand.torques import torque_reasons
+
         at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
         yield from torque_reasons(self._check(at_limit, yielded))
         yield from doubt_reasons(self.posture.hand.doubts)
@@ -174,6 +187,8 @@ class HandMechanism(Varied, Mechanism):
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
         be another one there.
         """
+        from handlcp.hand.objects.close import close_on
+
         told = any(isinstance(e, JointOffset) for e in spec.effects)
         if told or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
             return None
@@ -206,6 +221,8 @@ class HandMechanism(Varied, Mechanism):
 
     def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
         """Of a posture, with the object there; None: not known."""
+        from handlcp.hand.objects.posture_reasons import posture_reasons
+
         if posture is not None:
             yield from posture_reasons(posture, obj, self.tips)
 
@@ -233,6 +250,8 @@ class HandMechanism(Varied, Mechanism):
         }  # fmt: skip
 
     def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
+        from handlcp.hand.torques import torque_check
+
         limits, yielding = self.posture.hand.torques, tuple[str, ...]()
         if yielded.any():  # NaN without an answer
             yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])

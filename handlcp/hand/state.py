@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
-from handlcp.hand.make_grasp import make_grasp
-from handlcp.hand.robot.posture import Posture
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-__all__ = ["HandState"]
+from handlcp.hand.robot.posture import GRAVITY, Posture
+
+if TYPE_CHECKING:
+    from handlcp.hand.hand_grasp import HandGrasp
+
+__all__ = ["HandState", "WeightGiven"]
+
+WeightGiven: TypeAlias = bool | Literal["torques"]
 
 
 class HandState(Posture):
@@ -14,4 +21,68 @@ class HandState(Posture):
     Data as in `Posture`: hand, q, tip_positions, tip_rotations, jacobian, flexibility.
     """
 
-    grasp = make_grasp
+    def grasp(
+        self,
+        target: Any,
+        friction: Any = None,
+        wrench: Any = None,
+        gravity: Any = GRAVITY,
+        preload: Any = 0.0,
+        *,
+        offset: Any = None,
+        reference: Any = None,
+        fingers: Sequence[str] | None = None,
+        max_gap: Any = 1e-3,
+        effects: Iterable[Any] = (),
+        finger_weight: WeightGiven = False,
+        plane: Any = None,
+        squeeze: Any = None,
+        grip_force: Any = None,
+        joint_offset: Any = None,
+        environment: Any = None,
+    ) -> HandGrasp:
+        """The grasp of an object from this posture.
+
+        target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected. A
+            fingertip that overlaps the object counts as squeezed by as much from a posture that touches. Or contacts, a
+            sequence with one for each finger, or a mapping by fingertip name: each moves rigidly with its fingertip,
+            and is taken as touching.
+        friction : of all contacts with an object: a coefficient, a law, or a mapping by fingertip of these (others:
+            0.6); None: 0.6. Contacts bring their own.
+        wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
+            (In `grasp.replace` that is `load`; `wrench` is the whole load there, weight included.)
+        gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
+        preload : [m] a number or (n,), squeeze of the normals whether or not the joints can make it: `out_of_reach` of
+            the grasp says what they cannot. offset : (n, 3) [m], contact axes, as in `Grasp`. Both come beside a
+            command.
+        reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
+        fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
+        max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
+        effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield, `GeometricStiffness()`
+            lets the forces turn their own levers.
+        finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
+            the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
+            "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset
+            applies.
+        squeeze, grip_force, joint_offset : how hard the hand closes, at most one of them. Each commands the joints
+            beyond the posture, by δq, which adds -J δq to the offsets; `out_of_reach` of the grasp says what joints
+            cannot make.
+            squeeze : [m] how much deeper than touching the tips are commanded along the normals, by the smallest δq, a
+            gap or an overlap included: as `close_on` with that squeeze, the posture staying. A number ≥ 0, (n,), or a
+            mapping by fingertip name (others: 0).
+            grip_force : [N] normal force with which each tip would press on an object that stays where it is, and where
+            it does not slip; otherwise likewise.
+            joint_offset : (nv,) or a mapping by joint name (others: 0) [rad, m], δq itself.
+        environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those
+            contacts come last; friction, preload and offset above are the fingers', n of them.
+
+        Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
+        """
+        from handlcp.hand.asked.asked import HandAsked
+        from handlcp.hand.hand_grasp import HandGrasp
+
+        asked = HandAsked(
+            self, target, friction, wrench, gravity, preload, offset, reference, fingers, max_gap, effects,
+            finger_weight, plane, squeeze, grip_force, joint_offset, environment,
+        )  # fmt: skip
+        return HandGrasp(asked.spec())

@@ -8,7 +8,6 @@ from functools import partial
 
 from handlcp.check import Array
 from handlcp.errors import NoSolutionFound
-from handlcp.grasp.analysis.required import CHAIN, required_preload
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.problem import AnyProblem
@@ -44,6 +43,8 @@ def _squeeze(spec: GraspSpec, section: Section) -> float | None:
     """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
     digits, as it is said, where that holds, too.
     """
+    from handlcp.grasp.analysis.required import required_preload
+
     least = required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears, sure=_bears).value
     if not least:
         return least
@@ -54,6 +55,8 @@ def _squeeze(spec: GraspSpec, section: Section) -> float | None:
 
 def _bears(spec: GraspSpec, section: Section) -> bool:
     """Whether an equilibrium is found, and no joint is over its torque limit there."""
+    from handlcp.grasp.analysis.required import CHAIN
+
     found = solve_spec(spec, section, CHAIN)
     check = getattr(found, "torque_check", None)
     return found.held and (check is None or not check.over)

@@ -5,28 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.answer.accuracy import Accuracy
 from handlcp.grasp.answer.deferred import Deferred
-from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
-from handlcp.grasp.answer.friction_used import friction_margin, friction_used
-from handlcp.grasp.answer.printed import printed
-from handlcp.grasp.answer.reasons import reasons_of
 from handlcp.grasp.answer.shown import Shown
-from handlcp.grasp.answer.small_motions import Motions, motions
-from handlcp.grasp.answer.uniqueness import Uniqueness
-from handlcp.grasp.answer.verdict import Verdict, verdict_of
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.sensitivity.sensitivity import Sensitivity, sensitivity_of
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY
+
+if TYPE_CHECKING:
+    from handlcp.grasp.answer.small_motions import Motions
+    from handlcp.grasp.answer.uniqueness import Uniqueness
+    from handlcp.grasp.answer.verdict import Verdict
+    from handlcp.grasp.sensitivity.sensitivity import Sensitivity
 
 __all__ = ["GraspSolution"]
 
@@ -109,6 +107,8 @@ class GraspSolution(Shown, Deferred):
     @cached_property
     def diagnosis(self) -> str:
         """One sentence with the fingers' names: what slides, what is loose, how the object escapes, what would help."""
+        from handlcp.grasp.answer.diagnosis import UNDECIDED, Sentences
+
         if self.scene is None or self.reference is None:
             return self.status.meaning
         faces = self.section.faces if isinstance(self.section, Pyramid) and self.section.inscribed else 0
@@ -126,12 +126,17 @@ class GraspSolution(Shown, Deferred):
         """Does it hold? What this solution alone says: its status, its forces, and how far it goes beyond small
         motions. `grasp.check()` also follows the hand while it closes and is loaded.
         """
+        from handlcp.grasp.answer.reasons import reasons_of
+        from handlcp.grasp.answer.verdict import verdict_of
+
         mechanism = None if self.spec is None else self.spec.mechanism
         return verdict_of((*(() if mechanism is None else mechanism.reasons(self)), *reasons_of(self)))
 
     @property
     def _motions(self) -> Motions | None:
         """How far an answer goes beyond small motions; None where it is not known what was solved."""
+        from handlcp.grasp.answer.small_motions import motions
+
         return None if self.spec is None else motions(self)
 
     @property
@@ -150,6 +155,8 @@ class GraspSolution(Shown, Deferred):
         law, with the half-axes and the moment of other laws. On a pyramid inside the cone a contact slides from
         cos(π / faces) on. NaN where a contact has no friction or no force, and where there is no answer.
         """
+        from handlcp.grasp.answer.friction_used import friction_used
+
         nothing = np.full(len(self.names), np.nan)
         if self.scene is None or not self.held:
             return read_only(nothing)
@@ -161,6 +168,8 @@ class GraspSolution(Shown, Deferred):
         """(n,) N, how much more friction each contact would bear: μ r_N - |r_T|; 0 where it slides or has let go, NaN
         without friction and without an answer. Of a law with several coefficients, in units of the one called mu.
         """
+        from handlcp.grasp.answer.friction_used import friction_margin
+
         if self.scene is None or not self.held:
             return read_only(np.full(len(self.names), np.nan))
         margin, noise = friction_margin(self.scene, self.forces, self.torsion), CERTIFY * self.residuals.force_scale
@@ -171,7 +180,11 @@ class GraspSolution(Shown, Deferred):
         links, from the contact states at the answer: `s.sensitivity().forces_by_wrench` (n, 3, 6), and so on. Raises
         InputError for a solution that is not held.
         """
+        from handlcp.grasp.sensitivity.sensitivity import sensitivity_of
+
         return sensitivity_of(self)
 
     def __str__(self) -> str:
+        from handlcp.grasp.answer.printed import printed
+
         return printed(self, ())

@@ -18,12 +18,9 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.columns import Group, groups_of
 from handlcp.grasp.batch.first_stage import STATUSES, Answers
-from handlcp.grasp.batch.frame import frame
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
-from handlcp.grasp.solve.stages import answered
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
-from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 __all__ = ["Solutions"]
@@ -64,6 +61,8 @@ class Solutions(Data, Sequence[GraspSolution]):
     @overload
     def __getitem__(self, at: slice) -> list[GraspSolution]: ...
     def __getitem__(self, at: int | slice) -> GraspSolution | list[GraspSolution]:
+        from handlcp.grasp.solve.stages import answered
+
         if isinstance(at, slice):
             return [self[k] for k in range(len(self))[at]]
         k = range(len(self))[index(at)]
@@ -135,6 +134,8 @@ class Solutions(Data, Sequence[GraspSolution]):
         the joint that has it (None: no joint with a limit bears a torque, or there is no answer).
         Numbers are NaN where a grasp is not held, or has no finger or joint of that name.
         """
+        from handlcp.grasp.batch.frame import frame
+
         return {"status": self.status, "held": self.held, **frame(self._batch.grasps, self._groups)}
 
     def to_frame(self) -> Any:
@@ -143,6 +144,8 @@ class Solutions(Data, Sequence[GraspSolution]):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how many came to what."""
+        from handlcp.text_table import TextTable
+
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
         text: str = view("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
@@ -150,6 +153,8 @@ class Solutions(Data, Sequence[GraspSolution]):
 
     def __str__(self) -> str:
         """How many came to what."""
+        from handlcp.text_table import wrapped
+
         counts = Counter(self.status.tolist())
         return wrapped(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 

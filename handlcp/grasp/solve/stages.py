@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,13 +27,14 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import shifted
-from handlcp.grasp.search.nonexistence import EquilibriumSearch, Outcome
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
 from handlcp.grasp.solve.lazy_solution import lazy_solution, trace_of
-from handlcp.grasp.verify.holdable import escape_of, escaping_twist
 from handlcp.grasp.verify.judge import Verdict, judge
 from handlcp.lcp import BRIEFLY, LONGER, SOON, Auto, Proposal, Status, as_chain, proposals, stage_line
 from handlcp.lcp.solve import AnySolver
+
+if TYPE_CHECKING:
+    from handlcp.grasp.search.nonexistence import EquilibriumSearch, Outcome
 
 __all__ = ["BRIEF", "answered", "certified", "solve_built"]
 
@@ -77,6 +79,8 @@ def answered(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAns
 
 def _refused(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """NOT_HOLDABLE where that is proven, else UNDECIDED."""
+    from handlcp.grasp.verify.holdable import escape_of
+
     escape = found.escape
     trace = (*trace_of(found), f"holdability: {_NO_PROOF if escape is None else _PROOF}")
     made = without_numbers(spec, scene, section, found.residuals, found.iterations, trace)
@@ -88,6 +92,8 @@ def _in_stages(
     proof: bool,
 ) -> GraspSolution:  # fmt: skip
     """One stage after the other; `first` is the first one's proposal, where that is known."""
+    from handlcp.grasp.search.nonexistence import EquilibriumSearch
+
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
     problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped(spec.effects))
@@ -146,6 +152,8 @@ class _Run:
 
     def escapes(self) -> bool:
         """Whether it is proven that nothing holds the object."""
+        from handlcp.grasp.verify.holdable import escaping_twist
+
         self.escape = escaping_twist(self.scene, self.problem.section)
         self.trace.append(f"holdability: {_NO_PROOF if self.escape is None else _PROOF}")
         return self.escape is not None

@@ -22,11 +22,10 @@ from handlcp.hand.command import commanded, standing_off
 from handlcp.hand.mechanism import finger_flexibility, mechanism_of
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.table import surrounding
-from handlcp.hand.robot.posture import Posture
+from handlcp.hand.robot.posture import GRAVITY, Posture
 
-__all__ = ["GRAVITY", "HandAsked"]
+__all__ = ["HandAsked"]
 
-GRAVITY = (0.0, 0.0, -9.81)
 _GRAVITY = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
 
 

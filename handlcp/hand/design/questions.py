@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from handlcp.grasp.analysis.required import Required
-from handlcp.grasp.design.best_change import BestChange, best_change
-from handlcp.grasp.design.stiffness import RequiredStiffness, required_stiffness
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
-from handlcp.hand.design.commands import required_grip, required_squeeze
-from handlcp.hand.design.means import means_of_hand
-from handlcp.hand.design.motors import RequiredTorque
-from handlcp.hand.design.required_torque import required_torque
-from handlcp.hand.design.stiffer import hand_stiffened
+
+if TYPE_CHECKING:
+    from handlcp.grasp.analysis.required import Required
+    from handlcp.grasp.design.best_change import BestChange
+    from handlcp.grasp.design.stiffness import RequiredStiffness
+    from handlcp.hand.design.motors import RequiredTorque
 
 __all__ = ["HandQuestions"]
 
@@ -44,6 +42,8 @@ class HandQuestions(Grasp):
         the answer is confirmed where all of them are HELD.
         Raises InputError, UnknownName, Unsupported (known forces).
         """
+        from handlcp.hand.design.required_torque import required_torque
+
         return required_torque(self.spec, self._section(faces), loads, safety, tolerance, progress)
 
     def required_grip(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
@@ -51,12 +51,16 @@ class HandQuestions(Grasp):
         the grasp holds when it closes and is loaded then, to a relative tolerance. `required_torque` finds a grip for
         each finger. Raises InputError, Unsupported.
         """
+        from handlcp.hand.design.commands import required_grip
+
         return required_grip(self.spec, self._section(faces), tolerance)
 
     def required_squeeze(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
         grasp holds, as `required_grip`. Raises InputError, Unsupported.
         """
+        from handlcp.hand.design.commands import required_squeeze
+
         return required_squeeze(self.spec, self._section(faces), tolerance)
 
     def required_stiffness(
@@ -65,6 +69,9 @@ class HandQuestions(Grasp):
         """As `Grasp.required_stiffness`. A grip force stays the force that it is; a squeeze stays as deep, and a joint
         offset as large, so that stiffer joints press harder.
         """
+        from handlcp.grasp.design.stiffness import required_stiffness
+        from handlcp.hand.design.stiffer import hand_stiffened
+
         return required_stiffness(self.spec, self._section(faces), motion, tolerance, hand_stiffened)
 
     def best_change(
@@ -74,4 +81,7 @@ class HandQuestions(Grasp):
         """As `Grasp.best_change`: of grip, friction, stiffness of the joints and torque limits. A grip force stays the
         force that it is where joints are made stiffer or softer.
         """
+        from handlcp.grasp.design.best_change import best_change
+        from handlcp.hand.design.means import means_of_hand
+
         return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_hand)

@@ -27,28 +27,11 @@ NUDGE = 0.05  # [rad, m]
 
 
 def close_on(
-    hand: HandModel,
-    obj: Object,
-    q0: Any = None,
-    *,
-    fingers: Sequence[str] | None = None,
-    squeeze: Any = 0.0,
+    hand: HandModel, obj: Object, q0: Any = None, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
     tolerance: float = 1e-6,
-) -> Array:
-    """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
-    read-only.
-
-    Only joints that move one fingertip alone take part, each within its range (q0 is moved into it first). Each step
-    is the smallest that closes the gap to first order, δq = gap · g / |g|² with g = nᵀ J, without the joints at the end
-    of their range.
-    Links and the palm are not checked: they may pass through the object.
-
-    fingers : names of those that close; None: all. tolerance : [m] on the gap at the end.
-    squeeze : [m] how far the tips end up inside the object: a number ≥ 0, (n,), or a mapping by fingertip (others: 0).
-        The posture is then the one that the joints are commanded to, and a grasp from there has the forces of
-        `squeeze=` of `state.grasp` from the posture that touches, to first order: contacts and levers are those of the
-        posture inside the object. There, joints that several fingers share take part, too.
-    Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
+) -> Array:  # fmt: skip
+    """See `Hand.close_on`. Each step is the smallest that closes the gap to first order, δq = gap · g / |g|² with
+    g = nᵀ J, without the joints at the end of their range.
     """
     if not isinstance(obj, Object):
         raise InputError("obj", what_to_pass(obj), repr(obj)[:80])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import pinocchio as pin
 
@@ -12,16 +12,16 @@ from handlcp.check import Array, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.pads import Pads
-from handlcp.hand.robot.audit.audit import doubts_of
-from handlcp.hand.robot.audit.geometry import tip_doubts
 from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.fingertips.frames import TipFrames
 from handlcp.hand.robot.joint_limits import TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics
-from handlcp.hand.robot.link_surface import LinkSurface, link_surfaces
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
 from handlcp.lazy import lazy
+
+if TYPE_CHECKING:
+    from handlcp.hand.robot.link_surface import LinkSurface
 
 __all__ = ["HandModel"]
 
@@ -124,6 +124,9 @@ class HandModel:
     @lazy
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
+        from handlcp.hand.robot.audit.audit import doubts_of
+        from handlcp.hand.robot.audit.geometry import tip_doubts
+
         shared = self.stiffness.law[1]  # words of a transmission
         every = (*doubts_of(self.description, self.torques.given, self.kinematics), *tip_doubts(self))
         return tuple(d for d in every if not (shared and d.about == "tendon"))
@@ -131,6 +134,8 @@ class HandModel:
     @lazy
     def link_surfaces(self) -> tuple[LinkSurface, ...]:
         """The links' collision geometry, loaded when first asked for. Raises URDFError."""
+        from handlcp.hand.robot.link_surface import link_surfaces
+
         return link_surfaces(self.description)
 
     def stiffer(self, factor: float) -> Self:
