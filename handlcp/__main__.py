@@ -6,8 +6,6 @@ import os
 import signal
 import sys
 
-__all__ = ["main"]
-
 INTERRUPTED = 130  # as a shell reports a program that Ctrl-C ended
 
 

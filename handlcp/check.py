@@ -11,25 +11,6 @@ import numpy.typing as npt
 from handlcp.errors import InputError, UnknownName
 from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY
 
-__all__ = [
-    "Array",
-    "Bools",
-    "Ints",
-    "array",
-    "dimensions",
-    "integer",
-    "nothing",
-    "number",
-    "per_name",
-    "psd",
-    "read_only",
-    "sealed",
-    "spd",
-    "symmetric",
-    "unit",
-    "yes_or_no",
-]
-
 _FLOAT = np.dtype(float)
 _NEARLY_UNIT = 1e-3  # a normal off by less was rounded or computed, and is normalised; by more, it is a mistake
 

@@ -7,8 +7,6 @@ from typing import TypeVar
 
 from handlcp.errors import Unsupported
 
-__all__ = ["MORE", "SAFE", "doubled", "insisted"]
-
 MORE = 1.6  # times as many steps: fewer than that tell nothing about the error
 SAFE = 1.5  # times the change from half the steps, which is the error where it falls with the steps
 _MOST = 6  # times: no more steps for an accuracy

@@ -11,21 +11,6 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-__all__ = [
-    "HandLCPError",
-    "InputError",
-    "NoGraspFound",
-    "NoSolutionFound",
-    "NotReached",
-    "SceneFileError",
-    "URDFError",
-    "UnknownName",
-    "Unsupported",
-    "brief",
-    "unreadable",
-    "writing",
-]
-
 _LONGEST = 600  # characters of what came in a message
 
 

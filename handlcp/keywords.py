@@ -10,8 +10,6 @@ from typing import Any, TypeVar, cast
 
 from handlcp.errors import InputError
 
-__all__ = ["helped", "needed"]
-
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 

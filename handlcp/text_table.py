@@ -6,8 +6,6 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["WIDTH", "TextTable", "wrapped"]
-
 WIDTH = 80  # columns of what is printed
 _GAP, _LEAST = "  ", 8  # between columns; the narrowest that the first one becomes
 

@@ -6,30 +6,6 @@ A threshold that serves one computation alone stands beside it.
 
 from __future__ import annotations
 
-__all__ = [
-    "ACTIVE",
-    "CERTIFY",
-    "ELIMINATE_RCOND",
-    "EVENTS_END",
-    "FASTER",
-    "FIXED_POINT",
-    "GROWTH",
-    "JUMPS",
-    "LARGEST",
-    "LARGEST_RAW",
-    "LEVER",
-    "NO_SNAP",
-    "OVER",
-    "PIVOT",
-    "RANK",
-    "RUNS",
-    "SEMIDEFINITE",
-    "SOLVE",
-    "STEEPEST",
-    "SYMMETRY",
-    "UNIT_NORMAL",
-]
-
 # What a solver aims for: natural residual in nondimensional units. Newton's last step usually reaches 1e-14.
 SOLVE = 1e-10
 

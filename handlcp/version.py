@@ -1,5 +1,3 @@
 """The version, where every room can read it."""
 
-__all__ = ["VERSION"]
-
 VERSION = "0.1.0"

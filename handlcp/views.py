@@ -6,8 +6,6 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-__all__ = ["view"]
-
 
 def view(name: str) -> Callable[..., Any]:
     """A function of `handlcp.show.doors`, imported when it is called for: no answer pays for a picture nobody draws."""

@@ -8,11 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "NOTHING", "LengthUnit", "angle", "column", "distinct", "either", "first_largest", "force", "length", "length_unit",
-    "lengths", "listed", "percent", "prefixed", "push", "torque", "torques",
-]  # fmt: skip
-
 NOTHING = 1e-10  # [m] motions below this are rounding
 _MOST = 4  # names in a list
 _ALIKE = 1e-6  # of the largest: what differs by less is a tie

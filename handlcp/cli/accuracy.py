@@ -13,8 +13,6 @@ from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
 from handlcp.errors import NoSolutionFound
 from handlcp.show.file import checked, writable
 
-__all__ = ["accuracy"]
-
 
 @app.command()
 def accuracy(

@@ -22,8 +22,6 @@ from handlcp.errors import HandLCPError, InputError, brief
 from handlcp.study.plain import json_text
 from handlcp.version import VERSION
 
-__all__ = ["Json", "app", "print_json", "print_tables", "progress_bar", "say", "sides_of", "titled"]
-
 
 class _Commands(TyperGroup):
     """Bad input, be it an option or a file, becomes one message on stderr and exit status 2."""

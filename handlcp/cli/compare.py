@@ -15,8 +15,6 @@ from handlcp.cli.app import Json, app, print_json, say, titled
 from handlcp.hand import HandGrasp
 from handlcp.show import tables
 
-__all__ = ["compare"]
-
 
 @app.command()
 def compare(

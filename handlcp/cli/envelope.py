@@ -13,8 +13,6 @@ from handlcp.errors import InputError, brief
 from handlcp.show.file import checked
 from handlcp.show.page.file import checked as checked_page
 
-__all__ = ["envelope"]
-
 
 @app.command()
 def envelope(

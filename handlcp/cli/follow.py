@@ -13,8 +13,6 @@ from handlcp.grasp import Loading
 from handlcp.show.file import checked
 from handlcp.show.page.file import checked as checked_page
 
-__all__ = ["follow"]
-
 
 @app.command()
 def follow(

@@ -10,8 +10,6 @@ import typer
 from handlcp.cli.app import Json, app, print_json, progress_bar
 from handlcp.errors import HandLCPError, InputError, UnknownName
 
-__all__ = ["gallery"]
-
 
 @app.command()
 def gallery(

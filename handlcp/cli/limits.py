@@ -16,8 +16,6 @@ from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
 from handlcp.show.file import checked
 
-__all__ = ["limits"]
-
 _Wrench = tuple[float, float, float, float, float, float]
 _AXES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}
 _WAYS = np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1))

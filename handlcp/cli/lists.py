@@ -17,8 +17,6 @@ from handlcp.hand.library import NEED_MUJOCO
 from handlcp.show import tables
 from handlcp.study.plain import pick
 
-__all__ = ["audit", "effects", "hands", "keys", "paper"]
-
 PackageDirs = Annotated[list[Path] | None, typer.Option(help="Folder for package:// addresses; may be repeated.")]
 
 

@@ -18,8 +18,6 @@ from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
 from handlcp.show import tables
 
-__all__ = ["motors"]
-
 _WAYS = {
     "x up": (-1.0, 0.0, 0.0), "x down": (1.0, 0.0, 0.0), "y up": (0.0, -1.0, 0.0), "y down": (0.0, 1.0, 0.0),
     "z up": (0.0, 0.0, -1.0), "z down": (0.0, 0.0, 1.0),

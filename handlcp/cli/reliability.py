@@ -12,8 +12,6 @@ from handlcp.cli.app import Json, app, print_json, progress_bar, sides_of, title
 from handlcp.errors import InputError
 from handlcp.show.file import checked, writable
 
-__all__ = ["reliability"]
-
 _SHARE = "standard deviation, as a share"
 
 

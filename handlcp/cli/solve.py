@@ -24,8 +24,6 @@ from handlcp.show.loading.report import solution_tables
 from handlcp.show.page.file import checked as checked_page
 from handlcp.show.record import record
 
-__all__ = ["solve"]
-
 _NO_SHARES = "No shares of the time: they are measured at an answer, and there is none."
 _COLOURS = {"HELD": "green", "UNDECIDED": "yellow"}  # the rest is red
 

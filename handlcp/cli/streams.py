@@ -10,8 +10,6 @@ import sys
 import unicodedata
 from io import TextIOWrapper
 
-__all__ = ["full", "lost", "open_streams", "spelt"]
-
 # What the package's words and tables use beyond ASCII, for terminals that cannot show it
 _SPELT = {
     "–": "-", "—": "-", "−": "-", "…": "...", "·": ".", "•": "*", "█": "#", "─": "-", "━": "-", "│": "|", "┃": "|",

@@ -11,8 +11,6 @@ from rich.text import Text
 from handlcp.cli.app import Json, app, print_json, progress_bar
 from handlcp.errors import InputError
 
-__all__ = ["warm"]
-
 
 @app.command()
 def warm(json: Json = False) -> None:

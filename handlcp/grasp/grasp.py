@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from handlcp.grasp.assembly.contact_form import GraspContactProblem
     from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem
 
-__all__ = ["Grasp"]
-
 
 class Grasp(Questions):
     """Fingers on an object under a load. Immutable.

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from handlcp.grasp.margins.margins import Margins
     from handlcp.grasp.path.follow import Loading
 
-__all__ = ["Questions"]
-
 
 class Questions(ABC):
     """Base of `Grasp`: what is asked of it, as `spec` (data) and `scene` (arrays) have it."""

@@ -16,8 +16,6 @@ from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.reach import joint_by_joint, motions_of
 from handlcp.hand.squeeze import by_tip, gripping, overlaps, squeezing
 
-__all__ = ["commanded", "read_joint_offset", "standing_off"]
-
 
 def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
     """(nv,) δq [rad, m] from numbers or a mapping by joint name (others 0); None: 0. Raises InputError, UnknownName."""

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from handlcp.hand.robot.audit.audit import Audit
     from handlcp.hand.robot.describe.report import HandDescription
 
-__all__ = ["Hand"]
-
 _STIFFNESS = (
     "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by joint name, "
     "or a matrix (no file says it)"

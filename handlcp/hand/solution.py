@@ -12,8 +12,6 @@ from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.torques import TorqueCheck
 
-__all__ = ["HandGraspSolution"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class HandGraspSolution(GraspSolution):

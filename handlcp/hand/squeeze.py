@@ -21,8 +21,6 @@ from handlcp.check import Array, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import Reach
 
-__all__ = ["TOUCHING", "TipMotions", "by_tip", "gripping", "overlaps", "squeezing"]
-
 RANK = 1e-2  # directions in which the joints move the tips less than this share of their best are out of reach
 _DEEP = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
 TOUCHING = 1e-6  # [m] overlaps up to this are what is left of touching

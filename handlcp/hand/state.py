@@ -10,8 +10,6 @@ from handlcp.hand.robot.posture import GRAVITY, Posture
 if TYPE_CHECKING:
     from handlcp.hand.hand_grasp import HandGrasp
 
-__all__ = ["HandState", "WeightGiven"]
-
 WeightGiven: TypeAlias = bool | Literal["torques"]
 
 

@@ -24,9 +24,7 @@ from handlcp.hand.command import read_joint_offset
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.moving_hand import MovingHand
 from handlcp.hand.update import GraspUpdate
-from handlcp.lcp.kernels.compile import at_once
-
-__all__ = ["GraspStream"]
+from handlcp.lcp.compiler.when import at_once
 
 
 class GraspStream:

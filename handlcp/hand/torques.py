@@ -16,8 +16,6 @@ from handlcp.grasp.cause.judge import exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.text_table import TextTable, wrapped
 
-__all__ = ["TorqueCheck", "TorqueRow", "torque_check", "torque_reasons"]
-
 
 class TorqueRow(NamedTuple):
     """One joint. torque, limit [N·m] (N for a prismatic joint); utilisation [-]; known: whether the limit is."""

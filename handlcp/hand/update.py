@@ -15,8 +15,6 @@ from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.torques import TorqueCheck, torque_check
 from handlcp.lcp import Status
 
-__all__ = ["GraspUpdate"]
-
 
 class GraspUpdate:
     """Arrays as in `GraspSolution`, read-only; NaN throughout where there is no answer.

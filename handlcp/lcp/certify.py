@@ -11,8 +11,6 @@ from handlcp.lcp.problem import LCP
 from handlcp.lcp.status import Status
 from handlcp.tolerances import CERTIFY, GROWTH
 
-__all__ = ["certify", "certify_contact", "is_farkas", "natural_residual"]
-
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
     """(w, residual): w = M z + q (n,) and the worst of |min(z_i, w_i)|, or |w_i| where free, each in natural units.

@@ -12,8 +12,6 @@ from handlcp.lazy import lazy
 from handlcp.lcp.kernels.contact_rows import Contacts, in_order
 from handlcp.lcp.scaling import Units
 
-__all__ = ["NO_NORMALS", "ContactProblem", "FrictionSets", "Pattern"]
-
 NO_NORMALS = read_only(np.zeros((0, 3)))
 
 

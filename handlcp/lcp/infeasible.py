@@ -8,8 +8,6 @@ from handlcp.check import Array, read_only
 from handlcp.lcp.certify import is_farkas
 from handlcp.lcp.problem import LCP
 
-__all__ = ["farkas_vector"]
-
 
 def farkas_vector(problem: LCP) -> Array | None:
     """Y (n,) with y ≥ 0 (free rows: any sign), Mᵀy ≤ 0 (free: = 0) and qᵀy < 0, certified; None when there is none.

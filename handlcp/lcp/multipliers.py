@@ -20,8 +20,6 @@ from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND
 
-__all__ = ["WithMultipliers"]
-
 
 class WithMultipliers(LCP):
     """A contact problem as an `LCP`.

@@ -12,8 +12,6 @@ from handlcp.lazy import lazy
 from handlcp.lcp.scaling import Units, equilibrate
 from handlcp.tolerances import LARGEST_RAW
 
-__all__ = ["LCP", "Scaled"]
-
 
 class Scaled:
     """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `scaling`."""

@@ -16,8 +16,6 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import RANK
 
-__all__ = ["Reduced", "reduce"]
-
 
 @dataclass(frozen=True, slots=True)
 class Reduced:

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from handlcp.check import Array
 from handlcp.lcp.status import Status
 
-__all__ = ["LCPSolution", "Proposal", "stage_line"]
-
 
 @dataclass(frozen=True, slots=True)
 class Proposal:

@@ -14,8 +14,6 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 
-__all__ = ["Units", "equilibrate"]
-
 _SWEEPS = 12  # Ruiz's iteration halves the logarithmic spread each time: 2^-12 of it is left
 _LEAST, _MOST = 1e-300, 1e250  # units: their products with numbers in natural units still fit a float64
 

@@ -25,8 +25,6 @@ from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.status import Status
 from handlcp.tolerances import SOLVE
 
-__all__ = ["Outcome", "SearchResult", "search"]
-
 Outcome: TypeAlias = Literal["solution", "none", "unknown"]
 Accept: TypeAlias = Callable[[Array], bool]
 

@@ -19,8 +19,6 @@ from handlcp.lcp.solvers.auto import Auto, as_chain
 from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.status import Status
 
-__all__ = ["AnySolver", "proposals", "solve_lcp"]
-
 AnySolver = Solver | ContactSolver | Auto | None
 
 

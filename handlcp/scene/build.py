@@ -16,8 +16,6 @@ from handlcp.scene.physics import effects_of, is_by_finger, law_of
 from handlcp.scene.scene_tables import SceneTables
 from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, HandTable, MeshTable, SphereTable
 
-__all__ = ["build", "hand", "shape"]
-
 # Arguments of the package's functions, and the keys that they come from
 HAND = {
     "source": "hand.urdf", "path": "hand.urdf", "name": "hand.name", "base": "hand.base",

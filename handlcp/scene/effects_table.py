@@ -11,8 +11,6 @@ from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.model.file_key import FileKey
 from handlcp.scene.table import Expected, Table
 
-__all__ = ["asked", "effects_table", "kinds_with_keys"]
-
 
 def kinds_with_keys() -> tuple[tuple[type[Effect], FileKey], ...]:
     """The effects that a scene file may ask for, in order, each with its key."""

@@ -17,9 +17,6 @@ from handlcp.scene.build import build, shape
 from handlcp.scene.refusals import refused
 from handlcp.scene.scene_tables import SceneTables
 
-__all__ = ["SceneFile", "load", "read"]
-
-
 _DEEPEST = 32  # what a scene file needs is six: a matrix in a law in a table by finger
 _NESTED = f"at most {_DEEPEST} arrays or tables in each other"
 

@@ -20,8 +20,6 @@ from handlcp.scene.kinds import SHAPES
 from handlcp.scene.scene_tables import SceneTables
 from handlcp.scene.table import Expected, MadeWhenRead, Table
 
-__all__ = ["Key", "keys"]
-
 
 @dataclass(frozen=True, slots=True)
 class Key:

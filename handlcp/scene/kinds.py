@@ -9,13 +9,6 @@ from pydantic import AfterValidator, Field
 from handlcp.grasp.friction import friction_laws
 from handlcp.scene.table import Expected
 
-__all__ = [
-    "SHAPES", "Arms", "ByTip", "Faces", "FingerWeight", "Flexibility", "Friction", "FrictionByFinger", "Lengths",
-    "Names", "NotNegative", "Number", "PadFlexibility", "PlanarVector", "Positive", "Posture", "Preload", "Radius",
-    "Seed", "Size", "Softness", "Springs", "Stiffness", "Switch", "Text", "TorqueLimits", "Vector",
-]  # fmt: skip
-
-
 SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh")
 
 _Finite = Annotated[float, Field(allow_inf_nan=False)]

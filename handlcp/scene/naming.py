@@ -8,8 +8,6 @@ from typing import Any
 
 from handlcp.errors import InputError, UnknownName
 
-__all__ = ["keyed", "known"]
-
 
 def known(key: str, names: Any, valid: Sequence[str]) -> None:
     """Raises UnknownName for names that are not among the valid ones."""

@@ -11,8 +11,6 @@ from handlcp.scene.effects_table import asked, kinds_with_keys
 from handlcp.scene.naming import keyed
 from handlcp.scene.table import Table
 
-__all__ = ["effects_of", "is_by_finger", "law_of"]
-
 
 def law_of(value: Any, key: str = "grasp.friction") -> FrictionLaw:
     """The friction law of a checked value, which is that of `key`."""

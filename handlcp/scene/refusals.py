@@ -12,8 +12,6 @@ from handlcp.errors import InputError, SceneFileError
 from handlcp.scene.keys import Key, keys
 from handlcp.scene.kinds import SHAPES
 
-__all__ = ["SceneFileErrors", "refused"]
-
 
 class SceneFileErrors(SceneFileError):
     """Several at once: `each` of them, the first one's argument, expected and got, and a message that lists all."""

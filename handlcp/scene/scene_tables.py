@@ -13,8 +13,6 @@ from handlcp.scene import schema as s
 from handlcp.scene.effects_table import asked, effects_table, kinds_with_keys
 from handlcp.scene.table import MadeWhenRead, Table
 
-__all__ = ["SceneTables"]
-
 _COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad")  # of [grasp]
 
 

@@ -10,12 +10,6 @@ from handlcp.errors import InputError
 from handlcp.scene import kinds as k
 from handlcp.scene.table import Table
 
-__all__ = [
-    "BoxTable", "ContactTable", "CylinderTable", "EllipsoidTable", "EnvironmentTable", "GraspTable", "HandTable",
-    "LoadTable", "MeshTable", "ObjectTable", "PostureTable", "SolveTable", "SphereTable", "SynergiesTable",
-    "TendonsTable",
-]  # fmt: skip
-
 
 class TendonsTable(Table):
     """Tendons over the joints."""

@@ -8,8 +8,6 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError, WrapValidator
 from pydantic_core import PydanticCustomError
 
-__all__ = ["Expected", "MadeWhenRead", "Table"]
-
 
 class Table(BaseModel):
     """A table of a scene file: no keys but its own, no conversions but integers to numbers."""

@@ -12,8 +12,6 @@ from handlcp.study.accuracy.left_out import UNDETERMINED
 from handlcp.study.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, LeftOut, Row
 from handlcp.study.accuracy.words import ROUNDING, microseconds, share
 
-__all__ = ["all_tables", "face_table", "left_out_table", "method_table", "price_table"]
-
 ERRORS = (1e-1, 1e-2, 1e-3, 1e-6, 1e-9)
 TIMED = ("grasp.solve()", "NSNGRK polished", "Newton", "Lemke")
 STYLE = {CERTIFIED: "green", NOT_RUN: "dim"}

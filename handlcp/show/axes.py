@@ -9,8 +9,6 @@ import numpy as np
 
 from handlcp.show.style import INK
 
-__all__ = ["SMALL", "TEXT", "error_ticks", "number_ticks", "panel", "say", "time_ticks"]
-
 SMALL, TEXT = 9.5, 10.0  # points
 
 

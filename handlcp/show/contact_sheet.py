@@ -13,8 +13,6 @@ from handlcp.show.picture.content import LOAD, Content
 from handlcp.show.picture.overlay import Overlay
 from handlcp.show.picture.painter import paint
 
-__all__ = ["contact_sheet"]
-
 COLUMNS, CELL, CAPTION, DPI = 5, 4.0, 0.3, 60  # pictures in a row; inches of each, to its name; dots an inch
 _COLOURS = 128  # of the file: half the size, and no difference to the eye
 

@@ -14,8 +14,6 @@ from handlcp.show.style import BLUE, INK, RED, spread
 from handlcp.study.convergence import Convergence, Run
 from handlcp.words import percent
 
-__all__ = ["GIVEN", "NATURAL", "UNIFORM", "draw", "save"]
-
 WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches, dots an inch
 HEAD = 12.5  # points
 NATURAL, UNIFORM, GIVEN = BLUE, "#B87800", RED  # the palette's orange, darker for text

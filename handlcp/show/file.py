@@ -9,8 +9,6 @@ from typing import Any
 
 from handlcp.errors import InputError, Unsupported, writing
 
-__all__ = ["Figure", "checked", "new_figure", "writable", "write"]
-
 Figure = Any  # matplotlib's, which is imported only when something is drawn
 
 _FORMATS = (".png", ".svg", ".pdf", ".jpg")

@@ -12,8 +12,6 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp import GraspSolution
 from handlcp.words import distinct
 
-__all__ = ["data_frame", "solution_frame"]
-
 Frame = Any  # pandas'
 
 

@@ -11,8 +11,6 @@ from handlcp.grasp import GraspSolution
 from handlcp.grasp.answer.printed import contact_columns
 from handlcp.text_table import TextTable
 
-__all__ = ["html", "table_html", "text_html"]
-
 _COLOURS = {"HELD": "#00734d", "UNDECIDED": "#8a6100"}  # the rest is red
 _BAD = "#b03a00"
 _CELL = "padding:2px 10px 2px 0;border:none;background:none;white-space:nowrap"

@@ -13,8 +13,6 @@ from handlcp.show.loading.end import grasp_at_end, solution_at_end
 from handlcp.study.plain import pick, plain
 from handlcp.version import VERSION
 
-__all__ = ["record"]
-
 
 def record(
     grasp: Grasp,

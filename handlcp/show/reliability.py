@@ -12,8 +12,6 @@ from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, shortened
 from handlcp.study.reliability import Reliability
 
-__all__ = ["draw", "save"]
-
 WIDTH, HEIGHT, DPI = 10.0, 4.6, 160  # inches, dots an inch
 ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
 ROWS = 8  # of what matters most

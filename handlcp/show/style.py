@@ -7,21 +7,6 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = [
-    "BLUE",
-    "BOLD",
-    "GREEN",
-    "GREY",
-    "INK",
-    "PURPLE",
-    "RED",
-    "shortened",
-    "spread",
-    "title_lines",
-    "width",
-    "wrapped",
-]
-
 # Okabe and Ito's palette, which colour-blind readers can tell apart
 BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#A0307A"
 BOLD: dict[str, Any] = {"fontsize": 14.0, "weight": "bold", "va": "top"}  # titles

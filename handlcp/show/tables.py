@@ -18,11 +18,6 @@ from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
 from handlcp.text_table import TextTable
 
-__all__ = [
-    "catalogue_table", "contact_table", "effect_table", "effort_table", "empty", "hand_table", "key_table", "numbers",
-    "torque_table",
-]  # fmt: skip
-
 STATE = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
 BAR = 10  # cells of a full torque bar
 SAVES = -0.02  # an effect with a share of the time below this saves time

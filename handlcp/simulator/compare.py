@@ -15,8 +15,6 @@ from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.refusals import of_a_hand
 from handlcp.simulator.run import Simulation, simulate
 
-__all__ = ["Comparison", "compare"]
-
 
 @dataclass(frozen=True, eq=False)
 class Comparison:

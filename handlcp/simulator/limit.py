@@ -20,8 +20,6 @@ from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.probe import Reading
 from handlcp.simulator.under_way import LONGEST, PUSH, Run
 
-__all__ = ["SimulatedLimit", "simulate_limit"]
-
 _BEFORE = 2.0  # [s] of each stage before the load grows, at most
 _DRAG = 0.0025  # of the load: what damping of the object may take up while it grows
 _REST_AFTER = 0.5  # [s] that an object has to stay under the largest factor

@@ -9,8 +9,6 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 
-__all__ = ["LimitTrack", "Tracking", "moved"]
-
 _JUMP = 1e-3  # [m] that an object moves while the load waits: it has jumped
 _TURN = np.radians(2.0)  # [rad] that it turns
 

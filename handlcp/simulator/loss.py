@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.simulator.probe import Reading
 
-__all__ = ["Record", "Track", "escaped", "swiftness"]
-
 _FAR = 2.0  # times the reach of the contacts: an object that has moved this far is lost
 
 

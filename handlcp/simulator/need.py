@@ -6,8 +6,6 @@ from types import ModuleType
 
 from handlcp.errors import Unsupported
 
-__all__ = ["need_mujoco"]
-
 
 def need_mujoco() -> ModuleType:
     """The package mujoco. Raises Unsupported where it is not installed."""

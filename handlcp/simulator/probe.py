@@ -14,8 +14,6 @@ from handlcp.hand import HandGrasp
 from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
 from handlcp.simulator.need import need_mujoco
 
-__all__ = ["Probe", "Reading"]
-
 _POINT = 3  # rows of a contact without a moment about its normal
 
 

@@ -12,8 +12,6 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.hand import HandGrasp
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 
-__all__ = ["check_writable", "friction_words", "of_a_hand"]
-
 # MuJoCo writes balance in the deformed posture: geometric stiffness is always in it
 _KNOWN = (JointOffset, FingerWeight, GeometricStiffness, TorqueSaturation)
 _SAME = 1e-9  # of the largest entry: flexibilities that differ by less are one

@@ -13,8 +13,6 @@ from handlcp.simulator.loss import Record
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.under_way import PUSH, Run
 
-__all__ = ["Simulation", "simulate"]
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Simulation:

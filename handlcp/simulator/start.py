@@ -15,8 +15,6 @@ from handlcp.simulator.mjcf.hand_tree import full_names
 from handlcp.simulator.mjcf.springs import Springs
 from handlcp.simulator.state import SimulatorState
 
-__all__ = ["starting_state"]
-
 _TOUCHING = 1e-6  # [m] an overlap up to this is what is left of touching
 _NEAR = 1e-9  # [m] what is opened ends as near as this
 _ITERATIONS = 30

@@ -12,8 +12,6 @@ from handlcp.check import Array
 from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
 from handlcp.simulator.need import need_mujoco
 
-__all__ = ["SimulatorState"]
-
 
 @dataclass(frozen=True, eq=False)
 class SimulatorState:

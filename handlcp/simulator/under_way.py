@@ -16,8 +16,6 @@ from handlcp.simulator.probe import Probe
 from handlcp.simulator.refusals import of_a_hand
 from handlcp.simulator.write import to_mujoco
 
-__all__ = ["LONGEST", "PUSH", "SAG", "Run"]
-
 SAG = "own weight"  # the stage before all others where the hand's links bend its joints
 LONGEST = 60.0  # [s] that a load waits: an object that still moves has left
 PUSH = "load alone"  # the stage in which the load grows beside a weight that is there already

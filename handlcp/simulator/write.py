@@ -18,8 +18,6 @@ from handlcp.simulator.refusals import check_writable, friction_words, of_a_hand
 from handlcp.simulator.start import starting_state
 from handlcp.simulator.state import SimulatorState
 
-__all__ = ["to_mujoco"]
-
 
 def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[str, SimulatorState]:
     """The same grasp for MuJoCo: MJCF, and the state to start from.

@@ -21,8 +21,6 @@ from handlcp.study.convergence import convergence
 from handlcp.study.envelope import envelope
 from handlcp.study.nsngrk import AsPrinted, UniformRows, in_units
 
-__all__ = ["JOBS"]
-
 _NO_SEARCH = Auto(search_seconds=0)
 
 

@@ -7,8 +7,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["json_text", "pick", "plain"]
-
 
 def pick(source: Any, *names: str, **renamed: str) -> dict[str, Any]:
     """Attributes of `source` by name. renamed : key in the result = name of the attribute."""

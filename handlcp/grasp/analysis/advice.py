@@ -19,8 +19,6 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["MOST", "advised", "no_solution", "solve_with_advice"]
-
 MOST = 0.2  # of the grasp's size: no hand squeezes farther than that for a better hold
 
 

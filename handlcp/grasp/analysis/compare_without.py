@@ -35,9 +35,7 @@ from handlcp.grasp.search.nearby import passes
 from handlcp.grasp.solve.compiled_answer import solve_scene, start_from
 from handlcp.grasp.solve.force_iteration import force_dependent, under_forces
 from handlcp.lcp import proposals
-from handlcp.lcp.kernels.compile import at_once
-
-__all__ = ["best_times", "measured", "without"]
+from handlcp.lcp.compiler.when import at_once
 
 _TURNS, _BURST, _MOST = 40, 3, 0.5  # turns of so many runs in a row, but no more [s] for all of them together
 

@@ -37,8 +37,6 @@ from handlcp.text_table import wrapped
 from handlcp.tolerances import ACTIVE
 from handlcp.views import view
 
-__all__ = ["Equilibria", "equilibria"]
-
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 

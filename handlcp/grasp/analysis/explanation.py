@@ -17,8 +17,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.text_table import wrapped
 from handlcp.words import length, listed
 
-__all__ = ["ENVIRONMENT", "Description", "EffectLine", "Explanation", "describe_effect", "effects_on", "explain"]
-
 
 @dataclass(frozen=True, slots=True)
 class Description:

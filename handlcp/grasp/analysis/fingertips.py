@@ -12,8 +12,6 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 
-__all__ = ["wrench_from_fingertip_forces"]
-
 _ROUNDING = 1e-12  # of all that is added up
 
 

@@ -30,8 +30,6 @@ from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.lcp.kernels.contact_rows import row_scales
 from handlcp.tolerances import ACTIVE, RANK
 
-__all__ = ["force_error"]
-
 _EPS = float(np.finfo(float).eps)
 _ROUNDING = 4.0 * _EPS  # of a sum, over the sum of its terms' sizes: data, product and sum
 _MOST_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; of more, each alone and all at once

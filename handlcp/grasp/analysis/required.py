@@ -28,17 +28,6 @@ from handlcp.lcp import Auto
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = [
-    "CHAIN",
-    "Required",
-    "holds",
-    "required_friction",
-    "required_preload",
-    "smallest",
-    "tolerance_of",
-    "with_friction",
-]
-
 Holds = Callable[[GraspSpec, Section], bool]
 Test = Callable[[float], bool]
 

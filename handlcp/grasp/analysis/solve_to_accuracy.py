@@ -26,8 +26,6 @@ from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.lcp import Auto, ContactSolver, SemismoothNewton, Solver, Status, as_chain
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["solve_to_accuracy"]
-
 _STARTS = (4, 8, 16, 32)  # faces of the pyramids whose answers may lead to the cone's
 _NEWTON = SemismoothNewton()
 _FINEST = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's method go

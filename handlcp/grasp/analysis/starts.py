@@ -19,8 +19,6 @@ from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
 from handlcp.tolerances import PIVOT
 
-__all__ = ["RUNS", "seeded", "starts", "until"]
-
 _COARSER = (6, 8, 12, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
 RUNS = 8  # other seeds and starts
 

@@ -28,8 +28,6 @@ from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp import Auto
 from handlcp.text_table import wrapped
 
-__all__ = ["Suggestion", "Suggestions", "force_change", "suggest"]
-
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:

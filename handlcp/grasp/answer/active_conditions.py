@@ -31,8 +31,6 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.tolerances import RANK
 
-__all__ = ["Branch", "active_system", "free_branches", "inequalities"]
-
 _MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
 _FAR = 1e6  # bound of the linear program's unknowns; a condition that stays below 1 / _FAR within it is always active
 

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Self
 
-__all__ = ["Deferred", "Maker"]
-
 Maker = Callable[[str], dict[str, Any]]
 
 

@@ -15,8 +15,6 @@ from handlcp.check import Array, Bools
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["UNDECIDED", "Sentences"]
-
 UNDECIDED = "the solver spent its budget without an answer, which says nothing about the grasp"
 
 _SHARE = 1e-3  # a shift or a swing below this share of the other goes unmentioned

@@ -13,8 +13,6 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.model.scene import Scene
 
-__all__ = ["friction_margin", "friction_used"]
-
 
 def friction_used(scene: Scene, forces: Array, torsion: Array | None) -> Array:
     """(n,) from forces (n, 3) in contact axes [N] and moments (n,) about the normals [N·m]; NaN where there is no

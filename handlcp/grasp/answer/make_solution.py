@@ -22,10 +22,6 @@ from handlcp.grasp.verify.contact_states import classify, names_of
 from handlcp.grasp.verify.judge import Residuals, Verdict, judge
 from handlcp.lcp import Status
 
-__all__ = [
-    "Judged", "candidate_of", "certificate_of", "make_solution", "not_holdable", "solution_of", "without_numbers",
-]  # fmt: skip
-
 
 class Judged(NamedTuple):
     """A candidate, what the certifier says of it, and how many steps of the method it took."""

@@ -12,8 +12,6 @@ from handlcp.check import Array
 from handlcp.text_table import TextTable, wrapped
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["contact_columns", "printed"]
-
 
 def printed(s: Any, tables: Sequence[Any]) -> str:
     """Of a `GraspSolution`, which imports this file; tables : what else stands under the contacts, with `str`."""

@@ -14,11 +14,6 @@ from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.lcp.status import Status
 
-__all__ = [
-    "contacts_reason", "equilibrium_reason", "friction_reasons", "large_motion", "motion_reason", "no_load",
-    "open_reasons", "reasons_of",
-]  # fmt: skip
-
 HARDLY = 0.95  # of the friction limit: a contact that uses more has hardly any margin
 _LITTLE = 5e-4  # of the friction limit: less is not worth a word
 _STILL = 1e-7  # [m] an object that moves less is not said to move

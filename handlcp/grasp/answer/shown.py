@@ -7,8 +7,6 @@ from typing import Any
 
 from handlcp.views import view
 
-__all__ = ["Data", "Shown"]
-
 
 class Data:
     """Base of answers that are plain data, and tables."""

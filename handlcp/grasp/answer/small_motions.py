@@ -18,8 +18,6 @@ import numpy as np
 
 from handlcp import words
 
-__all__ = ["NOTICED", "Motions", "motions"]
-
 NOTICED = 0.05  # of the forces: what may be off by more is said
 TOO_LARGE = 1.0  # of the forces: beyond this the equations say nothing
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from handlcp.grasp.answer.verdict import Verdict
     from handlcp.grasp.sensitivity.sensitivity import Sensitivity
 
-__all__ = ["GraspSolution"]
-
 
 @dataclass(frozen=True)
 class GraspSolution(Shown, Deferred):

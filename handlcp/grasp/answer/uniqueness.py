@@ -17,8 +17,6 @@ from handlcp.grasp.verify.contact_states import States
 from handlcp.grasp.verify.judge import Verdict
 from handlcp.grasp.verify.limits_at_answer import limits_at_answer
 
-__all__ = ["Uniqueness", "describe", "minimum_norm"]
-
 
 @dataclass(frozen=True, slots=True)
 class Uniqueness:

@@ -32,8 +32,6 @@ from typing import Any
 from handlcp.grasp.answer.shown import Data
 from handlcp.text_table import wrapped
 
-__all__ = ["HELD", "NOT_HELD", "OVER_LIMIT", "UNDECIDED", "Reason", "Verdict", "verdict_of"]
-
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
 
 _RANK = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word

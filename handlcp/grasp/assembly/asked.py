@@ -16,20 +16,6 @@ from handlcp.grasp.model.contact import Contact, frame
 from handlcp.grasp.model.environment import Environment, beside, joined, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = [
-    "Asked",
-    "again",
-    "alone",
-    "as_asked",
-    "environment_of",
-    "fastened",
-    "of_fingers_alone",
-    "remade",
-    "rubbed",
-    "said",
-    "under",
-]
-
 _DEEP = 4  # lists in lists; nothing that is asked has more
 
 

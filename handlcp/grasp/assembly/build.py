@@ -21,8 +21,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.tolerances import LEVER
 
-__all__ = ["build", "shifted_by", "softened_by"]
-
 
 def build(spec: GraspSpec) -> Scene:
     """The scene of a grasp, what its effects add included."""

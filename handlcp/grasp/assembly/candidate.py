@@ -10,8 +10,6 @@ from handlcp.check import Array, Ints
 from handlcp.grasp.model.grasp_matrix import Posed
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Candidate", "in_si"]
-
 
 class Candidate(NamedTuple):
     """SI, in the coordinates of the scene's friction laws: components (c,) [N], of all forces; twist (6,) about the

@@ -15,8 +15,6 @@ from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
 from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
 from handlcp.lcp.contact import NO_NORMALS
 
-__all__ = ["Design", "GraspContactProblem", "called_for", "design", "outward", "stamped"]
-
 
 def called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
     """The effects that the scene's data call for, in the order in which they are stamped."""

@@ -12,8 +12,6 @@ from handlcp.grasp.model.unknowns import Unknown, labels
 from handlcp.lazy import lazy
 from handlcp.lcp.multipliers import WithMultipliers
 
-__all__ = ["MULTIPLIERS", "AnyProblem", "GraspProblem", "assemble"]
-
 MULTIPLIERS = {"r_T": "λ", "r_S": "λ_S"}  # by the tangential forces that they belong to
 
 

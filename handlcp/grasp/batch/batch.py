@@ -11,8 +11,6 @@ from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["Batch", "batch_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class Batch:

@@ -14,8 +14,6 @@ from handlcp.grasp.batch.first_stage import Answers
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 
-__all__ = ["Group", "groups_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class Group:

@@ -7,8 +7,6 @@ from concurrent.futures import Executor, Future
 from queue import SimpleQueue
 from typing import Any, Generic, TypeVar
 
-__all__ = ["Jobs"]
-
 J = TypeVar("J")
 
 

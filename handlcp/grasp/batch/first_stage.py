@@ -17,8 +17,6 @@ from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE
 from handlcp.lcp import Status, as_chain
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["STATUSES", "Answers", "Members", "answers_in_threads", "kinds_of", "parcel", "settled", "shards"]
-
 STATUSES = tuple(Status)
 
 _CHUNK = 256  # grasps that a thread takes at a time: long beside the handing over, short beside the whole

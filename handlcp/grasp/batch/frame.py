@@ -13,8 +13,6 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.tolerances import OVER
 from handlcp.words import distinct
 
-__all__ = ["frame"]
-
 _OBJECT = ("x", "y", "z", "rx", "ry", "rz")
 
 

@@ -16,10 +16,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import solve_built
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.solve import AnySolver
-
-__all__ = ["Left", "at_home", "left_of", "solve_left", "solve_one"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledKind
 from handlcp.grasp.solve.compiled_solve import ScenePattern, solve_scenes
-from handlcp.lcp.kernels.compile import at_once
-
-__all__ = ["Parcel", "answer_rows", "pack_all", "parcel_of", "solve_parcel"]
-
+from handlcp.lcp.compiler.when import at_once
 
 _READ = attrgetter("positions", "frames", "flexibility", "offset", "prescribed", "force", "moment", "mu")
 _SPATIAL = np.eye(6)

@@ -7,8 +7,6 @@ from contextlib import contextmanager
 
 from handlcp.errors import InputError
 
-__all__ = ["Progress", "told"]
-
 Progress = bool | Callable[[int, int], None] | None
 
 

@@ -16,8 +16,6 @@ from handlcp.grasp.batch.first_stage import Answers, Members, answers_in_threads
 from handlcp.grasp.batch.later_stages import at_home, left_of, solve_left, solve_one
 from handlcp.grasp.batch.packing import solve_parcel
 
-__all__ = ["Single", "on_cores", "on_executor"]
-
 # ---- on this machine
 _LOOK = 0.25  # seconds of later stages that are done here before anybody asks how long the rest will take [s]
 _WORTH = 2.0  # seconds that the rest has to take: another process needs one to import the package and load kernels [s]

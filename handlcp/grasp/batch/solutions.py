@@ -23,8 +23,6 @@ from handlcp.lazy import lazy
 from handlcp.lcp import Status
 from handlcp.views import view
 
-__all__ = ["Solutions"]
-
 _INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 

@@ -17,12 +17,10 @@ from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
 from handlcp.lcp import Auto, ContactSolver, Solver
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 
 if TYPE_CHECKING:
     from handlcp.grasp.batch.progress import Progress
-
-__all__ = ["solve_many"]
 
 
 def solve_many(

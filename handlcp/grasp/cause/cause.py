@@ -4,10 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-__all__ = [
-    "EQUILIBRIUM", "MOTION", "OBJECT", "OPENS", "RANGE", "SLIDES", "SLIPS", "TORQUE", "UNDECIDED", "Bind", "Cause",
-]  # fmt: skip
-
 SLIPS, OPENS, TORQUE, RANGE = "slips", "opens", "torque", "range"
 EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides through", "undecided"
 OBJECT = "the object"

@@ -23,8 +23,6 @@ from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.tolerances import OVER
 
-__all__ = ["Limits", "binding", "exceeded", "limits_of", "most_used", "over", "slides_through", "slipping", "used"]
-
 _MOST = 1.0 + OVER
 _NONE = 1e-12  # [N·m]: a limit of a joint without torque counts as this
 _FREE = (np.inf, np.inf)

@@ -11,8 +11,6 @@ from handlcp.check import Array
 from handlcp.grasp.cause.wording import called
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["LOOSE", "NO_BALANCE", "NO_FORCES", "PUSHED_OUT", "RUNS_AWAY", "UNSTABLE", "moves", "under_load", "why_lost"]
-
 # How a loading fails
 RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_BALANCE, NO_FORCES = (
     "runs away", "unstable", "pushed out", "loose", "no balance", "no forces"

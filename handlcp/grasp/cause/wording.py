@@ -11,8 +11,6 @@ from handlcp.check import Array
 from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED, Cause
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["BY_TURNS", "NOTHING", "amount", "called", "happens", "needs_more", "said", "why"]
-
 NOTHING = "nothing gives out"
 _GIVES_OUT = {  # of one, of several
     SLIPS: ("slips", "slip"),

@@ -26,8 +26,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.trials import stiffened
 from handlcp.text_table import TextTable, wrapped
 
-__all__ = ["BestChange", "Means", "TriedChange", "best_change", "means_of_fingers", "rougher"]
-
 
 class Means(NamedTuple):
     """changes : (what, the changed grasp) for a share such as 0.1. loaded : the grasp under a load (6,) beside the

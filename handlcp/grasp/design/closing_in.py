@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-__all__ = ["closed_in"]
-
 Test = Callable[[float], bool]
 
 _LOOKS = 8  # for a value that is not too much, and between one that is and one that is too little

@@ -11,8 +11,6 @@ from handlcp.grasp.design.followed import Changed, least_value, word
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["confirmed_friction", "confirmed_preload"]
-
 _LITTLE = 1e-3  # of the largest value tried: where the search starts that single solves say needs nothing
 
 

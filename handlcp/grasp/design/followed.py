@@ -16,8 +16,6 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.lcp import Auto
 
-__all__ = ["ORDER", "Changed", "least_value", "verdict_on", "word"]
-
 ORDER = ("squeeze", "load")
 _CHAIN = Auto(search_seconds=0.0)
 

@@ -12,8 +12,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.model.scene import Scene
 
-__all__ = ["without_slip"]
-
 
 def without_slip(scene: Scene, flexibility: Array, offsets: Array, loads: Array) -> tuple[Array, Array]:
     """(c, m) forces in the laws' coordinates [N], and (6, m) twists of the object about the contacts' centre.

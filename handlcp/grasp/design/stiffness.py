@@ -31,8 +31,6 @@ from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.follow import Loading
 from handlcp.text_table import wrapped
 
-__all__ = ["RequiredStiffness", "required_stiffness"]
-
 Stiffened = Callable[[GraspSpec, float], GraspSpec | None]
 _MOST = 256.0
 

@@ -15,8 +15,6 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.scene import Scene
 
-__all__ = ["AnisotropicFriction"]
-
 
 class AnisotropicFriction(Effect):
     """Contacts whose law has two scales, such as `AnisotropicCoulomb`."""

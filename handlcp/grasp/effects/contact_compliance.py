@@ -23,8 +23,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.vectors import block_diagonal
 
-__all__ = ["ContactCompliance"]
-
 
 @dataclass(frozen=True, init=False, eq=False)
 class ContactCompliance(Effect):

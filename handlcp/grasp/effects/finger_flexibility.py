@@ -19,8 +19,6 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System
 
-__all__ = ["FingerFlexibility"]
-
 
 class FingerFlexibility(Effect):
     """Full coupled flexibility in contact axes. It brings no unknowns: the forces are there already."""

@@ -22,8 +22,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import NOTHING, length, listed
 
-__all__ = ["FingerForceBound"]
-
 
 @dataclass(frozen=True, init=False)
 class FingerForceBound(Effect):

@@ -20,8 +20,6 @@ from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 
-__all__ = ["FingerWeight"]
-
 
 @dataclass(frozen=True, eq=False)
 class FingerWeight(Effect):

@@ -38,8 +38,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["GeometricStiffness"]
-
 _SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
 
 

@@ -21,8 +21,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import force, length, listed, percent
 
-__all__ = ["JointOffset", "Reach"]
-
 _SEEN = 1e-3  # shares below this are not worth a word
 
 

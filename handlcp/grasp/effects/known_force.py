@@ -24,8 +24,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import NOTHING, length
 
-__all__ = ["KnownForce"]
-
 _AXES = ("x", "y", "normal")
 _ONE_KNOWN = "three numbers or None (x, y, normal), one known at least"
 

@@ -15,8 +15,6 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System, Unknown
 
-__all__ = ["ObjectBalance"]
-
 
 class ObjectBalance(Effect):
     """Force and moment balance of a rigid object, with its small motion as multipliers."""

@@ -19,8 +19,6 @@ from handlcp.grasp.model.file_key import CONTACT_KEY, FileKey, Three, contact_nu
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 
-__all__ = ["PrescribedForce"]
-
 
 @dataclass(frozen=True, init=False, eq=False)
 class PrescribedForce(Effect):

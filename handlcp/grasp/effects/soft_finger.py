@@ -17,8 +17,6 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System, Unknown
 
-__all__ = ["SoftFingerFriction"]
-
 
 @dataclass(frozen=True, slots=True)
 class SoftFingerFriction(Effect):

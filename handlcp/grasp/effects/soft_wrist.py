@@ -24,8 +24,6 @@ from handlcp.grasp.model.grasp_matrix import wrench_map
 from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 
-__all__ = ["SoftWrist"]
-
 _Softness = From0 | Annotated[list[From0], Len(3, 3)]
 _Six = Annotated[list[Finite], Len(6, 6)]
 

@@ -21,8 +21,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import ACTIVE, OVER
 
-__all__ = ["TorqueSaturation"]
-
 _REACH = 1e-12  # of the longest lever: a joint with less moves no contact
 
 

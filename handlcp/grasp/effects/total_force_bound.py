@@ -19,8 +19,6 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import NOTHING, length
 
-__all__ = ["TotalForceBound"]
-
 
 @dataclass(frozen=True, slots=True)
 class TotalForceBound(Effect):

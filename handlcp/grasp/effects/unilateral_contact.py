@@ -16,8 +16,6 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System, Unknown
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["UnilateralContact"]
-
 
 class UnilateralContact(Effect):
     """Normal force and gap, complementary, with gap and preload as data."""

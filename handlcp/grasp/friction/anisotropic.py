@@ -12,8 +12,6 @@ from handlcp.check import array, number
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw
 
-__all__ = ["AnisotropicCoulomb"]
-
 
 @dataclass(frozen=True, init=False)
 class AnisotropicCoulomb(FrictionLaw):

@@ -11,8 +11,6 @@ from typing import ClassVar
 from handlcp.check import number
 from handlcp.grasp.friction.law import FrictionLaw
 
-__all__ = ["Coulomb"]
-
 
 @dataclass(frozen=True, slots=True)
 class Coulomb(FrictionLaw):

@@ -8,8 +8,6 @@ from typing import ClassVar
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw
 
-__all__ = ["Frictionless"]
-
 
 @dataclass(frozen=True, slots=True)
 class Frictionless(FrictionLaw):

@@ -10,8 +10,6 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw, law_words
 
-__all__ = ["as_law", "laws_by_name"]
-
 
 def as_law(value: Any, argument: str = "friction", instead: str = "") -> FrictionLaw:
     """A law as it is; a number μ ≥ 0 as `Coulomb(μ)`. Raises InputError; instead : what else it may be, for that."""

@@ -13,8 +13,6 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Self
 
-__all__ = ["FrictionLaw", "friction_laws", "law_words"]
-
 _LAWS: dict[tuple[str, str], type[FrictionLaw]] = {}
 
 

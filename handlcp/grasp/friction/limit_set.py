@@ -26,8 +26,6 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction.sections import Cone, Interval, Pyramid, Section
 
-__all__ = ["LimitSet", "limit_set"]
-
 _OUTSIDE = Pyramid(64, inscribed=False)  # stands for the disc; its edges lie outside by 0.12 %
 _MERIDIANS = 24  # of the polyhedron that stands for the ball
 

@@ -12,8 +12,6 @@ import numpy as np
 from handlcp.check import Array, integer, read_only
 from handlcp.errors import InputError
 
-__all__ = ["Cone", "Interval", "Pyramid", "Section", "as_section"]
-
 
 @dataclass(frozen=True, slots=True)
 class Pyramid:

@@ -13,8 +13,6 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction.law import FrictionLaw
 from handlcp.tolerances import STEEPEST
 
-__all__ = ["SoftFinger"]
-
 
 @dataclass(frozen=True, slots=True)
 class SoftFinger(FrictionLaw):

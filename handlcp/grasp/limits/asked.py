@@ -12,8 +12,6 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import geometry_of
 
-__all__ = ["is_followed", "load_of", "tolerance"]
-
 
 def is_followed(spec: GraspSpec, geometry: Any) -> bool:
     """Whether contacts are followed: where hand and object are known, but for "fixed". Raises InputError."""

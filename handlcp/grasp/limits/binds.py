@@ -5,23 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
+from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, OPENS, SLIPS, TORQUE, Bind
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, RAY, REACHED, WATCHED
 from handlcp.grasp.limits.kernels.parts import CLOSED
 from handlcp.grasp.limits.kernels.parts import OPENS as TOUCHES_LAST
-from handlcp.grasp.limits.result import (
-    EQUILIBRIUM,
-    MOTION,
-    OBJECT,
-    OPENS,
-    SLIPS,
-    TORQUE,
-    Bind,
-    LimitEvent,
-)  # fmt: skip
+from handlcp.grasp.limits.result import LimitEvent
 from handlcp.grasp.limits.system import System
-
-__all__ = ["binds_of", "events_of", "with_joints"]
 
 _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 

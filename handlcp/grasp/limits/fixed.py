@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.binds import binds_of, events_of, with_joints
@@ -16,26 +17,12 @@ from handlcp.grasp.limits.kernels.parts import Place, none_known
 from handlcp.grasp.limits.kernels.slides import slides_at
 from handlcp.grasp.limits.kernels.trace import EVENTS
 from handlcp.grasp.limits.path import TracedPath
-from handlcp.grasp.limits.result import (
-    EQUILIBRIUM,
-    MOTION,
-    OBJECT,
-    RANGE,
-    TORQUE,
-    Bind,
-    Later,
-    LimitEvent,
-    LoadLimit,
-    Reached,
-    Rest,
-)  # fmt: skip
+from handlcp.grasp.limits.result import Later, LimitEvent, LoadLimit, Reached, Rest
 from handlcp.grasp.limits.start import begun_of, place_of
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import length_of
 from handlcp.tolerances import EVENTS_END
-
-__all__ = ["fixed_limit", "over_nothing", "slid_place", "watch_from"]
 
 _NOTHING = 1e-7  # of the squeeze: a smaller load is borne by the damper of loose motions
 

@@ -27,8 +27,6 @@ from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import watch_of
 from handlcp.tolerances import OVER
 
-__all__ = ["accurate_limit", "followed_limit", "sliding"]
-
 _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
 _STEPS = 8  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step

@@ -15,8 +15,6 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.solve_spec import solve_spec
 
-__all__ = ["largest_held"]
-
 _TRIED, _HALVED = 12, 20
 _FAR = 16.0  # times the limit, where nothing bounds the load
 _SLACK = 1e-9  # of a torque limit

@@ -18,8 +18,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.verify.bound import bound_of
 
-__all__ = ["load_limit"]
-
 
 def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None

@@ -22,8 +22,6 @@ from handlcp.grasp.solve.stages import certified
 from handlcp.lcp import Auto
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["TracedPath"]
-
 _ALL = Auto(search_seconds=0.0)
 _MORE = 1e-3  # load, where a path seems to end
 

@@ -12,18 +12,13 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, OPENS, RANGE, SLIPS, TORQUE, Bind
+from handlcp.grasp.cause.cause import Bind
 from handlcp.grasp.cause.wording import happens
 from handlcp.grasp.path.events import jump
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
 from handlcp.views import view
-
-__all__ = [
-    "EQUILIBRIUM", "MOTION", "OBJECT", "OPENS", "RANGE", "SLIPS", "TORQUE", "Bind", "Later", "LimitEvent", "LimitPath",
-    "LoadLimit", "Reached", "Rest", "told",
-]  # fmt: skip
 
 _CALLED = {
     "first_slip": "first slip", "slides": "slides through", "lost": "lost", "limit": "limit reached",

@@ -28,8 +28,6 @@ from handlcp.grasp.path.follow import follow
 from handlcp.grasp.path.program import Stage
 from handlcp.grasp.solve.solve_spec import solve_spec
 
-__all__ = ["Start", "begun_of", "place_of"]
-
 _NONE = 3e-5  # of the contacts' distances: fingertips no farther from the object touch, as in `StepGrasp`
 _KEPT = 8  # grasps
 _ON = 1e-9  # of the largest force or motion

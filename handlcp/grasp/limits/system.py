@@ -26,8 +26,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.geometry import supports
 
-__all__ = ["System", "system_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class System:

@@ -27,8 +27,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.holdable import escape_of, generators
 from handlcp.tolerances import CERTIFY, RANK
 
-__all__ = ["Closure", "force_closure", "form_closure"]
-
 _FACES = (8, 32, 128, 512)  # of pyramids in the cone and around it, until one of them tells
 _FACES_OF_SOFT = (8, 24, 64)
 _INSIDE = 1e-6  # share of the mean force along an edge: what is less is not strictly within friction

@@ -29,8 +29,6 @@ from handlcp.lazy import lazy
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
-__all__ = ["Least", "Margins", "margins_of"]
-
 _SLIDES = 1e-5  # share of friction: with less left a contact slides, as far as a solution is exact
 _BROKEN = re.compile(r"(?<=\d), (?=-?\d)")  # within a vector, where a line might end
 

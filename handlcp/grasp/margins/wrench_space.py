@@ -22,8 +22,6 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.holdable import generators
 from handlcp.tolerances import RANK
 
-__all__ = ["WrenchSpace", "wrench_space"]
-
 _FACES = (12, 8, 6, 4)  # of pyramids in place of the cone: the most with which there are not too many corners
 _CORNERS, _CORNERS_OF_SOFT = 50, 80
 _CLOSE, _ROUNDS, _MORE = 5e-3, 12, 4  # ε on the cone: how close is enough; hulls, and corners added to each

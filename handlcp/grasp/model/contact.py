@@ -10,8 +10,6 @@ from handlcp.check import Array, array, read_only, unit
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Coulomb, FrictionLaw, as_law
 
-__all__ = ["Contact", "frame"]
-
 
 class Contact:
     """A contact of a finger on the object.

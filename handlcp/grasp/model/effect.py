@@ -26,8 +26,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System, Unknown
 
-__all__ = ["Effect", "Trial", "effect_kinds"]
-
 
 @dataclass(frozen=True, slots=True)
 class Trial:

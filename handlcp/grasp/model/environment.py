@@ -21,8 +21,6 @@ from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 
-__all__ = ["Environment", "beside", "joined", "offset_beside"]
-
 
 class Environment:
     """m contacts of the world with the object, for `Grasp(..., environment=...)` and `state.grasp(..., environment=)`.

@@ -11,8 +11,6 @@ from annotated_types import Ge, Gt, Len, Predicate
 
 from handlcp.errors import InputError, UnknownName
 
-__all__ = ["CONTACT_KEY", "Above0", "FileKey", "Finite", "From0", "Three", "by_finger", "contact_number"]
-
 Finite = Annotated[float, Predicate(math.isfinite)]
 Above0 = Annotated[float, Gt(0)]  # inf is welcome: no bound
 From0 = Annotated[float, Ge(0), Predicate(math.isfinite)]

@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Blocks", "Given", "Posed", "pose", "wrench_map"]
-
 
 class Given(NamedTuple):
     """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), forces (c,) that are

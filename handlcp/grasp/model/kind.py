@@ -10,8 +10,6 @@ import numpy as np
 from handlcp.check import Ints
 from handlcp.lazy import lazy
 
-__all__ = ["Kind", "kind_of"]
-
 
 @dataclass(frozen=True)
 class Kind:

@@ -19,8 +19,6 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System, Unknown
 from handlcp.lazy import lazy
 
-__all__ = ["Limit"]
-
 
 @dataclass(frozen=True, eq=False)
 class Limit:

@@ -11,8 +11,6 @@ import numpy as np
 from handlcp.check import Array, Bools, read_only
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["JointReading", "Mechanism", "joint_flexibility"]
-
 
 @kernel
 def joint_flexibility(rows: Array, root: Array) -> Array:

@@ -8,8 +8,6 @@ from handlcp.check import Array
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.mechanism import Mechanism
 
-__all__ = ["Placement"]
-
 
 @dataclass(frozen=True, eq=False)
 class Placement:

@@ -16,8 +16,6 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lazy import lazy
 
-__all__ = ["Scene"]
-
 _SPATIAL = read_only(np.eye(6))
 
 

@@ -16,8 +16,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lazy import lazy
 
-__all__ = ["GraspSpec", "wrench_about"]
-
 _ARRAYS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")
 
 

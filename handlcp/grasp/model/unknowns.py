@@ -12,8 +12,6 @@ from handlcp.check import Array
 from handlcp.grasp.model.scene import Scene
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Layout", "System", "Unknown", "labels", "layout"]
-
 
 @dataclass(frozen=True, slots=True)
 class Unknown:

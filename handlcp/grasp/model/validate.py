@@ -14,11 +14,6 @@ from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.vectors import block_diagonal, cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
-__all__ = [
-    "WRENCH", "blocks", "contacts", "effects", "flexibility", "frames", "lift", "moved", "offset", "placed",
-    "reference", "wrench",
-]  # fmt: skip
-
 WRENCH = "force [N], then torque [N·m]: finite numbers"
 
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["block_diagonal", "cross_rows", "shifted"]
-
 
 def cross_rows(a: Array, b: Array) -> Array:
     """A × b for (3,) arguments, or (n, 3) ones row by row."""

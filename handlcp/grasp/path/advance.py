@@ -24,8 +24,6 @@ from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, reached
 from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
 
-__all__ = ["Leg", "Open", "advance"]
-
 FINEST = 2.0**-9  # of a step: what has no end then has none
 _EXACT = 2.0**-16  # of a step: where a snap or the last static state is found, once it is known that there is one
 _ALONG = 2.0  # a path is not continued further than this many times its last step

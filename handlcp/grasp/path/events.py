@@ -16,8 +16,6 @@ from handlcp.grasp.cause.lost import moves
 from handlcp.grasp.cause.wording import BY_TURNS, happens
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["Event", "Summary", "jump", "summary"]
-
 _LOST = "lost"
 _UNDONE = {"sticks": "slips", "touches": "opens", "within limit": "over limit", "holds": "yields", "range": "range end"}
 _NEAR = 0.01  # of a stage: events of one kind no further apart are told as one

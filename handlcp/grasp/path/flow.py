@@ -15,8 +15,6 @@ from handlcp.grasp.path.program import Controls
 from handlcp.grasp.path.state import Failure, State
 from handlcp.grasp.path.step import Stepper
 
-__all__ = ["CREEPS", "GONE", "MOVES", "REST", "flow"]
-
 REST, GONE, CREEPS, MOVES = "rest", "gone", "creeps", "moves"
 _FIRST, _LEAST = 1.0, 1e-4  # h
 _ROUGH = 1e6  # times the tolerance of a static state: where it rests is looked for as closely as any state

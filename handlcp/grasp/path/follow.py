@@ -40,8 +40,6 @@ from handlcp.lazy import lazy
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = ["TOLERANCE", "Loading", "begun", "follow", "geometry_of", "loading_of", "sliding", "solution_of"]
-
 _COARSER = 100.0  # steps of differences of a path, beside those of one solve: its own steps are no finer
 TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 

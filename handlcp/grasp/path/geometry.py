@@ -20,10 +20,6 @@ from handlcp.grasp.model.vectors import cross_rows, shifted
 from handlcp.grasp.path.look.numbers import Elastic
 from handlcp.grasp.path.look.tangent import Moving, Touch
 
-__all__ = [
-    "RIGID", "FixedGeometry", "Geometry", "Look", "Where", "between", "least_flexibility", "length_of", "supports",
-]  # fmt: skip
-
 RIGID = 1e-6  # of the mean flexibility: what gives way by less is rigid
 
 

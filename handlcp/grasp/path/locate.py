@@ -10,8 +10,6 @@ from handlcp.check import Array
 from handlcp.grasp.path.state import OPEN, SLIDES, Failure, State
 from handlcp.grasp.path.step import Stepper
 
-__all__ = ["first_change", "margins"]
-
 _NEAR = 1e-3  # of a step: a change this close is where it is looked for
 _TRIES = 8
 

@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 
-__all__ = ["Controls", "Goal", "Stage", "read_stages"]
-
 _KNOWN = ("squeeze", "load", "together")
 
 

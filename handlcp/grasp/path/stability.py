@@ -15,8 +15,6 @@ from handlcp.check import Array
 from handlcp.grasp.path.state import State
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["GROWS", "growing", "growth", "shrinks"]
-
 # Of the fingers' stiffness: an object that may roll freely stays where it is pushed, which is 0. One whose weight lies
 # a hair off the line through two contacts would turn about it, were they points; no fingertip is one.
 GROWS = 1e-4

@@ -14,8 +14,6 @@ from handlcp.grasp.path.geometry import Look, Where
 from handlcp.grasp.path.look.numbers import Loads, Read
 from handlcp.grasp.path.program import Controls
 
-__all__ = ["OPEN", "SLIDES", "STICKS", "Failure", "Guess", "Outcome", "Run", "Slides", "Snap", "State"]
-
 OPEN, STICKS, SLIDES = "separated", "sticking", "sliding"
 STILL = read_only(np.zeros(6))
 

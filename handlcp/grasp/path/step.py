@@ -27,8 +27,6 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.contact_states import names_of
 from handlcp.lcp import Auto
 
-__all__ = ["Stepper"]
-
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
 # the certifier, and closed forms are met to nine digits
 _SLOW = 1e8

@@ -29,8 +29,6 @@ from handlcp.grasp.path.geometry import Geometry, Look
 from handlcp.grasp.path.look.numbers import Loads, flexibility_of
 from handlcp.grasp.path.program import Controls
 
-__all__ = ["StepGrasp", "Under"]
-
 # Of the contacts' distances from their centre: less is no preload; and fingertips no farther from the object than this,
 # or no deeper in it, just touch
 _NONE, _TOUCHES = 1e-7, 3e-5

@@ -18,8 +18,6 @@ from handlcp.grasp.path.look.one_look import Answer
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.solve.compiled_solve import ScenePattern
 
-__all__ = ["StepLaws"]
-
 
 class StepLaws:
     """Of one grasp and section. laws, limits (n,) of friction, pattern : as `one_look` reads them. given : how many

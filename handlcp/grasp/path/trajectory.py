@@ -15,8 +15,6 @@ from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.lazy import lazy
 from handlcp.words import distinct
 
-__all__ = ["Steps"]
-
 
 @dataclass(frozen=True, eq=False)
 class Steps:

@@ -21,8 +21,6 @@ from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import State
 from handlcp.tolerances import FASTER, RUNS
 
-__all__ = ["Rate", "Watch", "reached", "watch_of"]
-
 _NEAR = 1e-6  # of the contacts' distances from their centre: fingertips no farther than this touch already
 _BEGINS = ("over limit", "yields", "range end")
 _ENDS = ("within limit", "holds", "range")

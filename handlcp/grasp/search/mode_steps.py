@@ -9,8 +9,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["CONTRADICTS", "REGULAR", "SIGNS", "Modes", "Walk", "fits", "hand_on", "last", "new_walk", "solve_contact"]
-
 SIGNS = 1e-6  # a sign may be wrong by this share of the largest force or motion; the certifier decides afterwards
 REGULAR, SINGULAR, CONTRADICTS = 0, 1, 2
 _PIVOT, _ZERO = 1e-8, 1e-12  # of the table's largest entry: below, a pivot is none; below, an entry is zero

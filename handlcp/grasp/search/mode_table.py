@@ -27,10 +27,8 @@ from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.search.mode_steps import Modes
 from handlcp.grasp.search.mode_walk import visit
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.tolerances import RANK
-
-__all__ = ["PER_SECOND", "Table", "coarse", "mode_table"]
 
 PER_SECOND = 4e6  # choices of modes that are visited in a second, a careful count
 

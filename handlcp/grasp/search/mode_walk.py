@@ -23,8 +23,6 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import solve_ranked
 from handlcp.tolerances import RANK
 
-__all__ = ["visit", "whole"]
-
 
 @kernel
 def visit(P: Array, c: Array, m: Modes, most: int, most_whole: int) -> tuple[Array, Ints, bool]:

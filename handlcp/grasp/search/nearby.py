@@ -12,8 +12,6 @@ from handlcp.lcp.solvers.auto import in_units_of_limits
 from handlcp.lcp.solvers.contact_run import FINE
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["first_certified", "only_limits_move", "passes"]
-
 _NEWTON = SemismoothNewton(tol=FINE)
 _ALMOST = 100.0  # of what the certifier allows
 

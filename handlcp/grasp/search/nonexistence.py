@@ -31,8 +31,6 @@ from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.search import search
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["EquilibriumSearch", "Outcome", "OverModes"]
-
 _EACH = 200.0  # multiply-adds that one choice takes
 _MOST_CANDIDATES = 100  # of those one by one; a few are usual
 _WIDE = 1e3  # of the box in which nothing is proven to exist, times 1 + max|d̂|

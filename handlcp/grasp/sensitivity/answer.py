@@ -24,8 +24,6 @@ from handlcp.grasp.verify.limits_at_answer import limits_at_answer
 from handlcp.lazy import lazy
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["Answer", "Yielding"]
-
 
 @dataclass(frozen=True, eq=False)
 class Yielding:

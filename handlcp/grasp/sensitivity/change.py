@@ -11,8 +11,6 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.sensitivity.answer import Answer
 
-__all__ = ["Change", "Deeper", "Rates", "no_change"]
-
 
 @dataclass(frozen=True, eq=False)
 class Change:

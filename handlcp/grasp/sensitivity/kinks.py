@@ -26,8 +26,6 @@ from handlcp.grasp.sensitivity.stand import Stand, solved
 from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
 from handlcp.tolerances import RANK
 
-__all__ = ["Kink", "kinks_at", "one_sided"]
-
 _MOST = 4096  # combinations that are tried
 _SMALL = 1e-9  # of the largest rate: a sign that is missed by less is kept
 _ROUNDS = 100  # in search of the direction of a slip that begins

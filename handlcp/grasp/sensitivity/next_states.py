@@ -13,8 +13,6 @@ from handlcp.grasp.friction import limit_set
 from handlcp.grasp.sensitivity.stand import Stand
 from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING
 
-__all__ = ["Next", "next_states", "normals_reached"]
-
 _AT_ONCE = 1e12  # natural units: friction that is against its contact's slip from the beginning
 
 

@@ -12,8 +12,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["ORDINARY", "ordinary_changes", "ordinary_rates"]
-
 ORDINARY = ("wrench", "squeeze", "pads", "friction", "positions", "joint_offset", "stiffness")  # in this order
 
 

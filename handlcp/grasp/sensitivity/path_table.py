@@ -10,8 +10,6 @@ from handlcp.check import Array
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
 
-__all__ = ["path_table"]
-
 _SHARE = 0.1
 _ROWS = {
     "friction": "friction", "joint_offset": "command of the joints", "squeeze": "squeeze",

@@ -21,8 +21,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.sensitivity.by.vary import STEPS, TOGETHER, shape_of, sizes_of, vary, vary_all
 from handlcp.grasp.sensitivity.path_table import path_table
 
-__all__ = ["PathSensitivity", "Sides"]
-
 _APART = 0.1  # of the larger side: where they differ by more, there is no derivative
 _ROUGH = 1e-3  # of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
 _ROUNDING = 1e-10  # of a quantity, which a difference divides by the step

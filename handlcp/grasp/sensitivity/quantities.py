@@ -11,8 +11,6 @@ from handlcp.check import Array
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.change import Change, Rates
 
-__all__ = ["QUANTITIES", "Quantity"]
-
 
 @dataclass(frozen=True, slots=True)
 class Quantity:

@@ -20,8 +20,6 @@ from handlcp.grasp.verify.contact_states import States
 from handlcp.lazy import lazy
 from handlcp.tolerances import RANK
 
-__all__ = ["Response"]
-
 _AS_USUAL = (JointOffset, FingerWeight, ContactCompliance)  # effects that are data, and stay while contacts move
 _FREE = 1e-7  # what the free directions of a singular system move by less is determined
 

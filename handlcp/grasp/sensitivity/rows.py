@@ -33,8 +33,6 @@ from handlcp.grasp.verify.contact_states import (
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import RANK
 
-__all__ = ["active_rows", "eliminated", "respond", "stand"]
-
 
 @kernel
 def respond(

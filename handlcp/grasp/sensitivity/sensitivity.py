@@ -20,8 +20,6 @@ from handlcp.grasp.sensitivity.table import what_matters
 from handlcp.tolerances import ACTIVE
 from handlcp.views import view
 
-__all__ = ["Along", "Sensitivity", "sensitivity_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class Along:

@@ -12,8 +12,6 @@ from handlcp.grasp.sensitivity.change import Change
 from handlcp.grasp.sensitivity.rows import active_rows
 from handlcp.grasp.verify.contact_states import States
 
-__all__ = ["Stand", "solved"]
-
 CONSISTENT = 1e-8  # of a right-hand side: what is missed by less is met
 
 

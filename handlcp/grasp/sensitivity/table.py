@@ -12,8 +12,6 @@ from handlcp.grasp.sensitivity.by.vary import sizes_of
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
 
-__all__ = ["what_matters"]
-
 _SHARE = 0.1
 _NOTHING = 1e-3  # of the largest force
 _ROUNDING = 1e-6  # of the largest number in a column

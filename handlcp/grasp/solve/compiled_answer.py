@@ -21,8 +21,6 @@ from handlcp.lcp import Proposal
 from handlcp.lcp.solvers.contact_run import outcome
 from handlcp.tolerances import CERTIFY, SOLVE
 
-__all__ = ["NOWHERE", "CompiledAnswer", "CompiledKind", "compiled_kind", "pack", "solve_scene", "start_from"]
-
 NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
 
 

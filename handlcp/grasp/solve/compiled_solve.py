@@ -25,11 +25,6 @@ from handlcp.lcp.kernels.contact_rows import in_order
 from handlcp.lcp.kernels.contact_run import closed, contact_run, in_turns, newton_first
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
-__all__ = [
-    "HEAD", "NONE_HOLDS", "UNIQUE", "ScenePattern", "begin", "read_scene", "solve_scenes", "solved", "stamped_rows",
-    "write_answer",
-]  # fmt: skip
-
 
 class ScenePattern(NamedTuple):
     """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.

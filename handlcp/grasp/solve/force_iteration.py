@@ -26,8 +26,6 @@ from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import FIXED_POINT
 
-__all__ = ["force_dependent", "missed", "solve_again", "under_forces"]
-
 _MOST = 100  # solves
 
 

@@ -16,8 +16,6 @@ from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.verify.contact_laws import in_world
 from handlcp.lcp import FIRST_STAGE, Status, stage_line
 
-__all__ = ["lazy_solution", "trace_of"]
-
 
 def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""

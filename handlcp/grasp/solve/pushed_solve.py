@@ -25,8 +25,6 @@ from handlcp.grasp.solve.compiled_solve import (
 )
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["push_scene"]
-
 
 @kernel
 def push_scene(

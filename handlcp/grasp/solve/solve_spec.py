@@ -13,8 +13,6 @@ from handlcp.grasp.solve.force_iteration import force_dependent, solve_again
 from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp.solve import AnySolver
 
-__all__ = ["solve_spec"]
-
 
 def solve_spec(
     spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None,

@@ -36,8 +36,6 @@ from handlcp.lcp.solve import AnySolver
 if TYPE_CHECKING:
     from handlcp.grasp.search.nonexistence import EquilibriumSearch, Outcome
 
-__all__ = ["BRIEF", "answered", "certified", "solve_built"]
-
 # Multiply-adds of the first search, milliseconds, and of the second one, hundredths of a second. What the first leaves
 # open is more often an answer that Lemke's method finds at once than one that is not there
 BRIEF, _LONG = 1e6, 2e7

@@ -29,8 +29,6 @@ from handlcp.grasp.verdict.path_reasons import (
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
 
-__all__ = ["STEPS", "check", "followed_to", "judged"]
-
 _CHAIN = Auto(search_seconds=0.0)
 STEPS = 8  # of a stage; where something happens there are more
 _MORE = 2  # times as many are twice as many, where fewer end differently

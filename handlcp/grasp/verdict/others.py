@@ -22,8 +22,6 @@ from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto
 
-__all__ = ["other_equilibria"]
-
 _CONTACTS = 4  # with more, equilibria are too many to look for
 _LOADS, _SQUEEZES = (0.0, 0.5, 2.0), (0.5, 2.0)  # shares of the grasp's own
 _APART = 0.01  # of the largest force

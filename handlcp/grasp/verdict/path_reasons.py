@@ -24,8 +24,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
 
-__all__ = ["compared", "lost_reason", "place_reasons", "reached_reasons", "rigid_reasons", "slides_reason"]
-
 _SLIDES = 1e-4  # of the grasp's size: what slides less on its way, and sticks at its end, is not said to slide
 _BEFORE = 0.98  # of the load at which it is lost: what slides through only from there on is not said to
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn

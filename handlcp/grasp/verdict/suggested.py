@@ -12,8 +12,6 @@ from handlcp.grasp.answer.verdict import Reason, Verdict
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["suggested"]
-
 
 def suggested(
     spec: GraspSpec, section: Section, solution: GraspSolution, least: float, verdict: Verdict

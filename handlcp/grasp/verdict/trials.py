@@ -27,8 +27,6 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["advice", "stiffened"]
-
 _STEPS = 5  # of a stage
 _FRICTION = (0.3, 0.5, 0.8, 1.0, 1.2)  # coefficients; hardly anything grips better
 _STIFFER = (2.0, 5.0, 10.0)  # times as stiff

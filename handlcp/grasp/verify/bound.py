@@ -24,8 +24,6 @@ from handlcp.grasp.verify.bound_program import Factors, depth, largest
 from handlcp.grasp.verify.capacity import Capacity, capacity_of
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["Bounds", "bound_of"]
-
 _BINDS = 1e-6  # share of the largest multiplier, from which a row binds
 _LIGHT = 1e-6  # of the largest force: a contact that presses with less is open
 

@@ -19,8 +19,6 @@ from handlcp.grasp.verify.conic import ENDED, NOTHING_FITS, UNBOUNDED, solve_con
 from handlcp.grasp.verify.newton import Conic
 from handlcp.tolerances import RANK
 
-__all__ = ["Factors", "depth", "largest"]
-
 _TOGETHER = 500  # programs at once: their matrices stay within a few dozen megabytes
 _FROM, _TO = 1e-2, 1e3  # factors that are accurate as they are, in units of what the grasp bears
 _AGAIN = 3  # changes of units

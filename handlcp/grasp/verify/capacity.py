@@ -20,8 +20,6 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.cones import Cones
 from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
 
-__all__ = ["Capacity", "capacity_of"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Capacity:

@@ -14,8 +14,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lazy import lazy
 
-__all__ = ["Cones", "Scaling"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Group:

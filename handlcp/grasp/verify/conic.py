@@ -19,8 +19,6 @@ from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.verify.cones import Scaling
 from handlcp.grasp.verify.newton import Conic, Reduced, Whole
 
-__all__ = ["ENDED", "NOTHING_FITS", "STOPPED", "UNBOUNDED", "Ends", "solve_conic"]
-
 STOPPED, ENDED, UNBOUNDED, NOTHING_FITS = 0, 1, 2, 3
 _MOST = 80  # steps; few programs take 25
 _GAP = 1e-12  # relative: where a program is at its end

@@ -16,8 +16,6 @@ from handlcp.grasp.model.grasp_matrix import Given, Posed
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.projection import nearest
 
-__all__ = ["Friction", "Misses", "examine", "in_world"]
-
 _ROUNDING = 1e-6  # of the largest term: the certifier allows 1e-8 of it, a hundred roundings of the sum
 _NOTHING_GIVES = 1e-3  # of the natural unit of motion: the certifier allows 1e-11 of that unit, as the solvers do
 

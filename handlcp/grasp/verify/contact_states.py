@@ -15,11 +15,6 @@ from handlcp.grasp.verify.judge import Verdict, friction_of
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import ACTIVE
 
-__all__ = [
-    "GLIDING", "RESTING", "SEPARATED", "SLIDING", "STICKING", "States", "classify", "complement", "find_states",
-    "names_of",
-]  # fmt: skip
-
 # GLIDING pushes without friction, RESTING touches without pushing
 SEPARATED, STICKING, SLIDING, GLIDING, RESTING = 0, 1, 2, 3, 4
 _NAMES = ("separated", "sticking", "sliding", "sliding", "separated")

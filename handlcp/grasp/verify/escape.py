@@ -16,8 +16,6 @@ from handlcp.lcp.modes.fit import fit
 from handlcp.lcp.modes.generators import STUCK, Cones, reach, support
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["BALANCED", "ESCAPES", "UNCLEAR", "find_escape"]
-
 BALANCED, ESCAPES, UNCLEAR = 0, 1, 2
 _FORCES = 1e3  # of the load: forces up to that are what rounding in the signs may hide
 _DISC = 64  # faces of the pyramid around the cone; what nothing in it holds, nothing in the cone does

@@ -16,8 +16,6 @@ from handlcp.grasp.verify.escape import BALANCED, ESCAPES, find_escape
 from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["escape_of", "escaping_twist", "generators", "is_escape", "jammed", "least_total"]
-
 
 def escaping_twist(scene: Scene, section: Section) -> Array | None:
     """(6,) certified motion about the contacts' centre in which the object escapes, for one metre of travel.

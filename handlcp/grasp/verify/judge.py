@@ -16,8 +16,6 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.contact_laws import Friction, Misses, examine
 from handlcp.tolerances import CERTIFY, GROWTH
 
-__all__ = ["Residuals", "Verdict", "friction_of", "judge"]
-
 
 @dataclass(frozen=True, slots=True)
 class Residuals:

@@ -20,8 +20,6 @@ from handlcp.grasp.verify.holdable import generators, is_escape
 from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["overload"]
-
 
 def overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) -> Array | None:
     """(dof + limits,) a certified proof (t, y) in natural units, limits in the effects' order; None: none gives way,

@@ -14,8 +14,6 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import ACTIVE
 
-__all__ = ["LimitsAtAnswer", "every_limit", "limits_at_answer", "stacked"]
-
 _MOST_RESTING = 4  # limits just reached whose 2^k choices are all looked at; beyond that all or none give way
 
 

@@ -17,8 +17,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.verify.cones import Cones, Scaling
 
-__all__ = ["Conic", "Reduced", "Whole"]
-
 
 class Conic(NamedTuple):
     """c (v,), A (p, e, v) of p programs, b (p, e), G (m, v), h (p, m), and the cones of the m rows."""

@@ -24,8 +24,6 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.table import surrounding
 from handlcp.hand.robot.posture import GRAVITY, Posture
 
-__all__ = ["HandAsked"]
-
 _GRAVITY = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
 
 

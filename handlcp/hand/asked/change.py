@@ -21,8 +21,6 @@ from handlcp.hand.asked.load import load_of, weight_of
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 from handlcp.hand.objects.object import Object
 
-__all__ = ["hand_remade"]
-
 _COMMANDS = ("squeeze", "grip_force", "joint_offset")
 _WEIGH = ("object", "mass", "gravity")
 _PLACE = ("object", "fingers", "max_gap")  # what makes the fingertips look for the object anew

@@ -18,8 +18,6 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres, far_from
 from handlcp.hand.robot.posture import Posture
 
-__all__ = ["DEFAULT", "found_on", "given_by"]
-
 DEFAULT = Coulomb(0.6)  # of contacts with an object
 
 

@@ -12,8 +12,6 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.hand.objects.object import Object
 
-__all__ = ["load_of", "point_of", "weight_of"]
-
 
 def point_of(reference: Any, obj: Object | None, positions: Array, normal: Array | None) -> Array:
     """(3,) the point [m] that wrench and motion refer to; the object's centre of mass where none is given."""

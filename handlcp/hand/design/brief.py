@@ -15,8 +15,6 @@ from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.design.changed import hand_of, with_limits
 
-__all__ = ["Case", "cases"]
-
 _PARTS = ("load", "mass", "gravity")
 _ONE = "the load"
 

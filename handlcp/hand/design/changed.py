@@ -11,8 +11,6 @@ from handlcp.hand.command import commanded
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.robot.joint_limits import TorqueLimits
 
-__all__ = ["gripped", "hand_of", "with_limits"]
-
 
 def hand_of(spec: GraspSpec) -> HandMechanism:
     """The hand of a hand's grasp."""

@@ -15,8 +15,6 @@ from handlcp.hand.design.brief import Case
 from handlcp.hand.design.changed import gripped, hand_of
 from handlcp.hand.design.required_torque import starts
 
-__all__ = ["required_grip", "required_squeeze"]
-
 _TIMES = 256.0  # the grip with which nothing slips: the most that is tried
 _DEEPEST, _START = 0.05, 1e-3  # [m] of a squeeze
 

@@ -18,8 +18,6 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.hand.design.sticking import Sticking
 
-__all__ = ["least_grip"]
-
 _DIRECTIONS = 16  # faces of a friction cone in a tangent plane
 _BALL = 64  # faces of a soft finger's limit surface
 _SMALL = 1e-6  # weight of the grip's sum and of its largest: among grips with the same torques the gentlest, evenly

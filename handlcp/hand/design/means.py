@@ -16,8 +16,6 @@ from handlcp.hand.asked.load import weight_of
 from handlcp.hand.design.changed import hand_of, with_limits
 from handlcp.hand.design.stiffer import hand_stiffened
 
-__all__ = ["means_of_hand"]
-
 
 def _changes(spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
     much, hand = words.percent(share), hand_of(spec)

@@ -15,8 +15,6 @@ from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.text_table import TextTable, wrapped
 
-__all__ = ["RequiredTorque"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RequiredTorque(Data):

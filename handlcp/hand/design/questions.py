@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from handlcp.grasp.design.stiffness import RequiredStiffness
     from handlcp.hand.design.motors import RequiredTorque
 
-__all__ = ["HandQuestions"]
-
 
 class HandQuestions(Grasp):
     """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""

@@ -27,8 +27,6 @@ from handlcp.hand.design.search import least
 from handlcp.hand.design.sticking import sticking
 from handlcp.hand.design.trials import Trial, Trials
 
-__all__ = ["required_torque", "starts"]
-
 _ROUNDED_UP = 1e-6  # of a torque, so that rounding puts none over its limit
 
 

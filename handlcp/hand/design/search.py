@@ -6,8 +6,6 @@ from handlcp.check import Array
 from handlcp.grasp.design.closing_in import closed_in
 from handlcp.hand.design.trials import Trial, Trials
 
-__all__ = ["least"]
-
 _MOST = 2.0**8  # times the grip that the search starts from
 _CHANGES = (0.2, 0.08, 0.03)  # of one finger's grip
 _BETTER = 1e-3  # a change that gains less is none

@@ -19,8 +19,6 @@ from handlcp.grasp.design.no_slip import without_slip
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["Sticking", "sticking"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sticking:

@@ -7,8 +7,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.trials import stiffened
 from handlcp.hand.design.changed import gripped
 
-__all__ = ["hand_stiffened"]
-
 
 def hand_stiffened(spec: GraspSpec, factor: float) -> GraspSpec | None:
     """With joints so many times as stiff; None: its flexibility is not that of the joints. A grip force stays the

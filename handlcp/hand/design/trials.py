@@ -15,8 +15,6 @@ from handlcp.grasp.verdict.check import STEPS
 from handlcp.hand.design.brief import Case
 from handlcp.hand.design.changed import gripped
 
-__all__ = ["Trial", "Trials"]
-
 _ALIKE = 1e-6  # torques that differ by less are the same
 
 

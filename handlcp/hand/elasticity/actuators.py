@@ -11,8 +11,6 @@ from handlcp.check import Array, array, number, per_name, read_only, spd
 from handlcp.errors import InputError
 from handlcp.hand.elasticity.stiffness import springs
 
-__all__ = ["Given", "given_rows", "read_rows", "read_springs"]
-
 Given = Array | dict[str, dict[str, float]]
 
 

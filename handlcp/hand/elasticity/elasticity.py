@@ -22,8 +22,6 @@ from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.text_table import TextTable
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["TRANSMISSION", "Effort", "Elasticity", "Transmission", "spanned"]
-
 TRANSMISSION = "transmission"  # the effect's name in `explain()`
 
 

@@ -12,8 +12,6 @@ from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Pads", "read_pads", "tip_flexibility"]
-
 
 class Pads:
     """Flexibility of n pads: blocks (n, 3, 3) [m/N], PSD, tip axes. isotropic : each is the same in all directions."""

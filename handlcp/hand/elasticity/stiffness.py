@@ -12,8 +12,6 @@ from handlcp.check import Array, array, dimensions, number, per_name, read_only,
 from handlcp.errors import InputError
 from handlcp.hand.elasticity.elasticity import Elasticity, Transmission
 
-__all__ = ["JointStiffness", "read_stiffness", "springs"]
-
 
 class JointStiffness(Elasticity):
     """Stiffness K of the joints [N·m/rad], positive definite; inf on the diagonal: rigid. A = L⁻ᵀ for K = L Lᵀ."""

@@ -25,8 +25,6 @@ from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity,
 from handlcp.hand.elasticity.stiffness import JointStiffness, read_stiffness
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["SYNERGIES", "Synergies", "SynergyCompliance"]
-
 SYNERGIES = Description(
     title=f"{TRANSMISSION}: synergies",
     equation="C = K_q⁻¹ + S K_z⁻¹ Sᵀ,  η = Sᵀ τ",

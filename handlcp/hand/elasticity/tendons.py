@@ -25,8 +25,6 @@ from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Transmissio
 from handlcp.hand.elasticity.stiffness import JointStiffness, springs
 from handlcp.tolerances import SEMIDEFINITE
 
-__all__ = ["TENDONS", "TendonStiffness", "Tendons"]
-
 TENDONS = Description(
     title=f"{TRANSMISSION}: tendons",
     equation="K = K_p + Rᵀ k R,  t = k R δq",

@@ -17,8 +17,6 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.lazy import lazy
 
-__all__ = ["Candidate", "reserves"]
-
 
 @dataclass(frozen=True, eq=False)
 class Candidate:

@@ -17,8 +17,6 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.link_surface import LinkSurface
 from handlcp.hand.robot.model import HandModel
 
-__all__ = ["Links"]
-
 _POINTS = 150  # of a link, at most, that are looked at
 _DEPTH, _MOST = 1e-4, 3e-3  # [m] how deep a link may be in the object, and at most one that carries a fingertip
 _BESIDE = 2e-4  # [m] how much less deep a link is pushed that is too deep

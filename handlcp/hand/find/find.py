@@ -15,8 +15,6 @@ from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 
-__all__ = ["find_grasp"]
-
 
 def find_grasp(
     hand: HandModel,

@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.find.touch import Touch
 
-__all__ = ["Asked", "normal_forces"]
-
 RESERVE = 0.6  # s, the share of friction that is planned with
 _EDGES = 2 * np.pi * np.arange(8) / 8
 _HEAVY = 1e3  # of balance beside the size of the forces

@@ -10,8 +10,6 @@ from handlcp.hand.find.candidate import Candidate
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = ["Found", "told"]
-
 _STEPS = {
     "tried": "placements tried", "touching": "touched by all fingers, without a link inside",
     "balanced": "where forces within friction hold the object", "clear": "without links in each other, solved",

@@ -17,8 +17,6 @@ from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 
-__all__ = ["SAMPLES", "guesses"]
-
 SAMPLES = 4096  # postures and placements that are compared
 _TILT = 0.5  # [rad] of the object's axes against those of the tips' spread, at most, about each axis
 _OUTSIDE = 5e-3  # [m] how far outside the object the middles of links should be

@@ -12,8 +12,6 @@ from handlcp.check import Array
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 
-__all__ = ["Place", "box_around", "end_of", "free_ranges", "size_of_object"]
-
 _SPARE = 0.03  # of a joint's range, kept free at both ends so that the fingers can still be squeezed
 _THICK = (3e-3, 12e-3)  # [m] half of a fingertip's thickness, at least and at most
 

@@ -22,8 +22,6 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.state import HandState
 
-__all__ = ["Search"]
-
 _AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held
 _SOLVED = 16  # grasps of each round that are solved
 _ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each

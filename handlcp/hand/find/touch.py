@@ -27,8 +27,6 @@ from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import TipShape
 
-__all__ = ["Touch", "brought_together"]
-
 CLOSE = 5e-7  # [m] gaps that count as closed; distances between some shapes are no better
 _STEPS, _LONGEST = 30, 0.3  # at most; of a step [rad], and as a share of the object's size
 _IDLE = 5  # steps without progress after which it is given up

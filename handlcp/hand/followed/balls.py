@@ -10,8 +10,6 @@ from handlcp.hand.objects.surface import on_surface
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import product
 
-__all__ = ["ball_contacts", "ball_look"]
-
 _STEP = 1e-6  # of the object's size: central differences of normals, good to ten digits
 
 

@@ -12,8 +12,6 @@ from handlcp.hand.robot.contact_jacobian import contact_jacobian
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import product
 
-__all__ = ["Bodies", "contacts_at", "slip_between"]
-
 
 class Bodies(NamedTuple):
     """R (3, 3), t (3,) of the object's motion x ↦ R x + t since the start; turns (n, 3, 3) and places (n, 3) of the

@@ -16,8 +16,6 @@ from handlcp.hand.followed.balls import ball_contacts
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
 
-__all__ = ["Balls", "Find", "finger_contacts"]
-
 _STEP = 2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less
 
 

@@ -28,8 +28,6 @@ from handlcp.hand.objects.plane_contacts import rolling_point
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import TipMotions, overlaps
 
-__all__ = ["FollowedHand"]
-
 _FAR = -0.9  # trace of a rotation by almost half a turn, whose axis takes more care
 _TURN = 1e-5  # [rad] differences of where a round object touches a plane
 

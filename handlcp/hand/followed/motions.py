@@ -8,8 +8,6 @@ from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import product
 
-__all__ = ["displaced", "gone_on", "motion_between", "moved_on", "rotation_vector", "transported", "turned_from"]
-
 
 @kernel
 def moved_on(R: Array, t: Array, twist: Array, about: Array) -> tuple[Array, Array]:

@@ -17,8 +17,6 @@ from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import by_tip
 
-__all__ = ["close_on"]
-
 LONGEST_STEP = 0.15  # of a joint in one iteration [rad, m]
 ITERATIONS = 400
 STALL = 60  # iterations without progress before a finger counts as stuck

@@ -20,8 +20,6 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import TipShape
 
-__all__ = ["Proximity", "nearest", "touching"]
-
 _UNTURNED = np.eye(3)  # for balls, whose rotation does not matter
 
 

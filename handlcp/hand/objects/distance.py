@@ -22,8 +22,6 @@ from handlcp.errors import Unsupported
 from handlcp.hand.objects.overlap import apart, overlap
 from handlcp.hand.objects.support import beyond, known, size_of, support
 
-__all__ = ["Distance", "Frame", "distance"]
-
 Frame: TypeAlias = tuple[Array, Array]  # rotation (3, 3) and position (3,) [m]
 Distance: TypeAlias = tuple[float, Array, Array, Array]
 

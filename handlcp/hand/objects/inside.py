@@ -14,8 +14,6 @@ from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import sphere_tip
 
-__all__ = ["Inside", "distances", "links_inside"]
-
 _MOST = 24  # points of a link that are measured one by one, where no formula measures all at once
 _UNTURNED = np.eye(3)
 

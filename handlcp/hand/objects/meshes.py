@@ -13,18 +13,6 @@ from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.hull import hull
 
-__all__ = [
-    "HOW_TO_MESH",
-    "MOST",
-    "Surfaces",
-    "closed",
-    "in_memory",
-    "load_mesh",
-    "surfaces_of",
-    "triangles_of",
-    "what_to_pass",
-]
-
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 HOW_TO_MESH = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
 MOST = 200_000  # triangles: these take half a minute, and more gain nothing at the size of a fingertip

@@ -14,8 +14,6 @@ from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.hand.objects.surface import on_surface
 
-__all__ = ["WEIGHS", "Object", "Solid", "read_placement"]
-
 _RIGID, _EXACT = 1e-4, 1e-14  # what a rotation rounded to a few digits may miss, and what float64 makes it miss
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 

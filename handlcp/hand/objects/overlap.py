@@ -23,8 +23,6 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["Overlap", "apart", "overlap"]
-
 Pairs = Callable[[Array], tuple[Array, Array]]
 
 _GRID, _MOST, _AT_ONCE = 60, 60, 6  # directions to begin with, steps, and faces looked at in each

@@ -15,8 +15,6 @@ from handlcp.grasp.model.contact import frame
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 
-__all__ = ["RIM", "plane_contacts", "rolling_point"]
-
 RIM = 8  # points on each rim of a cylinder
 _LIES = 0.2  # sine of the angle between a cylinder's axis and the plane's normal: less, and it stands on its rim
 _FLAT = 1e-9  # times the object's size: smaller differences of height and distances from a line are zero

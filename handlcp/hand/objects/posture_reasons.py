@@ -14,8 +14,6 @@ from handlcp.hand.objects.inside import Inside, links_inside
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 
-__all__ = ["posture_reasons"]
-
 _FAR = 0.05  # [rad]; past its range by more, the joint cannot be there
 _TOUCHES = 2e-4  # [m] collision geometry is no more exact than that
 _DEEP = 1e-3  # [m] a link deeper in the object cannot be there

@@ -15,8 +15,6 @@ from handlcp.hand.objects.object import Object, Solid
 from handlcp.hand.objects.surface import BALL, BOX, CYLINDER, ELLIPSOID
 from handlcp.hand.objects.triangles import Surface, closest_of
 
-__all__ = ["Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere", "ask_for_metres", "far_from"]
-
 
 class Box(Object):
     """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""

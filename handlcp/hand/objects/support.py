@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.robot.hull import planes
 
-__all__ = ["beyond", "known", "size_of", "support"]
-
 _SHAPES = (coal.Box, coal.Sphere, coal.Capsule, coal.Cylinder, coal.Ellipsoid, coal.Convex)
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["BALL", "BOX", "CYLINDER", "ELLIPSOID", "on_surface", "touched"]
-
 BALL, BOX, CYLINDER, ELLIPSOID = 0, 1, 2, 3
 
 

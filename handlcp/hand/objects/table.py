@@ -15,8 +15,6 @@ from handlcp.grasp.model.environment import Environment, joined
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.plane_contacts import plane_contacts
 
-__all__ = ["Table", "surrounding"]
-
 
 class Table:
     """A half-space: a table under the object, a wall beside it. Immutable.

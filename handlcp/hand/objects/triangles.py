@@ -12,8 +12,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.robot.hull import planes
 
-__all__ = ["Surface", "closest_of", "winding"]
-
 _ON = 1e-9  # of the size: a point this near to the surface takes its normal from the triangle
 
 

@@ -17,8 +17,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.robot.posture import Posture
 
-__all__ = ["contact_hessian"]
-
 
 def contact_hessian(state: Posture, tips: Sequence[int], positions: Array, frames: Array) -> Array:
     """(3n, nv, nv) ∂J/∂q [m/rad²] of points (n, 3) [m] on the tips numbered `tips`, in frames (n, 3, 3) that stay."""

@@ -7,8 +7,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["contact_jacobian"]
-
 
 @kernel
 def contact_jacobian(J: Array, support: Array, coupling: Array, positions: Array, frames: Array) -> Array:

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from handlcp import words
 
-__all__ = ["SEVERITIES", "Doubt"]
-
 SEVERITIES = ("serious", "minor", "information")  # most important first
 
 

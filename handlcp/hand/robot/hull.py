@@ -13,8 +13,6 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 
-__all__ = ["hull", "planes"]
-
 _MOST, _EACH = 250, 100  # neighbours that a vertex keeps, and how many those have that come in its place
 _CUT = 1e-6  # of the edges' lengths: how much of such a vertex is cut off
 _FLAT = 1e-9  # of its width: a hull that is thinner is flat

@@ -12,8 +12,6 @@ from handlcp.check import Array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.hand.robot.joints import Coupling, JointFacts
 
-__all__ = ["TorqueLimits", "read_ranges", "read_torque_limits"]
-
 
 def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling: Coupling) -> tuple[Array, Array]:
     """(nv,) lower and upper positions of the independent joints [rad, m], narrowed by joints that follow; ±inf: none.

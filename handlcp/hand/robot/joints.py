@@ -14,8 +14,6 @@ from handlcp.check import Array, read_only
 from handlcp.errors import URDFError
 from handlcp.hand.robot.urdf import LARGEST_NUMBER, link_of
 
-__all__ = ["Coupling", "JointFacts", "Mimic", "couple", "joint_facts", "model_facts", "movable_joints"]
-
 
 @dataclass(frozen=True, slots=True)
 class Mimic:

@@ -14,8 +14,6 @@ from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joint_limits import read_ranges
 from handlcp.hand.robot.joints import JointFacts, couple, movable_joints
 
-__all__ = ["Kinematics"]
-
 
 class Kinematics:
     """A Pinocchio model and its independent joints. Picklable; threads may share it, and have a copy of the model each.

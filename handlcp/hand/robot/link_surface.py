@@ -18,8 +18,6 @@ from handlcp.hand.robot.hull import planes
 from handlcp.hand.robot.source.description import COLLISION, Description
 from handlcp.lazy import lazy
 
-__all__ = ["LinkSurface", "link_surfaces", "surface_points"]
-
 NET = 2e-3  # [m] between points: on a ball of 25 mm a depth is then seen to 0.03 mm
 _FINEST = 60  # points along the edge of a triangle, at most
 _AROUND = 16  # points around a cylinder, at least

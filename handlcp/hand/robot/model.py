@@ -23,8 +23,6 @@ from handlcp.lazy import lazy
 if TYPE_CHECKING:
     from handlcp.hand.robot.link_surface import LinkSurface
 
-__all__ = ["HandModel"]
-
 
 class HandModel:
     """The parts of a hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.

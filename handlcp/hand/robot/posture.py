@@ -11,8 +11,6 @@ from handlcp.hand.elasticity.pads import tip_flexibility
 from handlcp.hand.robot.model import HandModel
 from handlcp.lazy import lazy
 
-__all__ = ["GRAVITY", "Posture"]
-
 GRAVITY = (0.0, 0.0, -9.81)  # m/s², world axes
 
 # A joint moves a point p = (x, y, z) of its finger by v + ω × p = v + x a + y b + z c. `_SPREAD` maps (v; ω) to

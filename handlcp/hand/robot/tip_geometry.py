@@ -16,8 +16,6 @@ from handlcp.hand.robot.fingertips.frames import TipFrames
 from handlcp.hand.robot.hull import hull
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
 
-__all__ = ["TipGeometry", "TipShape", "read_radii", "sphere_tip"]
-
 _LARGEST = 0.5  # [m] no fingertip is larger
 
 _CONVEX = (coal.Sphere, coal.Box, coal.Cylinder, coal.Capsule, coal.Ellipsoid, coal.ConvexBase)

@@ -19,11 +19,6 @@ import pinocchio as pin
 
 from handlcp.errors import InputError, UnknownName, URDFError, unreadable
 
-__all__ = [
-    "LARGEST_NUMBER", "MOST_JOINTS", "build_model", "captured_stderr", "check_robot", "link_of", "package_folders",
-    "resolve_meshes",
-]  # fmt: skip
-
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
 MOST_ELEMENTS = 1500  # links, joints, materials of a robot: libraries below read them with one call inside another
 MOST_JOINTS = 150  # that move: Pinocchio's data take 32 bytes times their cube

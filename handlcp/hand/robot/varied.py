@@ -20,8 +20,6 @@ from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 
-__all__ = ["Varied", "longer"]
-
 
 def longer(hand: HandModel, k: int, step: float) -> HandModel:
     """The hand with coordinate k of its lengths, three for each of `Varied.lengths`, larger by a step [m]."""

@@ -19,8 +19,6 @@ from numba.core.serialize import dumps
 from handlcp.lcp.compiler import folders
 from handlcp.lcp.compiler.messages import hint
 
-__all__ = ["KernelCache"]
-
 
 class KernelCache:
     """The cache of one kernel, with the methods that numba's dispatcher calls.

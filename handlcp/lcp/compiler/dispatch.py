@@ -12,8 +12,6 @@ from handlcp.lcp.compiler import when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.messages import waiting
 
-__all__ = ["dispatcher"]
-
 _lock = threading.RLock()
 
 

@@ -11,8 +11,6 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-__all__ = ["destination", "fingerprint", "folders", "is_kept", "kept", "put", "read"]
-
 _PACKAGE = Path(__file__).resolve().parents[2]
 _CONSTANTS = ("tolerances.py",)  # files without a kernel whose numbers kernels take over
 _OLD = 3  # folders of earlier sources that are left when a new one is made

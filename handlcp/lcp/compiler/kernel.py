@@ -14,8 +14,6 @@ import numpy as np
 from handlcp.lcp.compiler import when
 from handlcp.lcp.compiler.folders import is_kept
 
-__all__ = ["Kernel"]
-
 
 class _Thread(threading.local):
     """inside : whether this thread is in a kernel that runs as Python."""

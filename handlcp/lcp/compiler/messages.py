@@ -9,8 +9,6 @@ from collections.abc import Iterator
 
 from handlcp.lcp.compiler.folders import destination
 
-__all__ = ["hint", "silent", "waiting"]
-
 _PATIENCE = 1.0  # what is compiled within this time is not worth a line [s]
 
 _said: set[str] = set()

@@ -18,8 +18,6 @@ from functools import cache
 
 from handlcp.errors import InputError
 
-__all__ = ["LEAST", "MANY", "at_once", "compiling_at_once", "compiling_takes", "loading_takes", "mode"]
-
 LEAST = 3.0  # a kernel that was not asked for at once runs as Python for so long at least [s]
 MANY = 100  # calls from which `at_once` believes that compiled code pays: interpreted they take a second
 _IMPORT, _LOAD = 0.3, 0.05  # what numba's import takes, and a kernel from a warm cache [s]

@@ -6,9 +6,6 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from handlcp.lcp.compiler.kernel import Kernel
-from handlcp.lcp.compiler.when import at_once
-
-__all__ = ["at_once", "kernel"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 

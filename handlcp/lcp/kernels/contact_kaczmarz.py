@@ -12,8 +12,6 @@ from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row
 
-__all__ = ["contact_kaczmarz"]
-
 
 class _Sums(NamedTuple):
     """Rows Σ c[i, a] e_unit[i, a] + Σ b[i, e] M[row[i, e]]; unit, c (n, 4); row, b (n, 3)."""

@@ -11,8 +11,6 @@ from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 from handlcp.lcp.kernels.newton import size
 from handlcp.tolerances import RANK
 
-__all__ = ["contact_newton", "hold", "jacobian"]
-
 _MEMORY = 8  # steps over which ‖F‖ may rise
 _SHORTEST = 2e-2  # step length below which the line search takes what it has
 

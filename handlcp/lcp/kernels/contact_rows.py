@@ -24,8 +24,6 @@ from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.projection import nearest
 
-__all__ = ["Contacts", "Subgradient", "in_order", "row_scales", "rows", "work"]
-
 
 class Contacts(NamedTuple):
     """A contact problem for kernels, its unknowns in the order of its `Pattern`: M (n, n), q (n,), role (n,), blocks

@@ -13,8 +13,6 @@ from handlcp.lcp.kernels.contact_newton import contact_newton, hold
 from handlcp.lcp.kernels.contact_rows import Contacts
 from handlcp.lcp.kernels.dense import multiply_add
 
-__all__ = ["closed", "contact_run", "in_turns", "newton_first"]
-
 _ON_BALL = 1e-2  # how well the ball's answer has to be known to name a polygon's faces
 # int64, no literals: kernels are compiled for each literal anew
 _BALL_STEPS, _STEPS = cast(int, np.int64(8)), cast(int, np.int64(12))  # runs that end well take half as many

@@ -7,8 +7,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["multiply_add", "product", "solve_ranked", "solve_wide"]
-
 _NEAR = 0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
 
 

@@ -22,8 +22,6 @@ from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
 
-__all__ = ["Rows", "Seeds", "Slopes", "greedy_row", "kaczmarz", "linearise", "project", "recorded", "slopes", "uniform"]
-
 Seeds = npt.NDArray[np.uint64]
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)

@@ -12,8 +12,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["RAY", "SOLVED", "SPENT", "lemke"]
-
 SOLVED, RAY, SPENT = 0, 1, 2
 
 

@@ -9,8 +9,6 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 from handlcp.tolerances import RANK
 
-__all__ = ["active_set", "damped_newton", "residual", "settled", "size"]
-
 _TIE = 1e-11
 _CORNER = 1.0 / np.sqrt(2.0) - 1.0
 

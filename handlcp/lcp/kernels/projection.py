@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["nearest"]
-
 _CORNER = 1e-12  # a projection this close to a corner, relative, is on the side it was computed on
 _TIE = 1e-12  # how far outside, in sizes of the answer, still counts as on a plane
 _MOST = 60  # changes of the active planes; a polyhedron of a hundred faces takes five

@@ -9,8 +9,6 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import nearest
 
-__all__ = ["product", "recompute", "recompute_contact"]
-
 
 @kernel
 def product(a: Array, b: Array) -> Array:

@@ -14,8 +14,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Active", "add", "drop", "new_active", "put_rest", "put_weights"]
-
 _DEPENDENT = 1e-11  # what is left of a column beside those there are, below which it adds no direction
 
 

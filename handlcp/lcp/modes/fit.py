@@ -15,8 +15,6 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.modes.active_columns import Active, add, drop, put_rest, put_weights
 from handlcp.lcp.modes.generators import Cones, reach, support
 
-__all__ = ["fit", "proves_none", "put_parts"]
-
 _FITS = 1e-11  # of |b|: what is left may be rounding
 _REACHES = 1e-13  # of |r|: a generator reaches along the rest by more than rounding
 _FURTHER = 1.0 + 1e-9  # of two that reach equally far the first is taken, whatever rounding says

@@ -22,8 +22,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["ANY", "OPEN", "SLIDES", "STUCK", "Cones", "first_patch", "parts", "patches", "reach", "split", "support"]
-
 ANY, OPEN, STUCK, SLIDES = 0, 1, 2, 3
 # Columns of disc and ball lie this share outside, so that finitely many enclose them; those that enclose the right
 # directions only count where the true set still reaches further

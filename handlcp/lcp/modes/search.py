@@ -17,13 +17,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.compile import at_once
 from handlcp.lcp.modes.generators import Cones
 from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
 from handlcp.tolerances import RANK
-
-__all__ = ["ModeSearch"]
 
 _PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
 _A_CALL = 1e5  # multiply-adds that take as long as a call of other kernels where they run as plain Python

@@ -18,8 +18,6 @@ from handlcp.lcp.modes.active_columns import Active, new_active
 from handlcp.lcp.modes.fit import fit, proves_none, put_parts
 from handlcp.lcp.modes.generators import ANY, OPEN, SLIDES, STUCK, Cones, first_patch, parts, patches, split
 
-__all__ = ["CANDIDATE", "EXHAUSTED", "SPENT", "Claim", "Node", "Tree", "advance", "new_node", "new_tree"]
-
 EXHAUSTED, CANDIDATE, SPENT = 0, 1, 2  # why `advance` returned
 _MORE = 1.0 + 1e-6  # of two that miss it equally the first is taken, whatever rounding says
 _HOLDS = 1e-9  # of the largest force and motion: a contact's law holds

@@ -29,8 +29,6 @@ from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
 
-__all__ = ["BRIEFLY", "FIRST_STAGE", "LONGER", "SOON", "Auto", "as_chain", "in_units_of_limits"]
-
 Stage = tuple[str, Callable[[], Proposal | None]]
 
 FIRST_STAGE = "NSNGRK, Newton first"

@@ -9,8 +9,6 @@ from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import Scaled
 from handlcp.lcp.result import Proposal
 
-__all__ = ["ContactSolver", "Solver"]
-
 
 @runtime_checkable
 class Solver(Protocol):

@@ -11,8 +11,6 @@ from handlcp.lcp.kernels.contact_run import contact_run
 from handlcp.lcp.result import Proposal
 from handlcp.tolerances import SOLVE
 
-__all__ = ["FINE", "converged", "held", "measured_by_limits", "outcome", "run_contact"]
-
 FINE = SOLVE * 1e-2  # friction limits of 1e-6 ask more of a residual than the rest does
 _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank tolerance
 

@@ -14,8 +14,6 @@ from handlcp.lcp.reduce import reduce
 from handlcp.lcp.result import Proposal
 from handlcp.tolerances import PIVOT, SOLVE
 
-__all__ = ["Lemke"]
-
 
 @dataclass(frozen=True, slots=True)
 class Lemke:

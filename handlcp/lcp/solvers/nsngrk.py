@@ -18,8 +18,6 @@ from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.contact_run import run_contact
 from handlcp.tolerances import SOLVE
 
-__all__ = ["NSNGRK"]
-
 
 @dataclass(frozen=True, slots=True)
 class NSNGRK:

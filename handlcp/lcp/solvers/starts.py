@@ -15,8 +15,6 @@ from handlcp.lcp.result import Proposal
 from handlcp.lcp.solvers.contact_run import FINE, converged, held, run_contact
 from handlcp.lcp.solvers.newton import SemismoothNewton
 
-__all__ = ["OtherStarts"]
-
 _NEWTON = SemismoothNewton(max_iterations=30)  # from each start of a plain problem
 
 

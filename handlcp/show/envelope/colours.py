@@ -11,8 +11,6 @@ from handlcp.check import Ints
 from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
 from handlcp.study.envelope.causes import Sector
 
-__all__ = ["NOTHING", "OTHERS", "SHADES", "Key", "keys_of"]
-
 NOTHING, OTHERS = "#D9DCE0", "#8E949B"  # nothing gives out; causes beyond those that have a colour
 MOST = 10  # causes with a colour of their own
 # One hue a kind; its shades differ in hue as well as in lightness, as the light on a surface changes lightness alone.

@@ -20,8 +20,6 @@ from handlcp.show.style import GREY, INK
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.printed import amount, direction
 
-__all__ = ["DPI", "figure"]
-
 WIDTH, DPI = 10.0, 160  # inches, dots an inch
 TALL, HAND = 3.75, 2.7  # inches: height of the panels, width of the hand's
 ROOM = 1.13  # of a surface's half width, in its reach

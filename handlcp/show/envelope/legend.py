@@ -14,8 +14,6 @@ from handlcp.show.style import BOLD, GREY, INK, title_lines, width, wrapped
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.printed import geometry, given_away, headline
 
-__all__ = ["Legend", "head", "lines_of"]
-
 ROW, LINE = 0.215, 0.215  # inches
 LEFT, ACROSS = 0.018, 0.964
 TITLE = "What gives out first: share of the directions, and how much is held there"

@@ -25,8 +25,6 @@ from handlcp.show.picture.content import Content
 from handlcp.study.envelope import Envelope, Extreme
 from handlcp.study.envelope.printed import amount, direction, geometry, given_away, headline
 
-__all__ = ["save"]
-
 _OWN = ("stage.html", "tables.html", "envelope.css", "ball.js", "envelope.js")
 _SHARED = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
 _REACH = 2.2  # of the surface, in sizes of the grasp

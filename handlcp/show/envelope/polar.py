@@ -17,8 +17,6 @@ from handlcp.show.style import GREY, INK
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.printed import direction
 
-__all__ = ["polar_figure"]
-
 WIDTH, SIDE = 10.0, 3.3  # inches: of the figure, of a panel
 ALONE = 4.6  # of the panel where it is the only one
 RINGS, GRID = "#D9DCDF", "#C4C8CC"

@@ -12,8 +12,6 @@ from handlcp.study.envelope.result import Extreme
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["columns", "record"]
-
 _NAMES = {"force": "force_N", "torque": "torque_Nm", "gravity": "mass_kg", "wrench": "factor"}
 
 

@@ -11,8 +11,6 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["facing"]
-
 _TILTS = (15.0, 30.0, 45.0)  # [degrees] from the direction itself
 _AROUND = 12
 _STEEPEST = 78.0  # [degrees] above or below: seen from the very top nothing is upright

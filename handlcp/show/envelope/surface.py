@@ -13,8 +13,6 @@ from handlcp.show.envelope.colours import Key, keys_of
 from handlcp.show.picture.overlay import nice
 from handlcp.study.envelope import Envelope
 
-__all__ = ["Surface", "borders", "section", "surface_of", "wires"]
-
 _MANY = 3.0  # so many medians are seen well beside the weak directions: what reaches farther is cut
 _FAR = 4.0  # reaches up to which the bound is known to its section
 

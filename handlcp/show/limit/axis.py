@@ -11,8 +11,6 @@ from handlcp.grasp.limits.result import LoadLimit
 from handlcp.show.axes import SMALL, TEXT
 from handlcp.show.style import INK
 
-__all__ = ["LoadAxis"]
-
 _BEYOND = 1.06  # of the limit: where the axis ends
 
 

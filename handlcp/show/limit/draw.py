@@ -30,8 +30,6 @@ from handlcp.show.loading.series import (
 )  # fmt: skip
 from handlcp.show.style import shortened
 
-__all__ = ["figure", "save"]
-
 
 def save(limit: LoadLimit, path: Any, title: str = "") -> Path:
     """Draw and write a file; see `figure`. Raises InputError for an unknown format or a folder that does not exist."""

@@ -18,8 +18,6 @@ from handlcp.show import tables
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["limit_table", "moved", "record", "share_of_bound", "size", "way"]
-
 _SAME = 1e-6  # loads that differ by less are the same
 _AXES = ("x", "y", "z")
 

@@ -9,8 +9,6 @@ from handlcp.grasp.path.follow import Loading
 from handlcp.show.axes import SMALL, TEXT
 from handlcp.show.style import INK
 
-__all__ = ["Axis", "StageAxis"]
-
 _CROWDED = 5  # stages from which on only their ends have a tick
 _QUARTERS = 2  # stages up to which every quarter has one
 

@@ -14,8 +14,6 @@ from handlcp.show.loading.axis import Axis
 from handlcp.show.loading.series import Curve, Panel
 from handlcp.show.style import INK, spread
 
-__all__ = ["draw_panel"]
-
 LETTERS = 29  # of a line of names
 ALIKE = 0.01  # of the panel's height: curves no further apart than this share a name
 ROW = 0.165  # inches of a line of a name

@@ -15,8 +15,6 @@ from handlcp.show.loading.head import headline
 from handlcp.show.loading.marks import Mark, Marks
 from handlcp.show.loading.series import Panel, panels
 
-__all__ = ["DPI", "compose", "figure", "save"]
-
 WIDTH, DPI = 10.0, 160  # inches, dots an inch
 LEFT, ACROSS = 0.068, 0.70  # of the width: where panels begin, and how wide they are
 TALL, BETWEEN = 1.22, 0.40  # inches: height of a panel, and room for the title of the next

@@ -12,8 +12,6 @@ from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.path.follow import Loading
 from handlcp.hand.hand_grasp import grasp_of
 
-__all__ = ["STILL", "grasp_at_end", "moved", "slipped", "solution_at_end"]
-
 STILL = 1e-4  # [rad] an object that turns less is not said to turn
 
 

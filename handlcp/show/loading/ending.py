@@ -14,8 +14,6 @@ from handlcp.show.picture.content import Content
 from handlcp.show.picture.figure import DPI, HEIGHT, WIDTH, compose
 from handlcp.show.picture.panel import headline as verdict_head
 
-__all__ = ["picture", "save_picture", "verdict_picture"]
-
 GAP = 0.1  # inches between the sentences and the picture
 
 

@@ -7,8 +7,6 @@ from typing import Any
 from handlcp.grasp.path.follow import Loading
 from handlcp.show.style import BOLD, INK, title_lines, width, wrapped
 
-__all__ = ["LINE", "headline", "outcome"]
-
 LINE, TITLE = 0.215, 0.36  # inches from a line of the sentence to the next, and from the title to it
 _SIZE = 10.5  # points
 _GOOD, _BAD = "#00734D", "#B03A00"

@@ -10,8 +10,6 @@ from handlcp.show.axes import SMALL, TEXT
 from handlcp.show.loading.axis import Axis
 from handlcp.show.style import BLUE, GREY, INK, PURPLE, RED, spread, width
 
-__all__ = ["LOST", "Mark", "Marks"]
-
 LOST, SHADE = "#B03A00", "#FBEFE9"
 COLOURS = {"slips": RED, "sticks": BLUE, "opens": GREY, "touches": GREY, "snaps": INK}  # joints are purple
 ROW, HEAD = 0.2, 0.3  # inches of the list

@@ -21,8 +21,6 @@ from handlcp.study.plain import plain
 from handlcp.tolerances import CERTIFY
 from handlcp.version import VERSION
 
-__all__ = ["end_tables", "event_table", "motion", "record", "solution_tables"]
-
 _AXES = "xyz"
 
 

@@ -15,11 +15,6 @@ from handlcp.grasp.path.follow import Loading
 from handlcp.show.loading.end import STILL
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
 
-__all__ = [
-    "COLOURS", "LETTERS", "NO_FORCE", "Curve", "Panel", "curves_of", "friction_used", "motion_panels", "panels",
-    "torque_panel",
-]  # fmt: skip
-
 COLOURS = (BLUE, RED, GREEN, PURPLE, "#B87800", "#3A9BD8", "#7A3E00", "#8C8C00")
 OTHERS = "#B9BEC4"
 LETTERS = 28  # of a curve's name

@@ -22,8 +22,6 @@ from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 
-__all__ = ["content", "escape_of", "packed", "path_of", "view_of"]
-
 
 def content(
     drawn: Content, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None

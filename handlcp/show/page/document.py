@@ -21,8 +21,6 @@ from handlcp.show.picture.content import Content
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
-__all__ = ["document", "save", "save_loading", "web_files"]
-
 _SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")
 _DIGITS = 6
 

@@ -9,8 +9,6 @@ from handlcp.errors import InputError, writing
 from handlcp.show.file import writable
 from handlcp.show.page.library import three_js
 
-__all__ = ["checked", "write"]
-
 _FORMATS = (".html", ".htm")
 
 

@@ -14,8 +14,6 @@ from handlcp.show.page.snapshot import Snapshot
 from handlcp.show.picture.content import LONGEST, NO_MOMENT
 from handlcp.show.picture.overlay import nice
 
-__all__ = ["Frames"]
-
 _STATES = {"sticking": "sticks", "sliding": "slides", "separated": "open"}
 
 

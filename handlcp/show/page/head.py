@@ -8,8 +8,6 @@ from html import escape
 from handlcp.grasp import Loading, Verdict
 from handlcp.show.loading.report import motion
 
-__all__ = ["outcome", "verdict"]
-
 _CLASSES = {"HELD": "good", "REACHED": "good", "UNDECIDED": "doubt"}  # the rest is bad
 _HEADS = {"warning": "Warning", "advice": "Advice"}
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from handlcp.errors import Unsupported
 
-__all__ = ["three_js"]
-
 _BUNDLE = ("resources", "templates", "viewer.zip")  # within trimesh
 _LIBRARY = re.compile(r"/\*\*\s+\* @license\s+\* Copyright[^*]*Three\.js.*?\"__esModule\",\{value:!0\}\)\}\)\);", re.S)
 

@@ -13,8 +13,6 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 
-__all__ = ["Meshes"]
-
 _GRID = 65534  # even: what lies in the middle is on the grid, too
 _SHORT = 65536  # points that two bytes can number
 

@@ -16,8 +16,6 @@ from handlcp.show.picture.bodies import Body, Colour, environment_bodies
 from handlcp.show.picture.content import Content
 from handlcp.show.style import INK, RED
 
-__all__ = ["FIXED", "Part", "notes_of", "parts_of"]
-
 FIXED = -1
 MOST = 100_000  # triangles of a hand, and of an object; more are simplified
 _LEAST = 200  # of one link

@@ -6,8 +6,6 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["simplified"]
-
 _FINEST, _COARSEST = 400, 16  # cells along the longest edge
 _SAFE = 0.97
 

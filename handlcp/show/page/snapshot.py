@@ -14,8 +14,6 @@ from handlcp.grasp import Grasp, GraspSolution, Loading
 from handlcp.grasp.answer.friction_used import friction_used
 from handlcp.show.loading.series import friction_used as used_on_the_way
 
-__all__ = ["MOST", "Snapshot", "at_steps", "of_solution", "steps_shown"]
-
 MOST = 150  # steps of a loading that a page keeps
 
 

@@ -11,8 +11,6 @@ from handlcp.check import Array
 from handlcp.grasp import Grasp
 from handlcp.show.picture import shapes
 
-__all__ = ["HAND", "Body", "Colour", "environment_bodies", "object_body", "stub_bodies"]
-
 Colour = tuple[float, float, float]  # red, green, blue from 0 to 1
 
 HAND, OBJECT, ENVIRONMENT = (0.62, 0.65, 0.69), (0.90, 0.70, 0.30), (0.80, 0.78, 0.74)

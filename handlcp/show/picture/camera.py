@@ -15,8 +15,6 @@ from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.raster import fill
 
-__all__ = ["Camera", "Frame", "Marks", "camera_for", "facing", "frame"]
-
 ELEVATIONS = (16.0, 28.0, -14.0, -26.0)  # [degrees] above the horizon; from below only when that shows more
 STEP = 15.0  # of the azimuth [degrees]
 SMALL = (96, 80)  # pixels of the images that are compared

@@ -18,8 +18,6 @@ from handlcp.show.picture.moments import Turn
 from handlcp.show.picture.overlay import nice, rim
 from handlcp.show.style import BLUE, PURPLE, RED
 
-__all__ = ["ESCAPE", "LOAD", "NO_MOMENT", "SLIP", "STATE", "UNKNOWN", "Content"]
-
 STATE = {"sticking": BLUE, "sliding": RED, "separated": "#6E6E6E"}
 UNKNOWN, LOAD, SLIP, ESCAPE = "#6E6E6E", "#1A1A1A", PURPLE, RED
 LONGEST = 0.8  # the longest force arrow, in sizes of the grasp

@@ -13,8 +13,6 @@ from handlcp.check import Array
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
 from handlcp.show.picture.panel import Entry
 
-__all__ = ["GHOST", "Unseen", "contact_labels", "entries", "state_drawn"]
-
 GHOST = "#7A5A10"
 
 

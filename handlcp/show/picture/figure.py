@@ -25,8 +25,6 @@ from handlcp.show.picture.painter import creases, paint
 from handlcp.show.picture.panel import Entry, headline, legend, torque_bars
 from handlcp.show.style import shortened
 
-__all__ = ["DPI", "HEIGHT", "WIDTH", "compose", "draw", "save"]
-
 WIDTH, HEIGHT, DPI = 10.0, 6.6, 160  # inches, dots an inch
 SCENE = 0.70  # of the width; the rest is the panel
 ASIDE = 0.16  # inches between two arrows that would cover each other

@@ -12,8 +12,6 @@ from handlcp.check import Array
 from handlcp.show.picture.camera import Frame
 from handlcp.show.style import INK, shortened, spread, width
 
-__all__ = ["LETTERS", "Label", "place", "room", "widest"]
-
 LINE = 0.46  # inches from one label to the next
 NAME, DETAIL = 10.5, 9.5  # points
 LETTERS = 24  # of a name

@@ -22,8 +22,6 @@ from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import HAND, Body, Colour
 
-__all__ = ["hand_bodies", "tip_shapes"]
-
 _ROD = 0.03  # radius of a stick, in sizes of the stick figure
 _APART = 0.03  # of the grasp's size: a contact farther than this from what is drawn of the hand needs its fingertip
 

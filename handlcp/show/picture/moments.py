@@ -10,8 +10,6 @@ from handlcp.check import Array
 from handlcp.grasp.model.contact import frame
 from handlcp.show.picture.camera import Camera
 
-__all__ = ["Turn"]
-
 _OPEN = 0.42  # cosine between the axis and the line of sight from which on an arc looks like one
 _LEAST, _MOST = 110.0, 290.0  # [degrees] of an arc
 _POINTS = 60

@@ -12,8 +12,6 @@ from handlcp.show.picture.camera import Camera
 from handlcp.show.picture.moments import Turn
 from handlcp.show.style import INK
 
-__all__ = ["Overlay", "nice", "rim"]
-
 FAINT = "#777777"
 SHORT = 0.06  # inches on paper: shorter arrows are not drawn
 

@@ -11,8 +11,6 @@ from handlcp import words
 from handlcp.grasp import Verdict
 from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, shortened, title_lines, width, wrapped
 
-__all__ = ["Entry", "headline", "legend", "torque_bars"]
-
 # kind ("patch", "hatch", "outline", "cone", "dot", "ring", "line", "dashed", "dashed-thin", "turn", "none"), colour,
 # and text
 Entry = tuple[str, str, str]

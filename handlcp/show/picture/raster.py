@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.kernels.compile import at_once, kernel
-
-__all__ = ["fill", "touch"]
+from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.kernels.compile import kernel
 
 
 @at_once()  # a picture has a million pixels

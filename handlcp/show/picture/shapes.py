@@ -13,8 +13,6 @@ from handlcp.check import Array
 from handlcp.grasp.model.contact import frame
 from handlcp.hand.objects.meshes import triangles_of
 
-__all__ = ["box", "capsule", "coarse", "cylinder", "ellipsoid", "hull", "of_coal", "placed", "revolved"]
-
 _MANY = 4000  # triangles: a surface of fewer is not made coarser
 AROUND = 96  # facets around a round shape
 _CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))  # of a cube with edges of one

@@ -11,8 +11,6 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["CurveLabel", "ladder", "write"]
-
 _GAP = 5.0  # between a point and its name [points]
 _TURNS = (0, 8, -4, 4, 2, -2, 6, -6, 1, -1, 7, -7, 3, -3, 5, -5)  # where names are tried, in 1/16 of a turn
 _DISTANCES = (1.0, 2.5, 5.0, 8.0, 12.0, 17.0)  # where they are tried, in gaps from the point

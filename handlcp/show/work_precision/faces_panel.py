@@ -12,8 +12,6 @@ from handlcp.show.style import BLUE, RED
 from handlcp.show.work_precision.time_panel import FLOOR, ROUNDING
 from handlcp.study.accuracy.result import AccuracyCost, FaceLaw
 
-__all__ = ["faces_panel"]
-
 GUIDE = "#8C8C8C"
 LOOK = {
     "inscribed": {"color": BLUE, "marker": "o", "markerfacecolor": BLUE},

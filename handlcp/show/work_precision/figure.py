@@ -18,8 +18,6 @@ from handlcp.show.work_precision.left_out_panel import left_out_panel
 from handlcp.show.work_precision.time_panel import time_panel
 from handlcp.study.accuracy.result import AccuracyCost
 
-__all__ = ["draw", "save"]
-
 WIDTH, ROW, FOOT, DPI = 9.5, 4.2, 0.42, 160  # inches, dots an inch
 HEAD = 12.5  # points
 

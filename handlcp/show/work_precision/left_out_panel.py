@@ -11,8 +11,6 @@ from handlcp.show.style import BLUE, GREEN, GREY, INK, RED
 from handlcp.study.accuracy.left_out import UNDETERMINED
 from handlcp.study.accuracy.result import AccuracyCost
 
-__all__ = ["left_out_panel"]
-
 LOOK: dict[str, dict[str, Any]] = {
     "force": {"marker": "o", "markersize": 6.0, "markerfacecolor": BLUE, "markeredgecolor": BLUE},
     "torque": {"marker": "D", "markersize": 8.5, "markerfacecolor": "none", "markeredgecolor": RED},

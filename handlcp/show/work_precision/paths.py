@@ -11,8 +11,6 @@ from handlcp.show.file import Figure, new_figure
 from handlcp.show.style import BLUE, GREY, INK, RED
 from handlcp.study.accuracy.on_paths import FOLLOW, LIMIT, PathCost, PathRow
 
-__all__ = ["figure"]
-
 WIDTH, HEIGHT, HEAD = 10.0, 4.6, 12.5  # inches, points
 DASHED = (0, (4, 2.5))
 PANELS = (

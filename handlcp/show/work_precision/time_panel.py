@@ -13,8 +13,6 @@ from handlcp.show.style import BLUE, PURPLE, RED
 from handlcp.show.work_precision.curve_labels import CurveLabel, ladder, write
 from handlcp.study.accuracy.result import AccuracyCost, Row
 
-__all__ = ["FLOOR", "ROUNDING", "STYLE", "time_panel"]
-
 FLOOR = 1e-16  # where errors below ROUNDING are drawn
 ROUNDING = 1e-13
 COARSE, STRETCH = 1e-4, 2.6  # above COARSE, where pyramids differ, a decade is drawn STRETCH times as high

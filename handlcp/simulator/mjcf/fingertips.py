@@ -19,8 +19,6 @@ from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.mjcf.words import add, placed
 
-__all__ = ["add_pad", "add_tip", "convex_points", "round_shape", "shape_words"]
-
 _MASS, _INERTIA = 1e-4, 1e-8  # [kg, kg·m²] of a pad's body, without weight
 _NONE = 1e-12  # of the largest flexibility of a pad: a direction with less is rigid
 

@@ -12,8 +12,6 @@ from handlcp.check import Array
 from handlcp.hand.robot.model import HandModel
 from handlcp.simulator.mjcf.words import add, placed
 
-__all__ = ["add_hand", "axis_of", "full_names"]
-
 _LEAST_MASS = 1e-6  # [kg] of a link without <inertial>
 _LEAST_INERTIA = 1e-9  # [kg·m²]
 _ARMATURE = 1e-5  # [kg·m²] of every joint: links without inertia would move without limit

@@ -13,8 +13,6 @@ from handlcp.simulator.mjcf.fingertips import shape_words
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.mjcf.words import add, placed
 
-__all__ = ["LOADED", "OBJECT", "add_object"]
-
 OBJECT = "object"  # its body, and its shape
 LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object
 _LEAST_MASS = 1e-9  # [kg] of a body without mass, which MuJoCo does not have

@@ -11,8 +11,6 @@ from dataclasses import dataclass, fields
 from handlcp.check import number
 from handlcp.errors import InputError
 
-__all__ = ["SimulatorSettings"]
-
 _STEPS = 10  # a contact that is softer than this many time steps does not chatter
 
 

@@ -20,8 +20,6 @@ from handlcp.simulator.mjcf.hand_tree import full_names
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.mjcf.words import add, text
 
-__all__ = ["Springs", "add_springs"]
-
 _NONE = 1e-12  # of the largest stiffness: springs below it are rounding
 
 

@@ -22,8 +22,6 @@ from handlcp.simulator.mjcf.fingertips import add_pad, round_shape
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.mjcf.words import add, placed
 
-__all__ = ["Support", "add_supports"]
-
 _FOOT = 1e-4  # [m] radius of the balls at a body's corners
 _BLOCK = 0.5  # [m] half the size of a block that gives way, far larger than what it carries
 _STANDING = 3  # points of a cylinder that stands on its rim; one that lies on its side has fewer

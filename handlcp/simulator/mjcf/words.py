@@ -10,8 +10,6 @@ import pinocchio as pin
 
 from handlcp.check import Array
 
-__all__ = ["add", "placed", "quaternion", "text"]
-
 
 def text(value: Any) -> str:
     """One number or several, to the last bit."""

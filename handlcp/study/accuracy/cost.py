@@ -13,14 +13,12 @@ from handlcp.check import integer, number
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import GeometricStiffness, Grasp, GraspSolution
 from handlcp.grasp.friction.sections import MOST_FACES
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.accuracy.left_out import compare, variants
 from handlcp.study.accuracy.measure import Bench
 from handlcp.study.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
 from handlcp.study.accuracy.result import NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
 from handlcp.version import VERSION
-
-__all__ = ["Progress", "accuracy_cost"]
 
 Progress = Callable[[int, int, str], None]  # settings done, all of them, what is next
 

@@ -18,8 +18,6 @@ from handlcp.lcp import Auto
 from handlcp.study.accuracy.measure import Errors
 from handlcp.study.accuracy.result import CERTIFIED, LeftOut
 
-__all__ = ["UNDETERMINED", "compare", "variants"]
-
 UNDETERMINED = "forces not determined"
 _SEARCH = 0.5  # seconds of search in scenes that may have no answer
 

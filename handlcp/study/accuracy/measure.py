@@ -23,8 +23,6 @@ from handlcp.study.accuracy.methods import Setting
 from handlcp.study.accuracy.result import CERTIFIED, FAILED, LOOSE, OTHER, SPENT, Row
 from handlcp.study.nsngrk import in_units
 
-__all__ = ["Bench", "Errors", "timed"]
-
 _SHORT, _MANY = 1e-2, 50  # short runs are repeated for _SHORT seconds, at most _MANY times
 _AMPLIFIED = 1e3  # a force error beyond so many times the residual suggests another equilibrium
 _SAME = 1e-6  # relative difference of forces up to which two answers are the same equilibrium

@@ -11,8 +11,6 @@ from handlcp.lcp import NSNGRK, Auto, Lemke, SemismoothNewton
 from handlcp.study.nsngrk import RES, STEPS, AsPrinted
 from handlcp.tolerances import SOLVE
 
-__all__ = ["FACES", "METHODS", "TOLERANCES", "Method", "Setting", "settings"]
-
 FACES = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 TOLERANCES = tuple(10.0**-k for k in range(1, 13))
 _SWEPT = (8, 16)  # faces at which all tolerances are tried

@@ -20,12 +20,10 @@ from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.followed import sliding as sliding_to_limit
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.program import Stage
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.accuracy.words import share
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
-
-__all__ = ["FOLLOW", "LIMIT", "PathCost", "PathRow", "path_cost"]
 
 FOLLOW, LIMIT = "follow", "load_limit"
 _HELD = 0.7  # of the load limit: what `follow` is asked for

@@ -15,8 +15,6 @@ from handlcp.study.accuracy.words import ROUNDING, microseconds, share
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-__all__ = ["NOT_RUN", "OTHER", "AccuracyCost", "Conditions", "FaceLaw", "LeftOut", "Reference", "Row"]
-
 CERTIFIED, LOOSE, SPENT, FAILED = "certified", "loose", "budget spent", "not converged"
 OTHER, NOT_RUN = "another equilibrium", "not run: budget"
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["ROUNDING", "microseconds", "share"]
-
 ROUNDING = 1e-12  # errors below say nothing about methods and faces
 
 

@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from handlcp.errors import NoSolutionFound
 from handlcp.grasp.analysis.compare_without import best_times
 from handlcp.grasp.analysis.explanation import Description
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.catalogue.effects import entries
 from handlcp.study.catalogue.reference import Trial, trials
-
-__all__ = ["Cost", "cost", "costs"]
 
 Clock = Callable[[dict[int, Callable[[], bool]]], dict[int, float]]
 

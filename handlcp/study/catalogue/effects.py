@@ -8,8 +8,6 @@ from handlcp.hand.elasticity.synergies import SYNERGIES
 from handlcp.hand.elasticity.tendons import TENDONS
 from handlcp.hand.objects.object import WEIGHS
 
-__all__ = ["entries"]
-
 
 def entries() -> tuple[Description, ...]:
     """A description of each."""

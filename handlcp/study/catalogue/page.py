@@ -18,8 +18,6 @@ from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.study.catalogue.cost import Cost
 from handlcp.study.catalogue.effects import entries
 
-__all__ = ["anchor", "here_and_now", "page"]
-
 _WHERE = PurePosixPath("handlcp/grasp/effects")  # the page's folder in the repository
 
 # The effects that bring the reference scene's unknowns

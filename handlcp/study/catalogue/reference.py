@@ -14,8 +14,6 @@ import handlcp.hand as robots
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.hand import HandGrasp, HandState, Sphere, example_hand
 
-__all__ = ["Trial", "arguments", "trials"]
-
 _PLAIN: dict[str, Any] = {
     "joint_stiffness": 6.0, "mass": 0.0, "friction": mechanics.Coulomb(0.6), "faces": 8, "preload": 0.003,
     "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0), "gravity": (0.0, 0.0, 9.81),

@@ -24,8 +24,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.problem import Scaled
 
-__all__ = ["generalized_jacobian", "greedy_bound", "measured_rate", "uniform_bound"]
-
 _CORNER = 1.0 / np.sqrt(2.0) - 1.0
 
 

@@ -14,8 +14,6 @@ from handlcp.lcp import LCP, NSNGRK, Proposal
 from handlcp.study.convergence.rates import generalized_jacobian, greedy_bound, measured_rate, uniform_bound
 from handlcp.study.nsngrk import UniformRows, UnitsOf, in_units
 
-__all__ = ["Read", "Run", "Sampling", "follow", "watch"]
-
 Sampling = Literal["greedy", "uniform"]
 
 Read = Callable[[Array], Array]  # from an iterate in natural units

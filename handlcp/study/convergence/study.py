@@ -12,13 +12,11 @@ from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, Pyramid
 from handlcp.lcp import LCP, solve_lcp
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.convergence.runs import Run, Sampling, follow, watch
 from handlcp.study.nsngrk import RES, SEEDS, STEPS, UnitsOf
 from handlcp.views import view
 from handlcp.words import distinct
-
-__all__ = ["Convergence", "convergence"]
 
 _KINDS: tuple[tuple[UnitsOf, Sampling], ...] = (
     ("natural", "greedy"),

@@ -12,10 +12,8 @@ from handlcp.grasp.cause.cause import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.directions import limits_of
 from handlcp.grasp.verify.bound import bound_of
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.envelope.load import Load
-
-__all__ = ["FIXED", "FOLLOWED", "Binds", "Question"]
 
 FIXED, FOLLOWED = "fixed", "followed"
 _PIECE = {FIXED: 64, FOLLOWED: 4}  # directions that are asked for at once

@@ -12,8 +12,6 @@ from handlcp.grasp.cause.cause import Cause
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["Sector", "causes_of"]
-
 Binds = tuple[Cause, ...]
 
 

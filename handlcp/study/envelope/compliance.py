@@ -9,8 +9,6 @@ import numpy as np
 
 from handlcp.check import Array
 
-__all__ = ["Compliance"]
-
 
 @dataclass(frozen=True, slots=True)
 class Compliance:

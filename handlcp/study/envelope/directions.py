@@ -13,8 +13,6 @@ from handlcp.errors import InputError
 from handlcp.grasp.model.contact import frame
 from handlcp.study.envelope.grid import Grid, circle, sphere
 
-__all__ = ["Asked", "read_directions"]
-
 _PLANES = {"xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
 _MOST, _AROUND = 200_000, 72  # directions; those around a plane where no number is said: one every 5°
 _WHAT = """a number of directions all around, a plane such as "xy" or its normal (3,), a plane and a number such as \

@@ -8,8 +8,6 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
 
-__all__ = ["Grid", "circle", "sphere"]
-
 _GOLDEN = (1.0 + np.sqrt(5.0)) / 2.0
 
 

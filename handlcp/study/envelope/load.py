@@ -15,8 +15,6 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.validate import lift
 from handlcp.hand import HandGrasp
 
-__all__ = ["FORCE", "GRAVITY", "TORQUE", "WRENCH", "Load", "load_of"]
-
 FORCE, TORQUE, GRAVITY, WRENCH = "force", "torque", "gravity", "wrench"
 _UNITS = {FORCE: "N", TORQUE: "N·m", GRAVITY: "kg", WRENCH: ""}
 _G = 9.81  # [m/s²] where the grasp knows no gravity

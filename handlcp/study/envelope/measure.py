@@ -19,8 +19,6 @@ from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.load import FORCE, WRENCH, Load, load_of
 from handlcp.study.envelope.result import Envelope
 
-__all__ = ["envelope"]
-
 _MORE = 2.0  # directions that are added at most, for each one that was asked for
 _ROUNDS = 2
 _FEW = 100  # directions: followed ones of these take seconds

@@ -12,8 +12,6 @@ from handlcp.grasp.cause.wording import NOTHING, said
 from handlcp.study.envelope.ask import FOLLOWED
 from handlcp.text_table import TextTable, wrapped
 
-__all__ = ["amount", "direction", "geometry", "given_away", "headline", "printed"]
-
 _ROWS = 8  # causes of a table; the rest are one row
 _WHAT = {"force": "a force", "torque": "a torque", "gravity": "gravity", "wrench": "the load"}
 _AXES = ("x", "y", "z")

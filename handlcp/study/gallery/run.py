@@ -14,8 +14,6 @@ from handlcp.study.gallery.models import Model
 from handlcp.study.gallery.shelf import Shelf, shelf
 from handlcp.study.gallery.things import things
 
-__all__ = ["Drawing", "run"]
-
 Drawing = Callable[[list[tuple[str, Candidate | None]], Path], None]
 Told = Callable[[int, int, str], None]
 

@@ -15,8 +15,6 @@ from handlcp.hand.library import example_hand
 from handlcp.hand.objects.object import Object
 from handlcp.study.gallery.models import Model
 
-__all__ = ["FRICTION", "STIFFNESS", "Row", "Shelf", "shelf"]
-
 STIFFNESS = 5.0  # [N·m/rad] of each joint
 FRICTION = SoftFinger(0.6, mu_torsion=0.005)  # rubber pads
 

@@ -12,8 +12,6 @@ from handlcp.errors import Unsupported
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Mesh, Sphere
 
-__all__ = ["MASS", "things"]
-
 MASS = 0.2  # [kg] of each of them
 _YCB = {
     "strawberry": "012_strawberry", "golf ball": "058_golf_ball", "plum": "018_plum", "lemon": "014_lemon",

@@ -11,8 +11,6 @@ from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, linearise, project, record
 from handlcp.lcp.problem import Scaled
 from handlcp.study.nsngrk.as_printed import AsPrinted
 
-__all__ = ["UniformRows"]
-
 
 class UniformRows(AsPrinted):
     """The settings and the record of `AsPrinted`; the steps are those of `NSNGRK`, without its exact ending."""

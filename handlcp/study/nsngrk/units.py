@@ -8,8 +8,6 @@ from handlcp.check import Array
 from handlcp.lcp import LCP
 from handlcp.lcp.problem import Scaled
 
-__all__ = ["RES", "SEEDS", "STEPS", "UnitsOf", "in_units"]
-
 RES, STEPS = 1e-5, 20_000  # where the paper stops: ‖Φ‖₂ < RES, or after so many steps (section 5)
 SEEDS = tuple(range(6))
 

@@ -13,8 +13,6 @@ from pydantic import BeforeValidator, TypeAdapter
 
 from handlcp.check import Array
 
-__all__ = ["AXES", "COLUMN", "NUMBERS", "Number", "PaperTable", "Reading", "raw", "short", "table"]
-
 NUMBERS = tuple(range(1, 11))
 AXES = ("n", "o", "t")
 COLUMN = {"n": 2, "o": 0, "t": 1}  # the paper's (n, o, t) are our (z, x, y)

@@ -15,8 +15,6 @@ import numpy as np
 from handlcp.grasp import Contact, Coulomb, Frictionless, Grasp, PrescribedForce
 from handlcp.study.paper.data import raw
 
-__all__ = ["PRELOAD", "Example", "example"]
-
 # Squeeze of fingers 1 and 2 with which Example 4 has an elastic equilibrium [m]
 PRELOAD = (5e-6, 5e-6, 0.0)
 

@@ -10,8 +10,6 @@ from handlcp.study.paper.data import AXES, COLUMN, PaperTable, short
 from handlcp.study.paper.examples import example
 from handlcp.study.paper.printed import SignedForces, against_faces, compatibility, excess, motion, signed_forces
 
-__all__ = ["Evidence", "Miss", "evidence"]
-
 # Misses that are allowed, as shares of the largest elastic displacement; the second for printed slips
 _FITS, _FITS_SLIPS = 1e-4, 0.02
 

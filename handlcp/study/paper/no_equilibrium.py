@@ -20,8 +20,6 @@ from handlcp.grasp import Grasp, GraspSolution
 from handlcp.lcp.search import SearchResult, search
 from handlcp.study.paper.examples import PRELOAD, example
 
-__all__ = ["FORCE_BOUND", "MOTION_BOUND", "PRELOAD_FACES", "NoEquilibrium", "no_equilibrium", "search_grasp"]
-
 FORCE_BOUND, MOTION_BOUND = 1000.0, 1e-3  # N, m
 WORK = 1e10  # multiply-adds for each search, a minute at most
 FACES = (4, 6, 8)

@@ -16,11 +16,9 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp import GraspProblem
 from handlcp.lcp import NSNGRK
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.nsngrk import RES, SEEDS, STEPS, UnitsOf, in_units
 from handlcp.study.paper.examples import example
-
-__all__ = ["CASES", "RES", "STEPS", "Case", "Run", "run_case"]
 
 CASES = ((1, 8), (2, 4), (2, 16), (3, 8), (3, 16), (5, 6))  # example, faces (ignored by the planar Example 1)
 

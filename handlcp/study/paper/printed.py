@@ -21,8 +21,6 @@ from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, PrescribedForce, Pyramid
 from handlcp.study.paper.data import PaperTable
 
-__all__ = ["LIMIT", "Motion", "SignedForces", "against_faces", "compatibility", "excess", "motion", "signed_forces"]
-
 # A force counts as on a face within this share of the largest force, which is generous to the printed numbers
 LIMIT = 1e-3
 

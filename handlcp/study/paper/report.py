@@ -8,16 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from handlcp.grasp import GraspSolution
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
+from handlcp.study.nsngrk import RES, STEPS
 from handlcp.study.paper.data import raw
 from handlcp.study.paper.misses import Miss
 from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, NoEquilibrium, no_equilibrium
-from handlcp.study.paper.nsngrk_as_printed import CASES, RES, STEPS, Case, run_case
+from handlcp.study.paper.nsngrk_as_printed import CASES, Case, run_case
 from handlcp.study.paper.rows import Row
 from handlcp.study.paper.tables import Comparison, compare_all
 from handlcp.study.plain import pick, plain
-
-__all__ = ["PaperReport", "run"]
 
 
 @dataclass(frozen=True, slots=True)

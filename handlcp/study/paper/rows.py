@@ -12,8 +12,6 @@ from handlcp.grasp import GraspSolution
 from handlcp.study.paper.data import AXES, COLUMN, Number, PaperTable
 from handlcp.study.paper.examples import Example
 
-__all__ = ["Mark", "Row", "mark_of", "rows_of"]
-
 _ZERO, _NOISE, _RESIDUE = 1e-9, 1e-12, 1e-6  # shares of the table's largest force or motion
 _PLANAR = {"u_x": 0, "u_y": 1, "φ": 5}  # names and numbers of the components of a motion
 _SPATIAL = {"u_x": 0, "u_y": 1, "u_z": 2, "φ_x": 3, "φ_y": 4, "φ_z": 5}

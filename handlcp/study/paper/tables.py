@@ -13,8 +13,6 @@ from handlcp.study.paper.misses import Evidence, Miss, evidence
 from handlcp.study.paper.no_equilibrium import PRELOAD_FACES
 from handlcp.study.paper.rows import Mark, Row, rows_of
 
-__all__ = ["Comparison", "compare", "compare_all"]
-
 _COLUMNS = {"force": "forces", "fingertip": "fingertip displacements", "object": "object displacement", "slip": "slips"}
 
 

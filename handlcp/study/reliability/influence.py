@@ -20,8 +20,6 @@ from scipy import stats
 from handlcp import words
 from handlcp.check import Array
 
-__all__ = ["Influence", "influences", "value_with"]
-
 _PIECES = 8, 32  # that the values are cut into, least and most
 _EACH = 64  # samples of a piece, about
 

@@ -19,8 +19,6 @@ from scipy import stats
 
 from handlcp.check import Array, Bools, Ints
 
-__all__ = ["Chance", "chance_of", "percent"]
-
 _OF_SUBSET = 0.2  # part of α that goes to what was not solved in full
 
 

@@ -19,8 +19,6 @@ from handlcp.study.reliability.outcome import Outcomes
 from handlcp.study.reliability.spread import Dimension
 from handlcp.version import VERSION
 
-__all__ = ["Kept", "question_of"]
-
 _FIELDS = ("codes", "margin", "again", "unplaced")
 
 

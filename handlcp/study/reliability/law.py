@@ -17,8 +17,6 @@ from scipy import stats
 from handlcp.check import Array, number
 from handlcp.errors import InputError
 
-__all__ = ["CUT", "Law", "law_of"]
-
 CUT = 1e-6  # chance of impossible values that is cut off; a distribution with more of them is refused
 _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apart
 

@@ -24,8 +24,6 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.verdict.check import judged
 from handlcp.lcp import Status
 
-__all__ = ["CHECK", "SOLVE", "WORDS", "Outcomes", "among", "checked", "joined", "solved"]
-
 SOLVE, CHECK = "solve", "check"
 WORDS = (HELD, OVER_LIMIT, NOT_HELD, UNDECIDED)  # by their codes
 

@@ -30,8 +30,6 @@ from handlcp.study.reliability.slide import slid
 from handlcp.study.reliability.spread import Dimension
 from handlcp.study.reliability.values import Values
 
-__all__ = ["Placed", "Placer"]
-
 _HAND = {"stiffness", "pads", "posture", "positions"}  # what changes the Jacobian or the flexibility of a hand
 
 

@@ -9,8 +9,6 @@ from scipy.stats import qmc
 
 from handlcp.check import Array
 
-__all__ = ["BLOCKS", "Blocks", "blocks_of"]
-
 BLOCKS = 16  # at least: their spread tells how far the estimate may be off
 
 

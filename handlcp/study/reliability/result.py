@@ -26,8 +26,6 @@ from handlcp.study.reliability.run import Method, values_at
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
-__all__ = ["Reliability", "Sample"]
-
 _ROWS = 8  # of the printed table
 _MARGIN = "margin: what is left of all friction, or of a joint’s torque limit, in % of it"
 OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes

@@ -11,14 +11,12 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.batch.progress import Progress, told
 from handlcp.grasp.friction import Pyramid
-from handlcp.lcp.kernels.compile import at_once
+from handlcp.lcp.compiler.when import at_once
 from handlcp.study.reliability.kept import Kept
 from handlcp.study.reliability.outcome import SOLVE, Outcomes, among, checked, joined, solved
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.points import Blocks
 from handlcp.study.reliability.spread import Dimension
-
-__all__ = ["Method", "run", "slopes_of", "values_at"]
 
 _SLICE = {SOLVE: 512, "check": 8}  # samples between two looks at the clock: long beside what a batch costs
 _OFTEN = 2.0  # seconds between two writings of what is done

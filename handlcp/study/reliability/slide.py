@@ -12,8 +12,6 @@ from handlcp.check import Array, Bools
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.surface import BOX, CYLINDER, touched
 
-__all__ = ["slid"]
-
 _TURNED = 1e-6  # of a normal that has one direction on a whole face: more is another face
 
 

@@ -31,8 +31,6 @@ from handlcp.hand.elasticity.stiffness import JointStiffness
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.study.reliability.law import Law, law_of
 
-__all__ = ["PARAMETERS", "Dimension", "read_spread"]
-
 PARAMETERS = ("friction", "stiffness", "pads", "mass", "load", "squeeze", "positions", "posture")
 
 

@@ -21,8 +21,6 @@ from handlcp.study.reliability.result import Reliability
 from handlcp.study.reliability.run import Method, run, slopes_of
 from handlcp.study.reliability.spread import read_spread
 
-__all__ = ["reliability"]
-
 _LOOKED_AT = 2**17  # samples from which is read off what matters
 
 

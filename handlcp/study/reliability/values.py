@@ -10,8 +10,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.study.reliability.spread import Dimension
 
-__all__ = ["Values"]
-
 
 @dataclass(frozen=True, slots=True)
 class Values:

@@ -15,22 +15,6 @@ from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Part
 from handlcp.grasp.limits.kernels.rates import Rates
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = [
-    "CONTINUES",
-    "GIVES_UP",
-    "LOST",
-    "RAY",
-    "REACHED",
-    "TURNS",
-    "WATCHED",
-    "Watch",
-    "conditions",
-    "put",
-    "reached",
-    "room_of",
-    "settle_at",
-]  # fmt: skip
-
 # How a path ends, that it does not, and that a force turns on its cone
 REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES, TURNS = 0, 1, 2, 3, 4, 5, 6
 _TIE = 1e-11  # of the largest force, gap or motion: what is no farther from its end is there

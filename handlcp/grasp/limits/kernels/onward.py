@@ -23,8 +23,6 @@ from handlcp.grasp.limits.kernels.trace import EVENTS, kinds_of, logged, trace
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import CERTIFY
 
-__all__ = ["Sets", "onward", "onward_each"]
-
 _ON = 1e-6  # of the largest force: a contact this close to its friction is at it, where a walk ends
 
 

@@ -13,8 +13,6 @@ from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.lemke import SOLVED, lemke
 from handlcp.tolerances import PIVOT
 
-__all__ = ["NONE", "SOME", "UNKNOWN", "solve_pairs", "solved"]
-
 NONE, SOME, UNKNOWN = 0, 1, 2  # of solutions
 
 _TINY, _SINGULAR = 1e-9, 1e-11

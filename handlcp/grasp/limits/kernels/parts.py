@@ -20,8 +20,6 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["CLOSED", "CLOSES", "OPEN", "OPENS", "Inverse", "Parts", "Place", "none_known", "update"]
-
 OPEN, CLOSED, OPENS, CLOSES = 0, 1, 2, 3  # the last two: no force and no gap, after a force or after a gap
 _LOOSE, _NO_PIVOT = 1e-13, 1e-12
 _RIGID = 1e-8  # of the mean flexibility: where forces depend on nothing that gives way, they spread as if it gave this

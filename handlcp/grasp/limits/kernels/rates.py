@@ -19,8 +19,6 @@ from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Par
 from handlcp.grasp.limits.kernels.slips import LIMIT, NORMAL, Solved, face_of_force, pairs_at, respond
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Rates", "decide"]
-
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
 _TURNS, _WHOLE, _TURNED = 100, 20, 1e-12
 _TINY = 1e-9

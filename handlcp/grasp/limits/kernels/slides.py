@@ -12,8 +12,6 @@ from handlcp.grasp.limits.kernels.parts import Parts
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.tolerances import FASTER, RUNS
 
-__all__ = ["slides_at"]
-
 _STICKS = 1e-6  # of the largest motion at any contact: a smaller one is none
 _PRESSES = 1e-9  # of the largest force
 _NO_LOAD = 3e-6  # of the load: what happens while it grows by less happens at one load

@@ -10,8 +10,6 @@ from handlcp.check import Array, Ints
 from handlcp.grasp.limits.kernels.parts import CLOSED, Parts, Place
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["LIMIT", "NORMAL", "Solved", "face_of_force", "pairs_at", "respond"]
-
 NORMAL, LIMIT = -1, -2  # kinds of pairs besides faces, whose kind is the number of their contact
 
 

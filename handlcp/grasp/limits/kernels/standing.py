@@ -10,8 +10,6 @@ from handlcp.grasp.limits.kernels.parts import CLOSED, Parts, Place
 from handlcp.grasp.limits.kernels.slips import face_of_force
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["faces_reached", "is_sound"]
-
 
 @kernel
 def is_sound(p: Parts, s: Place, load: Array, allowed: float) -> bool:

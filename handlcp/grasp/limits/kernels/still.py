@@ -23,22 +23,6 @@ from handlcp.lcp.kernels.contact_run import closed, newton_first
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.tolerances import SOLVE
 
-__all__ = [
-    "FREE",
-    "SLIDES",
-    "STICKS",
-    "Still",
-    "along",
-    "euler",
-    "finer",
-    "kinds_of",
-    "lost_at",
-    "margins_of",
-    "slipped",
-    "still_of",
-    "viscous",
-]
-
 FREE, STICKS, SLIDES = 0, 1, 2  # of contacts; a limit that gives way is 1, another one 0
 _SLOW = 1e-10  # 1 / h
 _HELD = 1e-9  # of the largest force: what the damper may take of a state that is held

@@ -28,8 +28,6 @@ from handlcp.grasp.limits.kernels.still import (
 )  # fmt: skip
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["BOUNDED", "GAVE_UP", "LOST", "UNBOUNDED", "Bounds", "Log", "goes_on", "walk"]
-
 LOST, BOUNDED, UNBOUNDED, GAVE_UP = 1, 2, 3, 4
 _MOST = 600  # steps
 _FIRST, _GROWS, _FAR = 0.1, 4.0, 1e4  # of the forces before: the first step, and what no limit is beyond

@@ -30,8 +30,6 @@ from handlcp.grasp.limits.kernels.parts import OPEN, Inverse, Parts, Place
 from handlcp.grasp.limits.kernels.rates import Rates, decide
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["EVENTS", "HOLDS", "OPENED", "SLIPS", "STICKS", "TOUCHES", "YIELDS", "kinds_of", "logged", "trace"]
-
 # What happens on a path
 SLIPS, STICKS, OPENED, TOUCHES, YIELDS, HOLDS = 0, 1, 2, 3, 4, 5
 EVENTS = 400  # of one path; more than twice as many as were ever seen

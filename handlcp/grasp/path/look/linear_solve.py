@@ -25,8 +25,6 @@ from handlcp.lcp.kernels.contact_run import closed, in_turns, newton_first
 from handlcp.lcp.kernels.dense import multiply_add, product, solve_wide
 from handlcp.tolerances import ACTIVE, CERTIFY, SOLVE
 
-__all__ = ["Giving", "answered", "linear_problem", "met", "solved"]
-
 _ANY = 1e30  # times the load: a step without any is measured by the forces of the squeeze, however large
 
 

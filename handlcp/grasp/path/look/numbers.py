@@ -11,8 +11,6 @@ from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Elastic", "Laws", "Loads", "Read", "end_of_step", "flexibility_of"]
-
 
 class Laws(NamedTuple):
     """What stays the same in all steps. soft (k,) : contacts that bear a moment. scale (c,) : as in `Scene`, or ones.

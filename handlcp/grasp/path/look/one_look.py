@@ -14,8 +14,6 @@ from handlcp.grasp.path.look.tangent import Condensed, Moving, Touch, Turned, co
 from handlcp.grasp.solve.compiled_solve import ScenePattern
 from handlcp.lcp.kernels.compile import kernel
 
-__all__ = ["Answer", "Damping", "Led", "one_look"]
-
 
 class Damping(NamedTuple):
     """What resists the motions of a step. slow : ε of the joints. body (6,) : force [N/m] and moment [N·m/rad] on the

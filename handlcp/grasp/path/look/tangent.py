@@ -27,8 +27,6 @@ from handlcp.check import Array
 from handlcp.lcp.kernels.compile import kernel
 from handlcp.lcp.kernels.dense import product, solve_wide
 
-__all__ = ["Condensed", "Moving", "Touch", "Turned", "condensed", "skew", "turned_forces"]
-
 
 class Touch(NamedTuple):
     """n contacts of a look and how they move, world axes. positions (n, 3), normals (n, 3), gap (n,) [m].

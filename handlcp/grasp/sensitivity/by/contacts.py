@@ -26,8 +26,6 @@ from handlcp.grasp.effects.soft_wrist import SoftWrist
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.change import Change, no_change
 
-__all__ = ["by_normals", "by_positions"]
-
 _KNOWN = (ContactCompliance, FingerWeight, GeometricStiffness, JointOffset, SoftWrist)
 
 

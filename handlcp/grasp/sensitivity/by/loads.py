@@ -15,8 +15,6 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.change import Change, no_change
 
-__all__ = ["by_friction", "by_joint_offset", "by_pads", "by_squeeze", "by_stiffness", "by_torque_limits", "by_wrench"]
-
 
 def by_wrench(answer: Answer) -> Change:
     """Of the (6,) load about the reference [1/N, 1/(N·m)]."""

@@ -19,8 +19,6 @@ from handlcp.grasp.sensitivity.by.loads import (
 from handlcp.grasp.sensitivity.by.places import by_lengths, by_moved_normals, by_moved_positions, by_posture
 from handlcp.grasp.sensitivity.change import Change
 
-__all__ = ["PARAMETERS", "Parameter"]
-
 
 @dataclass(frozen=True, slots=True)
 class Parameter:

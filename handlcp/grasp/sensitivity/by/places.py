@@ -30,8 +30,6 @@ from handlcp.grasp.sensitivity.by.vary import STEPS, moved
 from handlcp.grasp.sensitivity.change import Change, Deeper, no_change
 from handlcp.grasp.sensitivity.kinks import Kink
 
-__all__ = ["by_depth", "by_lengths", "by_moved_normals", "by_moved_positions", "by_posture", "touching_kinks"]
-
 _OF = "posture", "lengths"  # made again as they were asked for
 _DEPTH = 1e-6  # [m]: what is differenced is linear in the depth
 _NOTHING = 1e-6  # of a depth: a sideways motion that is rounding

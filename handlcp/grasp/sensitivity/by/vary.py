@@ -10,8 +10,6 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
 
-__all__ = ["STEPS", "TOGETHER", "moved", "shape_of", "sizes_of", "vary", "vary_all"]
-
 # [SI] that leave differences about as much rounding as truncation
 STEPS = {
     "wrench": 1e-4, "squeeze": 1e-7, "joint_offset": 1e-6, "stiffness": 1e-4, "pads": 1e-8, "friction": 1e-5,

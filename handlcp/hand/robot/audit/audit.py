@@ -21,8 +21,6 @@ from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.source.xml import robot_of
 from handlcp.hand.robot.urdf import build_model, package_folders
 
-__all__ = ["Audit", "audit_of", "audit_urdf", "doubt_reasons", "doubts_of", "file_doubts"]
-
 _HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
 WIDTH = 80

@@ -12,8 +12,6 @@ from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.urdf import resolve_meshes
 
-__all__ = ["geometry_doubts", "tip_doubts"]
-
 _ADVICE = "a file with collision geometry, or tip_radius for the fingertips"
 
 

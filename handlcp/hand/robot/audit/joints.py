@@ -8,8 +8,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.joints import JointFacts
 
-__all__ = ["joint_doubts"]
-
 # An effort that all joints of a hand share is a placeholder if it is one of these numbers [N·m].
 PLACEHOLDERS = frozenset({1.0, 5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0, 300.0, 500.0, 1000.0, 10000.0})
 LARGEST_TORQUE, LARGEST_FORCE = 20.0, 1000.0  # [N·m, N] no joint of a finger has more

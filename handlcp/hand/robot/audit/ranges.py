@@ -10,8 +10,6 @@ from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.kinematics import Kinematics
 
-__all__ = ["range_doubts"]
-
 _NARROWER = 1e-3  # of a joint's own range: less is rounding in the file
 
 

@@ -22,8 +22,6 @@ from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.source.read import describe_xml
 
-__all__ = ["HandDescription", "describe_hand", "describe_urdf"]
-
 
 @dataclass(frozen=True)
 class HandDescription(Data):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["CouplingRow", "JointRow", "LinkRow", "TipRow"]
-
 
 class JointRow(NamedTuple):
     """One independent joint. kind : "revolute", "continuous", "prismatic". lower, upper [rad, m], ±inf: no end.

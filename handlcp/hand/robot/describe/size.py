@@ -9,8 +9,6 @@ from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.link_surface import surface_points
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 
-__all__ = ["size_of"]
-
 
 def size_of(described: Description, kinematics: Kinematics) -> tuple[float, float, float]:
     """Extents along x, y, z in the neutral posture [m]: of the collision geometry, else of what is drawn, else of the

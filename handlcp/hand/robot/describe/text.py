@@ -9,8 +9,6 @@ from typing import Any
 
 from handlcp.hand.robot.describe.rows import JointRow, TipRow
 
-__all__ = ["text_of"]
-
 WIDTH = 80
 _NUMBERS = (9, 9, 10, 11)  # columns: range from, to; torque limit; stiffness
 

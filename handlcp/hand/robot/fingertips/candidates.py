@@ -14,8 +14,6 @@ from handlcp.errors import HandLCPError
 from handlcp.hand.robot.fingertips.link_end import far_end
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 
-__all__ = ["Candidate", "candidates", "obvious"]
-
 _FEWEST, _MOST = 2, 5  # fingers of a hand whose fingertips may be taken without being named
 
 

@@ -14,8 +14,6 @@ from handlcp.errors import InputError, UnknownName
 from handlcp.hand.robot.fingertips.candidates import candidates, obvious
 from handlcp.hand.robot.source.description import Description
 
-__all__ = ["TipFrames", "TipPlace", "find_tips"]
-
 _FORMS = 'names of links or frames, such as ["thumb_tip", ("index_3", (0, 0, 0.03))] or {"thumb": "thumb_tip"}'
 _FARTHEST = 1.0  # [m] a point from its link's frame
 

@@ -15,8 +15,6 @@ from handlcp.check import Array, read_only
 from handlcp.hand.robot.link_surface import surface_points
 from handlcp.hand.robot.source.description import Part
 
-__all__ = ["far_end"]
-
 _END = 0.2  # of the link's length
 _DIGITS = 4  # a tenth of a millimetre
 

@@ -17,8 +17,6 @@ from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
 
-__all__ = ["COLLISION", "VISUAL", "Description", "Part"]
-
 COLLISION, VISUAL = "collision", "visual"
 _KINDS = {COLLISION: pin.GeometryType.COLLISION, VISUAL: pin.GeometryType.VISUAL}
 

@@ -27,8 +27,6 @@ from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.source.mjcf_drives import couplings, efforts
 from handlcp.hand.robot.source.mjcf_shapes import add, add_shapes, placed, rotation_of
 
-__all__ = ["urdf_of_mjcf"]
-
 _UNBOUNDED = 1e3  # [m] the range of a slide without one
 
 

@@ -9,8 +9,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.robot.doubt import Doubt
 
-__all__ = ["couplings", "efforts"]
-
 _JOINT, _IN_PARENT, _TENDON = 0, 1, 3  # what an actuator moves
 _OF_JOINTS, _WRAPS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
 

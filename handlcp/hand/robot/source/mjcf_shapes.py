@@ -11,8 +11,6 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.robot.doubt import Doubt
 
-__all__ = ["add", "add_shapes", "placed", "rotation_of"]
-
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
 _SEEN = 3  # groups of geoms that MuJoCo draws: 0, 1, 2
 

@@ -13,8 +13,6 @@ from handlcp.hand.robot.source.units import check_units
 from handlcp.hand.robot.source.xml import MJCF, URDF, robot_of
 from handlcp.hand.robot.urdf import MOST_JOINTS, build_model, package_folders
 
-__all__ = ["describe_model", "describe_xml"]
-
 
 def describe_xml(
     argument: str, source: Any, base: str | None = None, package_dirs: Any = None, kinds: tuple[str, ...] = (URDF, MJCF)

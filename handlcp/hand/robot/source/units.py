@@ -9,8 +9,6 @@ import pinocchio as pin
 
 from handlcp.errors import URDFError
 
-__all__ = ["check_units"]
-
 _WIDEST, _HEAVIEST = 20.0, 2000.0  # [m, kg] no robot that carries a hand is larger
 
 

@@ -11,8 +11,6 @@ from handlcp.hand.robot.doubt import Doubt
 from handlcp.hand.robot.source.mjcf import urdf_of_mjcf
 from handlcp.hand.robot.urdf import check_robot
 
-__all__ = ["MJCF", "URDF", "robot_of"]
-
 URDF, MJCF = "robot", "mujoco"  # tags of the first element
 _MOST_BYTES = 5_000_000
 _ADVICE = {URDF: "Hand.from_urdf", MJCF: "Hand.from_mjcf"}
