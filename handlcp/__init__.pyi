@@ -32,7 +32,7 @@ from .grasp.analysis.explanation import Explanation as Explanation
 from .grasp.analysis.fingertips import wrench_from_fingertip_forces as wrench_from_fingertip_forces
 from .grasp.analysis.required import Required as Required
 from .grasp.analysis.suggestions import Suggestions as Suggestions
-from .grasp.answer.accuracy import Accuracy as Accuracy
+from .grasp.answer.solution import Accuracy as Accuracy
 from .grasp.answer.solution import GraspSolution as GraspSolution
 from .grasp.answer.uniqueness import Uniqueness as Uniqueness
 from .grasp.answer.verdict import Reason as Reason
@@ -62,7 +62,7 @@ from .grasp.margins.margins import Margins as Margins
 from .grasp.model.contact import Contact as Contact
 from .grasp.model.environment import Environment as Environment
 from .grasp.path.follow import Loading as Loading
-from .grasp.path.program import Stage as Stage
+from .grasp.path.state import Stage as Stage
 from .grasp.sensitivity.paths import PathSensitivity as PathSensitivity
 from .grasp.sensitivity.sensitivity import Sensitivity as Sensitivity
 from .grasp.verify.judge import Residuals as Residuals
@@ -102,13 +102,13 @@ from .hand.stream import GraspStream as GraspStream
 from .hand.torques import TorqueCheck as TorqueCheck
 from .hand.update import GraspUpdate as GraspUpdate
 from .lcp.problem import LCP as LCP
-from .lcp.result import LCPSolution as LCPSolution
+from .lcp.problem import LCPSolution as LCPSolution
+from .lcp.problem import Status as Status
 from .lcp.solve import solve_lcp as solve_lcp
 from .lcp.solvers.auto import Auto as Auto
 from .lcp.solvers.lemke import Lemke as Lemke
 from .lcp.solvers.newton import SemismoothNewton as SemismoothNewton
 from .lcp.solvers.nsngrk import NSNGRK as NSNGRK
-from .lcp.status import Status as Status
 from .simulator.write import to_mujoco as to_mujoco
 from .study.accuracy.cost import accuracy_cost as accuracy_cost
 from .study.accuracy.on_paths import PathCost as PathCost

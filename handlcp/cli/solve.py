@@ -15,7 +15,7 @@ from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, 
 from handlcp.errors import InputError
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
 from handlcp.grasp.friction import as_section
-from handlcp.grasp.verdict.suggested import suggested
+from handlcp.grasp.verdict.check import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
 from handlcp.show.file import checked

@@ -4,7 +4,7 @@ from .analysis.fingertips import wrench_from_fingertip_forces as wrench_from_fin
 from .analysis.required import Required as Required
 from .analysis.suggestions import Suggestion as Suggestion
 from .analysis.suggestions import Suggestions as Suggestions
-from .answer.accuracy import Accuracy as Accuracy
+from .answer.solution import Accuracy as Accuracy
 from .answer.solution import GraspSolution as GraspSolution
 from .answer.uniqueness import Uniqueness as Uniqueness
 from .answer.verdict import Reason as Reason
@@ -12,7 +12,7 @@ from .answer.verdict import Verdict as Verdict
 from .assembly.problem import GraspProblem as GraspProblem
 from .batch.solutions import Solutions as Solutions
 from .batch.solve_many import solve_many as solve_many
-from .cause.cause import Bind as Bind
+from .cause.judge import Bind as Bind
 from .design.best_change import BestChange as BestChange
 from .design.best_change import TriedChange as TriedChange
 from .design.stiffness import RequiredStiffness as RequiredStiffness
@@ -42,14 +42,14 @@ from .model.contact import Contact as Contact
 from .model.effect import Effect as Effect
 from .model.effect import effect_kinds as effect_kinds
 from .model.environment import Environment as Environment
-from .model.file_key import FileKey as FileKey
+from .model.kind import Placement as Placement
+from .model.limit import FileKey as FileKey
 from .model.limit import Limit as Limit
-from .model.placement import Placement as Placement
 from .model.scene import Scene as Scene
 from .model.spec import GraspSpec as GraspSpec
 from .path.events import Event as Event
 from .path.follow import Loading as Loading
-from .path.program import Stage as Stage
+from .path.state import Stage as Stage
 from .sensitivity.paths import PathSensitivity as PathSensitivity
 from .sensitivity.sensitivity import Sensitivity as Sensitivity
 from .verify.judge import Residuals as Residuals

@@ -42,7 +42,7 @@ class Questions(ABC):
 
         solution : of this grasp, solved with `faces`; None: solved now. Raises InputError.
         """
-        from handlcp.grasp.verdict.suggested import suggested
+        from handlcp.grasp.verdict.check import suggested
 
         solution = self.solve(faces, throw=False) if solution is None else solution
         if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
@@ -55,7 +55,7 @@ class Questions(ABC):
         """The smallest squeeze [m], added to every finger as a preload, with which the grasp holds, to a relative
         tolerance: as `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
         """
-        from handlcp.grasp.design.confirmed import confirmed_preload
+        from handlcp.grasp.design.least import confirmed_preload
 
         return confirmed_preload(self.spec, self._section(faces), tolerance)
 
@@ -63,7 +63,7 @@ class Questions(ABC):
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds: as
         `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
         """
-        from handlcp.grasp.design.confirmed import confirmed_friction
+        from handlcp.grasp.design.least import confirmed_friction
 
         return confirmed_friction(self.spec, self._section(faces), tolerance)
 

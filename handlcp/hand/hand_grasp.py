@@ -17,7 +17,7 @@ from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.solve.force_iteration import force_dependent
+from handlcp.grasp.solve.solve_spec import force_dependent
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.design.questions import HandQuestions
 from handlcp.hand.mechanism import HandMechanism

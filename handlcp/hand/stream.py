@@ -15,9 +15,8 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement, cross_rows
 from handlcp.grasp.model.spec import wrench_about
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind, pack, start_from
 from handlcp.grasp.solve.compiled_solve import solve_scenes
 from handlcp.hand.command import read_joint_offset

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.vectors import shifted
+from handlcp.grasp.model.kind import shifted
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.verify.contact_laws import in_world
 from handlcp.grasp.verify.judge import Residuals

@@ -5,8 +5,7 @@ Knows nothing of grasps or robots.
 
 from handlcp.lcp.certify import certify, is_farkas, natural_residual
 from handlcp.lcp.contact import ContactProblem, FrictionSets, Pattern
-from handlcp.lcp.problem import LCP
-from handlcp.lcp.result import LCPSolution, Proposal, stage_line
+from handlcp.lcp.problem import LCP, LCPSolution, Proposal, Status, stage_line
 from handlcp.lcp.scaling import Units
 from handlcp.lcp.solve import proposals, solve_lcp
 from handlcp.lcp.solvers.auto import BRIEFLY, FIRST_STAGE, LONGER, SOON, Auto, as_chain
@@ -14,7 +13,6 @@ from handlcp.lcp.solvers.base import ContactSolver, Solver
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
-from handlcp.lcp.status import Status
 
 __all__ = [
     "BRIEFLY",

@@ -1,15 +1,17 @@
-"""The certifier: recomputes residuals from M, q and z alone. It imports no solver, and NaN never passes."""
+"""The certifier: every claim of a solver recomputed from M, q and z; and the vector that proves that there is no z."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.residual import recompute, recompute_contact
-from handlcp.lcp.problem import LCP
-from handlcp.lcp.status import Status
+from handlcp.lcp.problem import LCP, Status
 from handlcp.tolerances import CERTIFY, GROWTH
+
+# ----------------------------------------------------------------
+# The certifier: recomputes residuals from M, q and z alone. It imports no solver, and NaN never passes.
 
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
@@ -53,3 +55,24 @@ def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY) -> bool:
     gain, gain_size = float(s.q @ y), float(abs(s.q) @ abs(y))
     excess = np.where(s.free, abs(slack), slack)
     return bool((excess <= 1e-3 * tolerance * size).all()) and gain < -tolerance * gain_size
+
+
+# ----------------------------------------------------------------
+# Farkas' proof that a complementarity problem has not even a feasible point.
+
+
+def farkas_vector(problem: LCP) -> Array | None:
+    """Y (n,) with y ≥ 0 (free rows: any sign), Mᵀy ≤ 0 (free: = 0) and qᵀy < 0, certified; None when there is none.
+
+    A linear program over the box |y| ≤ 1 minimises qᵀy; its sign pattern is what counts, not its status.
+    """
+    from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
+
+    s = problem.scaled
+    signed, equal = s.M.T[~s.free], s.M.T[s.free]
+    bounds = np.column_stack([np.where(s.free, -1.0, 0.0), np.ones(problem.n)])
+    lp = linprog(s.q, signed, np.zeros(len(signed)), equal, np.zeros(len(equal)), bounds, method="highs")
+    if lp.x is None:
+        return None
+    y = np.where(s.free, lp.x, np.maximum(lp.x, 0.0)) / s.units.w
+    return read_only(y) if is_farkas(problem, y) else None

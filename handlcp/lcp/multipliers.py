@@ -14,8 +14,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.lcp.contact import ContactProblem, FrictionSets
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.problem import LCP, Scaled
 from handlcp.lcp.scaling import Units
 from handlcp.tolerances import ELIMINATE_RCOND

@@ -1,7 +1,9 @@
-"""The (mixed) linear complementarity problem as a value."""
+"""Linear complementarity problems, mixed or not, and what a solver and the certifier say of one."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,37 @@ from handlcp.errors import InputError
 from handlcp.lazy import lazy
 from handlcp.lcp.scaling import Units, equilibrate
 from handlcp.tolerances import LARGEST_RAW
+
+# ----------------------------------------------------------------
+# What may come out of a solve. A status is the certifier's word, never the solver's.
+
+
+class Status(Enum):
+    """The value of each member is its meaning and what to do about it."""
+
+    SOLVED = "solved: every condition was recomputed and holds within the stated residual"
+    INFEASIBLE = "infeasible: no z ≥ 0 gives w = M z + q ≥ 0; the certificate y ≥ 0 proves it (Mᵀy ≤ 0, qᵀy < 0)"
+    NO_EQUILIBRIUM = (
+        "no elastic equilibrium: some contact forces balance the wrench, but these compliances and gaps cannot create "
+        "them; squeeze harder (preload) or change the flexibility"
+    )
+    NOT_HOLDABLE = (
+        "not holdable: no contact forces within friction balance the wrench; the certificate is a motion in which the "
+        "object escapes; add or move fingers, or raise friction"
+    )
+    UNDECIDED = (
+        "undecided: the solver's budget was spent without an answer; this says nothing about the scene; "
+        "try more iterations, another seed or another solver"
+    )
+
+    @property
+    def meaning(self) -> str:
+        """The sentence for people."""
+        return self.value
+
+
+# ----------------------------------------------------------------
+# The (mixed) linear complementarity problem as a value.
 
 
 class Scaled:
@@ -102,3 +135,54 @@ def _check_units(units: Units, M: Array, q: Array) -> None:
         fits = np.isfinite(M / units.w[:, None] * units.z).all() and np.isfinite(q / units.w).all()
     if not fits:
         raise InputError("units", "units in which M and q fit a float64", "units in which they overflow")
+
+
+# ----------------------------------------------------------------
+# What a solver proposes, and what `solve_lcp` returns.
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """A solver's candidate in natural units: nothing more than a proposal until the certifier has seen it.
+
+    z : (n,) candidate, natural units.
+    iterations : how many steps of the method's own kind were taken.
+    outcome : the solver's own words, for the trace ("converged", "secondary ray", …).
+    history : (k, 2) step number and ‖Φ‖₂, when asked for.
+    """
+
+    z: Array
+    iterations: int
+    outcome: str
+    history: Array | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LCPSolution:
+    """The certified answer to an `LCP`, in the user's units.
+
+    z, w : (n,) unknowns and their complements, w = M z + q recomputed; NaN throughout unless there is an answer
+        worth looking at (SOLVED, or the best iterate of UNDECIDED).
+    status : the certifier's verdict.
+    residual : worst natural residual, relative to the problem's units (see `certify`).
+    iterations : steps of the method that gave the answer.
+    certificate : for INFEASIBLE the Farkas vector y (n,), otherwise None.
+    outcome : the solver's own words.
+    trace : one line per stage that ran.
+    history : residual history, when the solver was asked for it.
+    """
+
+    z: Array
+    w: Array
+    status: Status
+    residual: float
+    iterations: int
+    certificate: Array | None = None
+    outcome: str = ""
+    trace: tuple[str, ...] = ()
+    history: Array | None = field(default=None, repr=False)
+
+
+def stage_line(name: str, outcome: str, iterations: int, residual: float) -> str:
+    """What a trace says of a stage."""
+    return f"{name}: {outcome}, {iterations} iterations, residual {residual:.1e}"

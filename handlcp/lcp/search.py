@@ -21,8 +21,7 @@ from handlcp.lcp.contact import ContactProblem, FrictionSets, Pattern
 from handlcp.lcp.kernels.newton import active_set
 from handlcp.lcp.kernels.residual import product
 from handlcp.lcp.modes.search import ModeSearch
-from handlcp.lcp.problem import LCP, Scaled
-from handlcp.lcp.status import Status
+from handlcp.lcp.problem import LCP, Scaled, Status
 from handlcp.tolerances import SOLVE
 
 Outcome: TypeAlias = Literal["solution", "none", "unknown"]

@@ -8,16 +8,13 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, NoSolutionFound, Unsupported
-from handlcp.lcp.certify import certify, certify_contact
+from handlcp.lcp.certify import certify, certify_contact, farkas_vector
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.infeasible import farkas_vector
 from handlcp.lcp.kernels.residual import product
-from handlcp.lcp.problem import LCP
-from handlcp.lcp.result import LCPSolution, Proposal, stage_line
+from handlcp.lcp.problem import LCP, LCPSolution, Proposal, Status, stage_line
 from handlcp.lcp.search import search
 from handlcp.lcp.solvers.auto import Auto, as_chain
 from handlcp.lcp.solvers.base import ContactSolver, Solver
-from handlcp.lcp.status import Status
 
 AnySolver = Solver | ContactSolver | Auto | None
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, array
 from handlcp.grasp import Contact, Environment, Grasp
-from handlcp.grasp.model.file_key import by_finger
+from handlcp.grasp.model.limit import by_finger
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Synergies, Table, Tendons, example_hand
 from handlcp.scene.naming import keyed, known
 from handlcp.scene.physics import effects_of, is_by_finger, law_of

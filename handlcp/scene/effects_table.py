@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, create_model
 
 from handlcp.grasp.effects import Effect, effect_kinds
-from handlcp.grasp.model.file_key import FileKey
+from handlcp.grasp.model.limit import FileKey
 from handlcp.scene.table import Expected, Table
 
 

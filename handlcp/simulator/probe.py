@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
 from handlcp.simulator.need import need_mujoco

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import Unsupported
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.reach import joint_by_joint

@@ -2,10 +2,27 @@
 
 from __future__ import annotations
 
-from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED, Cause
-from handlcp.grasp.cause.judge import Limits, binding, exceeded, limits_of, over, slides_through, slipping, used
-from handlcp.grasp.cause.lost import under_load, why_lost
-from handlcp.grasp.cause.wording import amount, called, happens, said, why
+from handlcp.grasp.cause.judge import (
+    EQUILIBRIUM,
+    MOTION,
+    OBJECT,
+    OPENS,
+    RANGE,
+    SLIDES,
+    SLIPS,
+    TORQUE,
+    UNDECIDED,
+    Cause,
+    Limits,
+    binding,
+    exceeded,
+    limits_of,
+    over,
+    slides_through,
+    slipping,
+    used,
+)
+from handlcp.grasp.cause.wording import amount, called, happens, said, under_load, why, why_lost
 from handlcp.tolerances import OVER
 
 __all__ = [

@@ -11,16 +11,15 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.grasp.analysis import required as _required
-from handlcp.grasp.analysis.force_error import force_error
+from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.answer.diagnosis import Sentences
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
+from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
-from handlcp.grasp.batch.packing import pack_all
+from handlcp.grasp.batch.first_stage import pack_all
 from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solve import compiled_answer as _first
-from handlcp.grasp.solve.force_iteration import force_dependent, missed
+from handlcp.grasp.solve.solve_spec import force_dependent, missed
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp.kernels.projection import nearest as _nearest
 

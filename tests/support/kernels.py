@@ -16,7 +16,7 @@ import handlcp
 from handlcp.lcp.compiler import folders, messages, when
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.compiler.when import MANY, at_once
-from handlcp.lcp.kernels import compile as _door
+from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.study.everything import JOBS
 

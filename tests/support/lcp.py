@@ -12,8 +12,8 @@ from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import LCP, ContactProblem, FrictionSets, Pattern, Status, Units
 from handlcp.lcp import certify as _public_certify
 from handlcp.lcp.certify import certify_contact
-from handlcp.lcp.kernels import contact_newton as _contact_newton
 from handlcp.lcp.kernels import contact_rows as _contact_rows
+from handlcp.lcp.kernels import contact_run as _contact_newton
 from handlcp.lcp.kernels import kaczmarz as _kaczmarz
 from handlcp.lcp.kernels import lemke as _lemke
 from handlcp.lcp.kernels.dense import multiply_add
@@ -25,7 +25,7 @@ from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
 from handlcp.lcp.search import search
-from handlcp.lcp.solvers.contact_run import measured_by_limits as in_units_of_limits
+from handlcp.lcp.solvers.base import measured_by_limits as in_units_of_limits
 from handlcp.lcp.solvers.starts import OtherStarts
 
 # Where the certifiers of answers to problems and to grasps are

@@ -84,7 +84,7 @@ def no_newton_on_cones(patch: Patch, solver: Any) -> None:
 
 def no_solve_takes_more_than(patch: Patch, solves: int) -> None:
     """A grasp whose flexibility depends on its forces is solved so many times at most."""
-    patch.setattr("handlcp.grasp.solve.force_iteration._MOST", solves)
+    patch.setattr("handlcp.grasp.solve.solve_spec._MOST", solves)
 
 
 def watched_first_stage(patch: Patch) -> list[Any]:

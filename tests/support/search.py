@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.analysis.starts import seeded
+from handlcp.grasp.analysis.equilibria import seeded
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.search.mode_table import mode_table
-from handlcp.grasp.search.nearby import first_certified, only_limits_move
+from handlcp.grasp.search.mode_walk import first_certified, only_limits_move
 from handlcp.grasp.search.nonexistence import EquilibriumSearch, OverModes
+from handlcp.grasp.verify.capacity import overload as _overload
 from handlcp.grasp.verify.holdable import is_escape as _is_escape
 from handlcp.grasp.verify.holdable import jammed as _jammed
 from handlcp.grasp.verify.holdable import least_total as _least_total
-from handlcp.grasp.verify.limit_load import overload as _overload
 from handlcp.lcp.search import search
 from tests.support.grasp import contact_problem, plain_problem, residuals, section_of
 

@@ -28,12 +28,12 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
-from handlcp.grasp.search.nearby import passes
+from handlcp.grasp.search.mode_walk import passes
 from handlcp.grasp.solve.compiled_answer import solve_scene, start_from
-from handlcp.grasp.solve.force_iteration import force_dependent, under_forces
+from handlcp.grasp.solve.solve_spec import force_dependent, under_forces
 from handlcp.lcp import proposals
 from handlcp.lcp.compiler.when import at_once
 

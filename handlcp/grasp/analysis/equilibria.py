@@ -11,31 +11,76 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.analysis.starts import RUNS, starts, until
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
+from handlcp.grasp.answer.reasons import motions
 from handlcp.grasp.answer.shown import Data
-from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
+from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.mode_table import PER_SECOND, Table, mode_table
-from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
+from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table
+from handlcp.grasp.search.mode_walk import first_certified, only_limits_move, passes
 from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.judge import judge
-from handlcp.grasp.verify.limit_load import overload
-from handlcp.lcp import Auto, Status, proposals
+from handlcp.lcp import NSNGRK, Auto, Status, proposals
+from handlcp.lcp.kernels.lemke import lemke
+from handlcp.lcp.multipliers import WithMultipliers
+from handlcp.lcp.reduce import reduce
 from handlcp.text_table import wrapped
-from handlcp.tolerances import ACTIVE
+from handlcp.tolerances import ACTIVE, PIVOT
 from handlcp.views import view
+
+# ----------------------------------------------------------------
+# Where a search for equilibria starts from: answers of coarser pyramids, other seeds, other methods.
+
+_COARSER = (6, 8, 12, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
+RUNS = 8  # other seeds and starts
+
+T = TypeVar("T")
+
+
+def starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
+    """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
+    several = only_limits_move(problem) and problem.faces != 2
+    for k, faces in enumerate([m for m in _COARSER if m != problem.faces] if several else ()):
+        left = end - time.monotonic()
+        near = coarse(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
+        yield from (c for c in (until(end, near) if k else near) if c is not None)
+    yield from until(end, seeded(problem, RUNS))
+
+
+def until(end: float, candidates: Iterator[T]) -> Iterator[T]:
+    """The first ones, up to a time of `time.monotonic()`; one at least."""
+    for candidate in candidates:
+        yield candidate
+        if time.monotonic() > end:
+            return
+
+
+def seeded(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
+    """Candidates of NSNGRK from other starts with other seeds, and of Lemke's method with other covering vectors (on
+    the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
+    """
+    rng, method = np.random.default_rng(seed), NSNGRK(max_iterations=16 * problem.n)
+    lcp = WithMultipliers(problem, problem.flat(8) if problem.flat and not problem.faces else None)
+    r = reduce(lcp.scaled)
+    for k in range(runs):
+        start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
+        start[problem.role == 1] = abs(start[problem.role == 1])
+        yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
+        _, _, v = lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
+        yield problem.candidate(method.propose_contact(problem, lcp.back(r.restore(v))).z)
+
+
+# ----------------------------------------------------------------
 
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 

@@ -9,8 +9,8 @@ import numpy as np
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
 
 _ROUNDING = 1e-12  # of all that is added up
 

@@ -22,8 +22,8 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import BRIEF
+from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.holdable import escaping_twist
-from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp import Auto
 from handlcp.text_table import wrapped
 from handlcp.views import view

@@ -21,14 +21,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States, complement
-from handlcp.grasp.verify.limits_at_answer import limits_at_answer
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import solve_ranked
+from handlcp.grasp.verify.judge import limits_at_answer
+from handlcp.lcp.kernels.dense import kernel, solve_ranked
 from handlcp.tolerances import RANK
 
 _MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed

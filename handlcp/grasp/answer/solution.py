@@ -3,28 +3,97 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from handlcp.check import Array, read_only, sealed
-from handlcp.grasp.answer.accuracy import Accuracy
-from handlcp.grasp.answer.deferred import Deferred
 from handlcp.grasp.answer.shown import Shown
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
-from handlcp.lcp.status import Status
+from handlcp.lcp.problem import Status
 from handlcp.tolerances import CERTIFY
 
 if TYPE_CHECKING:
-    from handlcp.grasp.answer.small_motions import Motions
+    from handlcp.grasp.answer.reasons import Motions
     from handlcp.grasp.answer.uniqueness import Uniqueness
     from handlcp.grasp.answer.verdict import Verdict
     from handlcp.grasp.sensitivity.sensitivity import Sensitivity
+
+
+# ----------------------------------------------------------------
+# What `solve(accuracy=...)` was asked for, and what it reached.
+
+
+@dataclass(frozen=True, slots=True)
+class Accuracy:
+    """Force errors are relative to the largest contact force.
+
+    asked : the error that was asked for. error : the estimate of the error reached, against the equilibrium on the
+        exact cone: largest |f_i - f*_i| over the largest |f*_i|. NaN where none is known, and so without an answer.
+    setting : what was taken, such as "exact cone". solves : how many problems that took. seconds : how long, estimate
+        included.
+    """
+
+    asked: float
+    error: float
+    setting: str
+    solves: int
+    seconds: float
+
+    @property
+    def met(self) -> bool:
+        """Whether the estimate keeps what was asked for; never without one."""
+        return self.error <= self.asked
+
+    def __str__(self) -> str:
+        several = "s" if self.solves > 1 else ""
+        cost = f"{self.solves} solve{several}, {self.seconds * 1e3:.3g} ms"
+        error = "below 1e-9" if self.error < 1e-9 else f"{self.error:.1e}"
+        return f"force error {error}, {self.asked:.1e} asked: {self.setting}, {cost}"
+
+
+# ----------------------------------------------------------------
+# Frozen dataclasses whose fields are made when first asked for.
+
+Maker = Callable[[str], dict[str, Any]]
+
+
+class Deferred:
+    """Base of a dataclass without slots, most fields of which nobody reads. A default is an attribute of the class and
+    found before anything is made, so that a field that is made later has none.
+
+    Equality, repr, replace, copies and pickles ask for all fields, and find them.
+    """
+
+    @classmethod
+    def deferred(cls, make: Maker, **known: Any) -> Self:
+        """One with these fields; make(name) returns fields that are missing, `name` and what comes with it."""
+        made = object.__new__(cls)
+        made.__dict__.update(known, _make=make)
+        return made
+
+    if not TYPE_CHECKING:  # where any attribute would do, no checker would find a wrong one
+
+        def __getattr__(self, name: str) -> Any:
+            """A field that is not made yet. Two threads may both make it; either is right."""
+            state, own = self.__dict__, type(self)
+            if "_make" not in state or name not in own.__dataclass_fields__:
+                raise AttributeError(f"{own.__name__!r} object has no attribute {name!r}", name=name, obj=self)
+            state.update(state["_make"](name))
+            return state[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All fields, and what was computed from them, but not what makes them."""
+        state = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return state | {name: value for name, value in self.__dict__.items() if name != "_make"}
+
+
+# ----------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -133,7 +202,7 @@ class GraspSolution(Shown, Deferred):
     @property
     def _motions(self) -> Motions | None:
         """How far an answer goes beyond small motions; None where it is not known what was solved."""
-        from handlcp.grasp.answer.small_motions import motions
+        from handlcp.grasp.answer.reasons import motions
 
         return None if self.spec is None else motions(self)
 
@@ -153,7 +222,7 @@ class GraspSolution(Shown, Deferred):
         law, with the half-axes and the moment of other laws. On a pyramid inside the cone a contact slides from
         cos(π / faces) on. NaN where a contact has no friction or no force, and where there is no answer.
         """
-        from handlcp.grasp.answer.friction_used import friction_used
+        from handlcp.grasp.answer.reasons import friction_used
 
         nothing = np.full(len(self.names), np.nan)
         if self.scene is None or not self.held:
@@ -166,7 +235,7 @@ class GraspSolution(Shown, Deferred):
         """(n,) N, how much more friction each contact would bear: μ r_N - |r_T|; 0 where it slides or has let go, NaN
         without friction and without an answer. Of a law with several coefficients, in units of the one called mu.
         """
-        from handlcp.grasp.answer.friction_used import friction_margin
+        from handlcp.grasp.answer.reasons import friction_margin
 
         if self.scene is None or not self.held:
             return read_only(np.full(len(self.names), np.nan))

@@ -8,14 +8,13 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.active_conditions import Branch, inequalities
-from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.kind import shifted
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.vectors import shifted
 from handlcp.grasp.verify.contact_states import States
-from handlcp.grasp.verify.judge import Verdict
-from handlcp.grasp.verify.limits_at_answer import limits_at_answer
+from handlcp.grasp.verify.judge import Verdict, limits_at_answer
 
 
 @dataclass(frozen=True, slots=True)

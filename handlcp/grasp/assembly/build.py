@@ -14,11 +14,9 @@ from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.kind import kind_of
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement, cross_rows, kind_of
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.tolerances import LEVER
 
 

@@ -1,21 +1,143 @@
-"""The first stage of a batch: grasps of one kind are the rows of a matrix, and so are their answers."""
+"""A batch as it was asked, and its first stage: grasps of one kind are rows of a matrix, and so are their answers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.batch.batch import Batch
-from handlcp.grasp.batch.packing import Parcel, answer_rows, pack_all, parcel_of
+from handlcp.check import Array, Bools, Ints, read_only, yes_or_no
+from handlcp.errors import InputError
+from handlcp.grasp.friction import Pyramid, Section, as_section
+from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.kind import Kind
-from handlcp.grasp.solve.compiled_answer import CompiledKind, compiled_kind
-from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledKind, compiled_kind
+from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
 from handlcp.lcp import Status, as_chain
+from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import CERTIFY
+
+# ----------------------------------------------------------------
+# What a batch asks: its grasps, and how each of them is solved.
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """m grasps and the arguments of their solves.
+
+    spatial, planar : the friction sets of spatial and of planar grasps. solver, proof : as in `Grasp.solve`.
+    """
+
+    grasps: tuple[Grasp, ...]
+    spatial: Section
+    planar: Section
+    solver: AnySolver
+    proof: bool
+
+    def __len__(self) -> int:
+        return len(self.grasps)
+
+    def section(self, k: int) -> Section:
+        """The friction sets of grasp k."""
+        return self.planar if self.grasps[k].scene.kind.planar else self.spatial
+
+
+def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySolver, proof: bool) -> Batch:
+    """The batch with everything checked. Raises InputError."""
+    if isinstance(grasps, Grasp) or not isinstance(grasps, Iterable):
+        raise InputError("grasps", "several Grasps, such as a list", repr(grasps)[:80])
+    every = tuple(grasps)
+    for k, g in enumerate(every):
+        if not isinstance(g, Grasp):
+            raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])
+    return Batch(every, as_section(faces), as_section(faces, planar=True), solver, yes_or_no("proof", proof))
+
+
+# ----------------------------------------------------------------
+# Many scenes of one kind as one matrix, and the same matrix in fewer numbers where it travels to another process.
+
+_READ = attrgetter("positions", "frames", "flexibility", "offset", "prescribed", "force", "moment", "mu")
+_SPATIAL = np.eye(6)
+
+
+def pack_all(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
+    """(m, width) read-only: the row of each scene as `compiled_answer.pack` writes it, field by field for all at once,
+    in a third of the time.
+    """
+    positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ, scenes), strict=True)
+    none, soft = np.zeros(kind.kind.components), kind.kind.soft
+    fields = [positions, frames, E, offset, [none if a is None else a for a in known]]
+    if soft:
+        fields.append([s.given.spin for s in scenes])
+    fields += [force, moment, [s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL] * len(scenes)]
+    fields.append([s.limits(section) for s in scenes] if soft else mu)
+    out, at = np.empty((len(scenes), kind.scene_width)), 0
+    for own in fields:
+        first, end = own[0], at + own[0].size
+        shared = all([a is first for a in own])  # as after `replace`
+        out[:, at:end] = first.reshape(-1) if shared else np.concatenate(own).reshape(len(own), -1)
+        at = end
+    if not soft:
+        out[:, -kind.kind.n :] *= section.share
+    return read_only(out)
+
+
+def answer_rows(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Array:
+    """(m, width) the first stage's answers to scenes (m, …) of one kind, without a start."""
+    rows = np.empty((len(numbers), width))
+    solve_scenes(numbers, pattern, NOWHERE, seed, rows)
+    return rows
+
+
+@dataclass(frozen=True, slots=True)
+class Parcel:
+    """Scenes of one kind as they travel: what all have in common once, which columns differ, and these alone.
+
+    Grasps made by `replace(wrench=...)` differ in six numbers of some hundreds. pattern, width, seed : as in
+    `answer_rows`. common (w,). varying (v,). values (m, v).
+    """
+
+    pattern: ScenePattern
+    width: int
+    seed: int
+    common: Array
+    varying: Ints
+    values: Array
+
+    @property
+    def size(self) -> int:
+        """Bytes, about."""
+        return self.values.nbytes + self.common.nbytes + 4096
+
+
+def parcel_of(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Parcel:
+    """The scenes (m, w) as they travel; the same bits come out of it."""
+    bits = numbers.view(np.int64)  # -0.0 is not 0.0
+    varying = np.flatnonzero((bits != bits[0]).any(axis=0))
+    return Parcel(pattern, width, seed, numbers[0].copy(), varying, numbers[:, varying])
+
+
+@at_once()
+def solve_parcel(parcel: Parcel) -> Array:
+    """The answers to the scenes of a parcel, wherever it was opened."""
+    numbers = np.tile(parcel.common, (len(parcel.values), 1))
+    numbers[:, parcel.varying] = parcel.values
+    p = parcel.pattern  # kernels are compiled for arrays that may be written to, or not, and on its way that is lost
+    pattern = p._replace(
+        contacts=p.contacts.copy(), unknown=p.unknown.copy(), role=p.role.copy(), order=p.order.copy(),
+        blocks=p.blocks.copy(), normals=read_only(p.normals.copy()),
+    )  # fmt: skip
+    return answer_rows(read_only(numbers), pattern, parcel.width, parcel.seed)
+
+
+# ----------------------------------------------------------------
+# The first stage of a batch: grasps of one kind are the rows of a matrix, and so are their answers.
 
 STATUSES = tuple(Status)
 

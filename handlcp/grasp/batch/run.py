@@ -1,20 +1,139 @@
-"""A batch on its way through its stages: on the cores of this machine, or on an executor."""
+"""Shards of a batch on cores, or on somebody's executor: the first stage, and what it leaves open."""
 
 from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator
-from concurrent.futures import Executor
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, replace
+from queue import SimpleQueue
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from handlcp.check import Array
+from handlcp.grasp.analysis.advice import advised
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.batch.batch import Batch
-from handlcp.grasp.batch.executors import Jobs
-from handlcp.grasp.batch.first_stage import Answers, Members, answers_in_threads, kinds_of, parcel, settled, shards
-from handlcp.grasp.batch.later_stages import at_home, left_of, solve_left, solve_one
-from handlcp.grasp.batch.packing import solve_parcel
+from handlcp.grasp.assembly.build import build
+from handlcp.grasp.batch.first_stage import (
+    Answers,
+    Batch,
+    Members,
+    answers_in_threads,
+    kinds_of,
+    parcel,
+    settled,
+    shards,
+    solve_parcel,
+)
+from handlcp.grasp.friction import Section
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.solve.stages import solve_built
+from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.solve import AnySolver
+
+# ----------------------------------------------------------------
+# Jobs on any `concurrent.futures` executor: what comes back in the order in which it is done, and what fails.
+
+J = TypeVar("J")
+
+
+class Jobs(Generic[J]):
+    """Jobs on their way through an executor, each with what its sender knows it by.
+
+    Leaving the `with` block cancels what has not begun. An error of a job or of the executor itself, such as a pool
+    that lost a process, comes out of `send` or `done` as it is.
+    """
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._sent: dict[Future[Any], tuple[J, int]] = {}
+        self._done: SimpleQueue[Future[Any]] = SimpleQueue()
+        self.size = 0  # bytes on their way
+
+    def __enter__(self) -> Jobs[J]:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for future in self._sent:
+            future.cancel()
+
+    def __len__(self) -> int:
+        return len(self._sent)
+
+    def send(self, job: J, run: Callable[[Any], Any], cargo: Any, size: int = 0) -> None:
+        """Have run(cargo) computed; size : of the cargo [bytes]."""
+        future = self._executor.submit(run, cargo)
+        self._sent[future] = job, size
+        self.size += size
+        future.add_done_callback(self._done.put)
+
+    def done(self, wait: bool) -> Iterator[tuple[J, Any]]:
+        """(job, result) of those that are done; wait : for one at least."""
+        while self._sent and (wait or not self._done.empty()):
+            future = self._done.get()
+            job, size = self._sent.pop(future)
+            self.size -= size
+            wait = False
+            yield job, future.result()
+
+
+# ----------------------------------------------------------------
+# What the first stage leaves: each grasp through the later stages by itself, here or in another process.
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """Grasps as they travel, in one pickle: what they share, such as their hand, is in it once, and a grasp made by
+    `replace(wrench=...)` adds some 350 bytes and the row of its first stage. Scenes stay at home.
+    """
+
+    specs: tuple[GraspSpec, ...]
+    sections: tuple[Section, ...]
+    rows: tuple[Array | None, ...]
+    solver: AnySolver
+    proof: bool
+
+
+def solve_one(batch: Batch, k: int, row: Array | None) -> GraspSolution:
+    """The solution of grasp k. row : what its first stage came to, where that is known."""
+    g = batch.grasps[k]
+    scene = replace(g.scene)  # a solve hangs matrices on its scene: on one that goes, so that no batch piles them up
+    return at_home(batch, k, _solved(g.spec, scene, batch.section(k), batch.solver, batch.proof, row))
+
+
+def left_of(batch: Batch, at: Sequence[int], rows: dict[int, Array]) -> Left:
+    """These grasps as they travel, with their rows, which are taken out."""
+    specs, sections = tuple([batch.grasps[k].spec for k in at]), tuple([batch.section(k) for k in at])
+    return Left(specs, sections, tuple([rows.pop(k, None) for k in at]), batch.solver, batch.proof)
+
+
+@at_once()
+def solve_left(left: Left) -> list[GraspSolution]:
+    """The solutions, without their scenes, wherever the grasps were sent."""
+    every = zip(left.specs, left.sections, left.rows, strict=True)
+    return [replace(_solved(s, build(s), own, left.solver, left.proof, row), scene=None) for s, own, row in every]
+
+
+def at_home(batch: Batch, k: int, solution: GraspSolution) -> GraspSolution:
+    """A solution with the scene of its grasp, and advice that is worked out when it is asked for."""
+    g = batch.grasps[k]
+    return advised(replace(solution, scene=g.scene), g.spec, batch.section(k))
+
+
+def _solved(
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, proof: bool, row: Array | None
+) -> GraspSolution:
+    if row is None:
+        return solve_spec(spec, section, solver, scene=scene, proof=proof)
+    first = CompiledAnswer(compiled_kind(scene, section), row)
+    return solve_built(spec, scene, section, solver, proof=proof, first=first)
+
+
+# ----------------------------------------------------------------
+# A batch on its way through its stages: on the cores of this machine, or on an executor.
 
 # ---- on this machine
 _LOOK = 0.25  # seconds of later stages that are done here before anybody asks how long the rest will take [s]

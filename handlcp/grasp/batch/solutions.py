@@ -15,9 +15,8 @@ from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.batch.batch import Batch
 from handlcp.grasp.batch.columns import Group, groups_of
-from handlcp.grasp.batch.first_stage import STATUSES, Answers
+from handlcp.grasp.batch.first_stage import STATUSES, Answers, Batch
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
@@ -132,7 +131,7 @@ class Solutions(Data, Sequence[GraspSolution]):
         the joint that has it (None: no joint with a limit bears a torque, or there is no answer).
         Numbers are NaN where a grasp is not held, or has no finger or joint of that name.
         """
-        from handlcp.grasp.batch.frame import frame
+        from handlcp.grasp.batch.columns import frame
 
         return {"status": self.status, "held": self.held, **frame(self._batch.grasps, self._groups)}
 

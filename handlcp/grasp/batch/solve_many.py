@@ -1,17 +1,16 @@
-"""Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs."""
+"""Many grasps in one call, with their progress."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING
+from contextlib import contextmanager
 
 from handlcp.check import integer
 from handlcp.errors import InputError
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.batch.batch import batch_of
-from handlcp.grasp.batch.first_stage import Answers
+from handlcp.grasp.batch.first_stage import Answers, batch_of
 from handlcp.grasp.batch.run import Single, on_cores
 from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.friction import Pyramid
@@ -19,8 +18,43 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.lcp.compiler.when import at_once
 
-if TYPE_CHECKING:
-    from handlcp.grasp.batch.progress import Progress
+# ----------------------------------------------------------------
+# How far a batch has come: told to a function, or drawn as a bar.
+
+Progress = bool | Callable[[int, int], None] | None
+
+
+@contextmanager
+def told(progress: Progress, total: int) -> Iterator[Callable[[int], None]]:
+    """A function to call with how many more are done. Raises InputError."""
+    if progress is None or progress is False:
+        yield lambda more: None
+    elif progress is True:
+        from rich.console import Console  # rich takes a while to import, and most batches want no bar
+        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
+
+        columns = TextColumn("grasps"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+        with Bar(*columns, console=Console(stderr=True)) as bar:
+            task = bar.add_task("", total=total)
+            yield lambda more: bar.advance(task, more)
+    elif callable(progress):
+        done = 0
+
+        def say(more: int) -> None:
+            nonlocal done
+            done += more
+            progress(done, total)
+
+        if not total:
+            progress(0, 0)
+        yield say
+    else:
+        raise InputError("progress", "True, False, None, or a function of (done, total)", repr(progress)[:80])
+
+
+# ----------------------------------------------------------------
+# Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
 
 
 def solve_many(
@@ -46,7 +80,6 @@ def solve_many(
     BrokenProcessPool where a process was killed, comes out as it is, and there are no solutions; a Dask cluster sends
     what a lost worker had to another.
     """
-    from handlcp.grasp.batch.progress import told
     from handlcp.grasp.batch.run import on_executor
 
     batch = batch_of(grasps, faces, solver, proof)

@@ -1,12 +1,4 @@
-"""The judge: what in a state is beyond its limit, what is at it, and which contacts give way.
-
-    share = |τ| / τ_max            of a torque limit
-    share = 1 + outside / span     of a joint's range; outside < 0 within it
-    share = moved / allowed        of the object's motion
-
-Each share is 1 at the limit. A state is beyond a limit where a share is more than 1 + OVER (`tolerances.py`), and
-nowhere is this compared in another way.
-"""
+"""What gives out: causes, and the one judge of torques, ranges and contacts."""
 
 from __future__ import annotations
 
@@ -18,10 +10,49 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, read_only
-from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OBJECT, OPENS, RANGE, SLIDES, SLIPS, TORQUE, Cause
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.tolerances import OVER
+
+# ----------------------------------------------------------------
+# What gives out, as data. The judge makes it (`judge.py`), the table of words says it (`wording.py`).
+
+SLIPS, OPENS, TORQUE, RANGE = "slips", "opens", "torque", "range"
+EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides through", "undecided"
+OBJECT = "the object"
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """What gives out. kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its
+    torque limit), "range" (a joint at the end of its range), "equilibrium" (forces can no longer balance the load),
+    "motion" (the object moves farther than was allowed), "slides through" (the object, where no contact that presses
+    sticks), "undecided" (something does, and it is not known what).
+    who : the finger, the joint or "the object". margin : share of the limit that is left; 0 at the limit, below 0
+    beyond it. Causes of the same kind and name are equal, whatever their margins.
+    """
+
+    kind: str
+    who: str
+    margin: float = field(default=0.0, compare=False)
+
+    def __repr__(self) -> str:
+        left = f", margin={self.margin:.3g}" if self.margin else ""
+        return f"Cause({self.kind!r}, {self.who!r}{left})"
+
+
+Bind = Cause
+
+
+# ----------------------------------------------------------------
+# The judge: what in a state is beyond its limit, what is at it, and which contacts give way.
+#
+# share = |τ| / τ_max            of a torque limit
+# share = 1 + outside / span     of a joint's range; outside < 0 within it
+# share = moved / allowed        of the object's motion
+#
+# Each share is 1 at the limit. A state is beyond a limit where a share is more than 1 + OVER (`tolerances.py`), and
+# nowhere is this compared in another way.
 
 _MOST = 1.0 + OVER
 _NONE = 1e-12  # [N·m]: a limit of a joint without torque counts as this

@@ -18,7 +18,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.wording import NOTHING, said
-from handlcp.grasp.design.followed import word
+from handlcp.grasp.design.least import word
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit

@@ -19,15 +19,12 @@ from handlcp.grasp.analysis.required import tolerance_of
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.cause.cause import MOTION, OBJECT, Cause
-from handlcp.grasp.cause.judge import limits_of, over
+from handlcp.grasp.cause.judge import MOTION, OBJECT, Cause, limits_of, over
 from handlcp.grasp.cause.wording import needs_more, said
-from handlcp.grasp.design.closing_in import closed_in
-from handlcp.grasp.design.followed import ORDER, Changed, word
-from handlcp.grasp.design.no_slip import without_slip
+from handlcp.grasp.design.least import ORDER, Changed, closed_in, without_slip, word
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.follow import Loading
 from handlcp.text_table import wrapped
 

@@ -18,10 +18,9 @@ from handlcp.check import Array, array, dimensions, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.file_key import FileKey, From0, by_finger
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement, block_diagonal
+from handlcp.grasp.model.limit import FileKey, From0, by_finger
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.vectors import block_diagonal
 
 
 @dataclass(frozen=True, init=False, eq=False)

@@ -16,9 +16,8 @@ import numpy as np
 from handlcp.check import Array, dimensions, number
 from handlcp.errors import InputError
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.file_key import Above0, FileKey, by_finger
-from handlcp.grasp.model.limit import Limit
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import Above0, FileKey, Limit, by_finger
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import NOTHING, length, listed
 

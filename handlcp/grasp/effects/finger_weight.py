@@ -16,8 +16,8 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.effect import Effect, Trial
+from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.mechanism import JointReading
-from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 
 

@@ -16,7 +16,7 @@ path is still taken as straight. The weight's own gradient ∂g/∂q is left out
 
 With K⁻¹ = A Aᵀ, which may be singular, (K + K_g)⁻¹ = A (1 + Aᵀ K_g A)⁻¹ Aᵀ: nothing inverts it, and a finger is
 stable where the bracket is positive definite. E depends on the forces it produces, so a solve repeats with E(f) until f
-stays (`handlcp.grasp.solve.force_iteration`); an answer passes only with the E of its own forces.
+stays (`handlcp.grasp.solve.solve_spec`); an answer passes only with the E of its own forces.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.effect import Effect, Trial
-from handlcp.grasp.model.file_key import FileKey
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import FileKey
 from handlcp.grasp.model.mechanism import JointReading
-from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import SEMIDEFINITE
 

@@ -17,7 +17,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import force, length, listed, percent
 

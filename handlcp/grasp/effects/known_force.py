@@ -18,9 +18,8 @@ import numpy as np
 from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.file_key import CONTACT_KEY, FileKey, Finite, From0, contact_number
-from handlcp.grasp.model.limit import Limit
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import CONTACT_KEY, FileKey, Finite, From0, Limit, contact_number
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import NOTHING, length
 

@@ -15,8 +15,8 @@ from typing import Any
 from handlcp.check import Array, array, integer
 from handlcp.errors import InputError
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.file_key import CONTACT_KEY, FileKey, Three, contact_number
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import CONTACT_KEY, FileKey, Three, contact_number
 from handlcp.grasp.model.scene import Scene
 
 

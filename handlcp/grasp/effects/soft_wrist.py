@@ -19,9 +19,9 @@ from annotated_types import Len
 from handlcp.check import Array, array, psd, read_only, symmetric
 from handlcp.errors import InputError
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.file_key import FileKey, Finite, From0, Three
 from handlcp.grasp.model.grasp_matrix import wrench_map
-from handlcp.grasp.model.placement import Placement
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import FileKey, Finite, From0, Three
 from handlcp.grasp.model.scene import Scene
 
 _Softness = From0 | Annotated[list[From0], Len(3, 3)]

@@ -14,10 +14,9 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.effect import Effect, Trial
-from handlcp.grasp.model.file_key import FileKey
-from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import FileKey, Limit
 from handlcp.grasp.model.mechanism import JointReading, Mechanism
-from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import ACTIVE, OVER
 

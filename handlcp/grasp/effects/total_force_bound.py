@@ -14,8 +14,7 @@ import numpy as np
 
 from handlcp.check import Array, number
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.file_key import Above0, FileKey
-from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.limit import Above0, FileKey, Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import NOTHING, length
 

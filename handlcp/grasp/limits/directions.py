@@ -9,16 +9,15 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.cause.cause import EQUILIBRIUM, OBJECT, Bind
+from handlcp.grasp.cause.judge import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.asked import is_followed, tolerance
-from handlcp.grasp.limits.binds import binds_of
-from handlcp.grasp.limits.fixed import ends_plainly, fixed_limit, over_nothing, slid_place, watch_from
+from handlcp.grasp.limits.fixed import begun_of, ends_plainly, fixed_limit, over_nothing, slid_place, watch_from
 from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
-from handlcp.grasp.limits.start import begun_of
+from handlcp.grasp.limits.load_limit import is_followed, tolerance
+from handlcp.grasp.limits.path import binds_of
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import length_of
 from handlcp.lcp.compiler.when import at_once

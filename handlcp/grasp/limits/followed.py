@@ -11,20 +11,27 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.doubled import doubled
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.cause import EQUILIBRIUM, OBJECT, SLIPS, Cause
-from handlcp.grasp.cause.judge import Limits, binding, limits_of, over, slipping, used
-from handlcp.grasp.cause.lost import moves
-from handlcp.grasp.cause.wording import why
+from handlcp.grasp.cause.judge import (
+    EQUILIBRIUM,
+    OBJECT,
+    SLIPS,
+    Cause,
+    Limits,
+    binding,
+    limits_of,
+    over,
+    slipping,
+    used,
+)
+from handlcp.grasp.cause.wording import moves, why
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import Leg, Open, advance
 from handlcp.grasp.path.follow import TOLERANCE, Loading, begun, geometry_of, loading_of, solution_of
-from handlcp.grasp.path.locate import margins
-from handlcp.grasp.path.program import Stage
-from handlcp.grasp.path.state import Outcome, Run, State
+from handlcp.grasp.path.state import Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import watch_of
+from handlcp.grasp.path.watch import margins, watch_of
 from handlcp.tolerances import OVER
 
 _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")

@@ -12,7 +12,7 @@ from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.cause import Bind
+from handlcp.grasp.cause.judge import Bind
 from handlcp.grasp.cause.wording import happens
 from handlcp.grasp.path.events import jump
 from handlcp.grasp.sensitivity.paths import PathSensitivity

@@ -20,10 +20,10 @@ from handlcp.grasp.friction import Cone, Section, limit_set
 from handlcp.grasp.limits.kernels.happens import Watch
 from handlcp.grasp.limits.kernels.onward import Sets
 from handlcp.grasp.limits.kernels.parts import Parts
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.geometry import supports
 
 

@@ -19,10 +19,9 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.file_key import FileKey
-from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.limit import FileKey, Limit
 from handlcp.grasp.model.mechanism import JointReading
-from handlcp.grasp.model.placement import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import System, Unknown
 

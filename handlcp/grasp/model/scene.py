@@ -11,9 +11,8 @@ import numpy as np
 from handlcp.check import Array, Bools, read_only, sealed
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
-from handlcp.grasp.model.kind import Kind
+from handlcp.grasp.model.kind import Kind, cross_rows
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.lazy import lazy
 
 _SPATIAL = read_only(np.eye(6))

@@ -12,8 +12,7 @@ from handlcp.check import Array, read_only, sealed
 from handlcp.errors import InputError
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.placement import Placement
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import Placement, cross_rows
 from handlcp.lazy import lazy
 
 _ARRAYS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")

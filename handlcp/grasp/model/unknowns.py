@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.model.scene import Scene
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,7 @@ from handlcp.check import Array, array, dimensions, number, psd, read_only, unit
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.placement import Placement
-from handlcp.grasp.model.vectors import block_diagonal, cross_rows
+from handlcp.grasp.model.kind import Placement, block_diagonal, cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
 WRENCH = "force [N], then torque [N·m]: finite numbers"

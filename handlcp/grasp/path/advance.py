@@ -14,14 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.path.flow import MOVES, REST, flow
 from handlcp.grasp.path.geometry import between
-from handlcp.grasp.path.locate import first_change
-from handlcp.grasp.path.program import Controls, Goal
-from handlcp.grasp.path.stability import GROWS, growing, growth
-from handlcp.grasp.path.state import SLIDES, STICKS, Failure, Guess, Outcome, Run, Slides, Snap, State
+from handlcp.grasp.path.stability import GROWS, MOVES, REST, flow, growing, growth
+from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import Rate, Watch, reached
+from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
 from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
 
 FINEST = 2.0**-9  # of a step: what has no end then has none

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp import words
-from handlcp.grasp.cause.lost import moves
-from handlcp.grasp.cause.wording import BY_TURNS, happens
+from handlcp.grasp.cause.wording import BY_TURNS, happens, moves
 from handlcp.grasp.model.spec import GraspSpec
 
 _LOST = "lost"

@@ -17,18 +17,17 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.cause.cause import OBJECT
-from handlcp.grasp.cause.lost import UNSTABLE, under_load, why_lost
+from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.cause.judge import OBJECT
+from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_lost
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows
 from handlcp.grasp.path.advance import advance
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
-from handlcp.grasp.path.program import Controls, Goal, read_stages
-from handlcp.grasp.path.state import SLIDES, Outcome, Run, Slides, State
+from handlcp.grasp.path.state import SLIDES, Controls, Goal, Outcome, Run, Slides, State, read_stages
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps

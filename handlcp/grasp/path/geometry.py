@@ -14,9 +14,9 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.model.kind import cross_rows, shifted
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.vectors import cross_rows, shifted
 from handlcp.grasp.path.look.numbers import Elastic
 from handlcp.grasp.path.look.tangent import Moving, Touch
 

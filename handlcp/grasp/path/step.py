@@ -19,10 +19,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Look, Where, between, length_of
 from handlcp.grasp.path.look.numbers import Loads, Read, flexibility_of
 from handlcp.grasp.path.look.one_look import Damping, Led, one_look
-from handlcp.grasp.path.program import Controls
-from handlcp.grasp.path.state import OPEN, Failure, Guess, State
-from handlcp.grasp.path.step_grasp import StepGrasp
-from handlcp.grasp.path.step_laws import StepLaws
+from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
+from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.contact_states import names_of
 from handlcp.lcp import Auto

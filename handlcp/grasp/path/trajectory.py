@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import SLIDES, State
 from handlcp.grasp.path.step_grasp import StepGrasp

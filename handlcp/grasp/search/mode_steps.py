@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 SIGNS = 1e-6  # a sign may be wrong by this share of the largest force or motion; the certifier decides afterwards
 REGULAR, SINGULAR, CONTRADICTS = 0, 1, 2

@@ -17,16 +17,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContactProblem
+from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.search.mode_table import mode_table
-from handlcp.grasp.search.nearby import first_certified, only_limits_move, passes
+from handlcp.grasp.search.mode_walk import first_certified, only_limits_move, passes
+from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.holdable import jammed, least_total
-from handlcp.grasp.verify.limit_load import overload
 from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.search import search
 from handlcp.tolerances import ACTIVE

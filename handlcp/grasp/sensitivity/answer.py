@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
@@ -19,8 +19,7 @@ from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.verify.judge import friction_of
-from handlcp.grasp.verify.limits_at_answer import limits_at_answer
+from handlcp.grasp.verify.judge import friction_of, limits_at_answer
 from handlcp.lazy import lazy
 from handlcp.tolerances import ACTIVE
 

@@ -30,7 +30,7 @@ from handlcp.grasp.verify.contact_states import (
     complement,
     find_states,
 )
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import RANK
 
 

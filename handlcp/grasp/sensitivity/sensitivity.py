@@ -14,9 +14,8 @@ from handlcp.grasp.sensitivity.by.parameters import PARAMETERS
 from handlcp.grasp.sensitivity.by.places import touching_kinks
 from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
-from handlcp.grasp.sensitivity.quantities import QUANTITIES
 from handlcp.grasp.sensitivity.respond import Response
-from handlcp.grasp.sensitivity.table import what_matters
+from handlcp.grasp.sensitivity.table import QUANTITIES, what_matters
 from handlcp.tolerances import ACTIVE
 from handlcp.views import view
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import design, outward
+from handlcp.grasp.assembly.contact_form import Candidate, design, outward
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
@@ -18,7 +17,7 @@ from handlcp.grasp.verify.contact_laws import Misses
 from handlcp.grasp.verify.contact_states import names_of
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp import Proposal
-from handlcp.lcp.solvers.contact_run import outcome
+from handlcp.lcp.solvers.base import outcome
 from handlcp.tolerances import CERTIFY, SOLVE
 
 NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks

@@ -13,16 +13,14 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.answer.active_conditions import active_system
-from handlcp.grasp.assembly.candidate import in_si
+from handlcp.grasp.assembly.contact_form import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
 from handlcp.grasp.verify.contact_laws import Friction, examine
-from handlcp.grasp.verify.contact_states import RESTING, States, find_states
-from handlcp.grasp.verify.escape import ESCAPES, find_escape
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.contact_newton import hold
+from handlcp.grasp.verify.contact_states import ESCAPES, RESTING, States, find_escape, find_states
 from handlcp.lcp.kernels.contact_rows import in_order
-from handlcp.lcp.kernels.contact_run import closed, contact_run, in_turns, newton_first
+from handlcp.lcp.kernels.contact_run import closed, contact_run, hold, in_turns, newton_first
+from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
 

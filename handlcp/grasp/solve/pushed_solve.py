@@ -23,7 +23,7 @@ from handlcp.grasp.solve.compiled_solve import (
     stamped_rows,
     write_answer,
 )
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 @kernel

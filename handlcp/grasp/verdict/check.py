@@ -6,7 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from handlcp.errors import Unsupported
+from handlcp.grasp.analysis.suggestions import Suggestion, Suggestions, suggest
 from handlcp.grasp.answer.reasons import equilibrium_reason
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD, OVER_LIMIT, UNDECIDED, Reason, Verdict, verdict_of
@@ -25,9 +28,42 @@ from handlcp.grasp.verdict.path_reasons import (
     reached_reasons,
     rigid_reasons,
     slides_reason,
-)  # fmt: skip
+)
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
+
+# ----------------------------------------------------------------
+# What to change: effects left out that matter to an answer, and where a grasp fails, what was tried and holds.
+
+
+def suggested(
+    spec: GraspSpec, section: Section, solution: GraspSolution, least: float, verdict: Verdict
+) -> Suggestions:
+    """Verdict : of this grasp by `check`, or the solution's own where that is HELD. Without an answer no effect can be
+    judged; then its advice is all there is.
+    """
+    effects = suggest(spec, section, solution, least) if solution.held else Suggestions((), (), (), least)
+    if verdict.ok and solution.held:
+        return effects
+    advice = verdict.about("advice")
+    helps = tuple([_suggestion(r) for r in advice if "change" in r.values])
+    tried = tuple([text for r in advice for text in r.values.get("tried", ())])
+    return replace(effects, found=(*helps, *effects.found), word=verdict.word, tried=tried)
+
+
+def _suggestion(r: Reason) -> Suggestion:
+    change, value = r.values["change"], r.values["value"]
+    ask = {
+        "squeeze": f"squeeze or preload, {value:g} m more",
+        "less squeeze": f"squeeze or preload × {value:g}",
+        "friction": f"friction={value:g}",
+        "stiffness": f"joint_stiffness × {value:g}",
+        "grip": "another placement of the object",
+    }
+    return Suggestion(change, np.inf, r.sentence, ask[change])
+
+
+# ----------------------------------------------------------------
 
 _CHAIN = Auto(search_seconds=0.0)
 STEPS = 8  # of a stage; where something happens there are more

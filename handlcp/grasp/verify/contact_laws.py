@@ -13,7 +13,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.grasp_matrix import Given, Posed
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.projection import nearest
 
 _ROUNDING = 1e-6  # of the largest term: the certifier allows 1e-8 of it, a hundred roundings of the sum

@@ -12,8 +12,8 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.verify.escape import BALANCED, ESCAPES, find_escape
-from handlcp.grasp.verify.limits_at_answer import every_limit, stacked
+from handlcp.grasp.verify.contact_states import BALANCED, ESCAPES, find_escape
+from handlcp.grasp.verify.judge import every_limit, stacked
 from handlcp.tolerances import CERTIFY
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.object import Object
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.grasp.analysis.required import Required, tolerance_of
-from handlcp.grasp.design.followed import Changed, least_value
+from handlcp.grasp.design.least import Changed, least_value
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.command import commanded

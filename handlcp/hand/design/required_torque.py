@@ -15,7 +15,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.analysis.required import tolerance_of
 from handlcp.grasp.answer.verdict import HELD, Verdict
-from handlcp.grasp.design.followed import ORDER, verdict_on
+from handlcp.grasp.design.least import ORDER, verdict_on
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.check import followed_to

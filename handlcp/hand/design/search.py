@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from handlcp.check import Array
-from handlcp.grasp.design.closing_in import closed_in
+from handlcp.grasp.design.least import closed_in
 from handlcp.hand.design.trials import Trial, Trials
 
 _MOST = 2.0**8  # times the grip that the search starts from

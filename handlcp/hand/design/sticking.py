@@ -15,7 +15,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.design.no_slip import without_slip
+from handlcp.grasp.design.least import without_slip
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 

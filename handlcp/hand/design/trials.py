@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.design.followed import ORDER
+from handlcp.grasp.design.least import ORDER
 from handlcp.grasp.friction import Section
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.verdict.check import STEPS

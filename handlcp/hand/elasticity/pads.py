@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, per_name, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import joint_flexibility
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 class Pads:

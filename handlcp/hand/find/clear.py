@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import URDFError
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.find.place import Place
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object

@@ -7,8 +7,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.followed.contacts import contacts_at
 from handlcp.hand.objects.surface import on_surface
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import product
+from handlcp.lcp.kernels.dense import kernel, product
 
 _STEP = 1e-6  # of the object's size: central differences of normals, good to ten digits
 

@@ -9,8 +9,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.followed.motions import rotation_vector, turned_from
 from handlcp.hand.robot.contact_jacobian import contact_jacobian
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import product
+from handlcp.lcp.kernels.dense import kernel, product
 
 
 class Bodies(NamedTuple):

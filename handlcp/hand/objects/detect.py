@@ -14,7 +14,7 @@ from handlcp.check import Array
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.vectors import cross_rows
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.distance import distance
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture

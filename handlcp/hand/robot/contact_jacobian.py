@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 @kernel

@@ -2,10 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.compiler.kernel import Kernel
+
+# ----------------------------------------------------------------
+# One decorator for every kernel, typed so that strict checks see through it.
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def kernel(function: F) -> F:
+    """Run as Python at first and compiled where that pays, by itself or called from other kernels; see
+    `handlcp.lcp.compiler.when`. Compiled code is kept on disk. Threads run it side by side.
+    """
+    return cast(F, Kernel(function))
+
+
+# ----------------------------------------------------------------
 
 _NEAR = 0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
 

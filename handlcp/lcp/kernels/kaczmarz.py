@@ -19,8 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from handlcp.check import Array, Bools
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 
 Seeds = npt.NDArray[np.uint64]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 SOLVED, RAY, SPENT = 0, 1, 2
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
+from handlcp.lcp.kernels.dense import kernel, multiply_add, solve_ranked
 from handlcp.tolerances import RANK
 
 _TIE = 1e-11

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 _CORNER = 1e-12  # a projection this close to a corner, relative, is on the side it was computed on
 _TIE = 1e-12  # how far outside, in sizes of the answer, still counts as on a plane

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.projection import nearest
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 _DEPENDENT = 1e-11  # what is left of a column beside those there are, below which it adds no direction
 

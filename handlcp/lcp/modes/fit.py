@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.modes.active_columns import Active, add, drop, put_rest, put_weights
 from handlcp.lcp.modes.generators import Cones, reach, support
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 ANY, OPEN, STUCK, SLIDES = 0, 1, 2, 3
 # Columns of disc and ball lie this share outside, so that finitely many enclose them; those that enclose the right

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.projection import nearest
 from handlcp.lcp.modes.active_columns import Active, new_active
 from handlcp.lcp.modes.fit import fit, proves_none, put_parts

@@ -20,10 +20,8 @@ from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.multipliers import WithMultipliers
-from handlcp.lcp.problem import LCP
-from handlcp.lcp.result import Proposal
-from handlcp.lcp.solvers.base import ContactSolver
-from handlcp.lcp.solvers.contact_run import FINE, converged, measured_by_limits
+from handlcp.lcp.problem import LCP, Proposal
+from handlcp.lcp.solvers.base import FINE, ContactSolver, converged, measured_by_limits
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK

@@ -9,9 +9,8 @@ import numpy as np
 from handlcp.check import Array, integer, number
 from handlcp.lcp.kernels.lemke import RAY, SOLVED, lemke
 from handlcp.lcp.kernels.newton import settled
-from handlcp.lcp.problem import Scaled
+from handlcp.lcp.problem import Proposal, Scaled
 from handlcp.lcp.reduce import reduce
-from handlcp.lcp.result import Proposal
 from handlcp.tolerances import PIVOT, SOLVE
 
 

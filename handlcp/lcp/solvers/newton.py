@@ -9,9 +9,8 @@ import numpy as np
 from handlcp.check import Array, integer, number
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.newton import damped_newton, settled
-from handlcp.lcp.problem import Scaled
-from handlcp.lcp.result import Proposal
-from handlcp.lcp.solvers.contact_run import run_contact
+from handlcp.lcp.problem import Proposal, Scaled
+from handlcp.lcp.solvers.base import run_contact
 from handlcp.tolerances import SOLVE
 
 

@@ -9,13 +9,11 @@ import numpy as np
 from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, kaczmarz
 from handlcp.lcp.kernels.newton import active_set, damped_newton, size
-from handlcp.lcp.problem import Scaled
-from handlcp.lcp.result import Proposal
-from handlcp.lcp.solvers.contact_run import run_contact
+from handlcp.lcp.problem import Proposal, Scaled
+from handlcp.lcp.solvers.base import run_contact
 from handlcp.tolerances import SOLVE
 
 

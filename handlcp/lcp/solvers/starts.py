@@ -10,9 +10,8 @@ import numpy as np
 
 from handlcp.check import Array, integer
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.problem import Scaled
-from handlcp.lcp.result import Proposal
-from handlcp.lcp.solvers.contact_run import FINE, converged, held, run_contact
+from handlcp.lcp.problem import Proposal, Scaled
+from handlcp.lcp.solvers.base import FINE, converged, held, run_contact
 from handlcp.lcp.solvers.newton import SemismoothNewton
 
 _NEWTON = SemismoothNewton(max_iterations=30)  # from each start of a plain problem

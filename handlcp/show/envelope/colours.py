@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Ints
-from handlcp.grasp.cause.cause import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
+from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
 from handlcp.study.envelope.causes import Sector
 
 NOTHING, OTHERS = "#D9DCE0", "#8E949B"  # nothing gives out; causes beyond those that have a colour

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.friction_used import friction_used
+from handlcp.grasp.answer.reasons import friction_used
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
 from handlcp.show.file import Figure, checked, write

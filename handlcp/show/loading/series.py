@@ -10,7 +10,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.friction_used import friction_used as used_by
+from handlcp.grasp.answer.reasons import friction_used as used_by
 from handlcp.grasp.path.follow import Loading
 from handlcp.show.loading.end import STILL
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened

@@ -11,7 +11,7 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
-from handlcp.grasp.answer.friction_used import friction_used
+from handlcp.grasp.answer.reasons import friction_used
 from handlcp.show.loading.series import friction_used as used_on_the_way
 
 MOST = 150  # steps of a loading that a page keeps

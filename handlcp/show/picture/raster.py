@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.lcp.compiler.when import at_once
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 @at_once()  # a picture has a million pixels

@@ -15,11 +15,11 @@ from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.friction import Pyramid, as_section
-from handlcp.grasp.limits.asked import is_followed, load_of
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.followed import sliding as sliding_to_limit
+from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
-from handlcp.grasp.path.program import Stage
+from handlcp.grasp.path.state import Stage
 from handlcp.lcp.compiler.when import at_once
 from handlcp.study.accuracy.words import share
 from handlcp.text_table import TextTable, wrapped

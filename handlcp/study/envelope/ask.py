@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.batch.progress import Progress, told
-from handlcp.grasp.cause.cause import OBJECT, UNDECIDED, Cause
+from handlcp.grasp.batch.solve_many import Progress, told
+from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.directions import limits_of
 from handlcp.grasp.verify.bound import bound_of

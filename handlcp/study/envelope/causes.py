@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.cause.cause import Cause
+from handlcp.grasp.cause.judge import Cause
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.model.spec import GraspSpec
 

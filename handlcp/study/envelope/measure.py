@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Ints, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.batch.progress import Progress
+from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, Binds, Question

@@ -13,8 +13,7 @@ import numpy as np
 from handlcp.check import Array, Bools, integer, number
 from handlcp.lcp import Proposal
 from handlcp.lcp.compiler.when import at_once
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row, recorded
 from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import SOLVE

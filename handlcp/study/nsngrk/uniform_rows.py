@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, linearise, project, recorded, slopes, uniform
 from handlcp.lcp.problem import Scaled
 from handlcp.study.nsngrk.as_printed import AsPrinted

@@ -16,7 +16,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp import GraspSolution, Solutions, solve_many
-from handlcp.grasp.answer.friction_used import friction_margin
+from handlcp.grasp.answer.reasons import friction_margin
 from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.friction import Pyramid, as_section

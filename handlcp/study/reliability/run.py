@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.batch.progress import Progress, told
+from handlcp.grasp.batch.solve_many import Progress, told
 from handlcp.grasp.friction import Pyramid
 from handlcp.lcp.compiler.when import at_once
 from handlcp.study.reliability.kept import Kept

@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import integer, number
 from handlcp.errors import InputError
-from handlcp.grasp.batch.progress import Progress
+from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.study.reliability.influence import influences

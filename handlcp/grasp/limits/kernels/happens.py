@@ -13,7 +13,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Parts, Place
 from handlcp.grasp.limits.kernels.rates import Rates
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 # How a path ends, that it does not, and that a force turns on its cone
 REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES, TURNS = 0, 1, 2, 3, 4, 5, 6

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 OPEN, CLOSED, OPENS, CLOSES = 0, 1, 2, 3  # the last two: no force and no gap, after a force or after a gap
 _LOOSE, _NO_PIVOT = 1e-13, 1e-12

@@ -16,11 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.contact_newton import contact_newton, hold
 from handlcp.lcp.kernels.contact_rows import Contacts, row_scales
-from handlcp.lcp.kernels.contact_run import closed, newton_first
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.contact_run import closed, contact_newton, hold, newton_first
+from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.tolerances import SOLVE
 
 FREE, STICKS, SLIDES = 0, 1, 2  # of contacts; a limit that gives way is 1, another one 0

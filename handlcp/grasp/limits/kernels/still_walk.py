@@ -26,7 +26,7 @@ from handlcp.grasp.limits.kernels.still import (
     slipped,
     viscous,
 )  # fmt: skip
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 LOST, BOUNDED, UNBOUNDED, GAVE_UP = 1, 2, 3, 4
 _MOST = 600  # steps

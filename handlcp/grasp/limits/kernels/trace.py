@@ -28,7 +28,7 @@ from handlcp.grasp.limits.kernels.happens import (
 from handlcp.grasp.limits.kernels.pairs import NONE, SOME
 from handlcp.grasp.limits.kernels.parts import OPEN, Inverse, Parts, Place
 from handlcp.grasp.limits.kernels.rates import Rates, decide
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 # What happens on a path
 SLIPS, STICKS, OPENED, TOUCHES, YIELDS, HOLDS = 0, 1, 2, 3, 4, 5

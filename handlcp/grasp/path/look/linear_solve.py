@@ -11,18 +11,16 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assembly.candidate import in_si
+from handlcp.grasp.assembly.contact_form import in_si
 from handlcp.grasp.model.grasp_matrix import Given, Posed, pose
 from handlcp.grasp.path.look.numbers import Laws
 from handlcp.grasp.path.look.tangent import Condensed
 from handlcp.grasp.solve.compiled_solve import ScenePattern, begin, stamped_rows
 from handlcp.grasp.verify.contact_laws import Friction, examine
 from handlcp.grasp.verify.contact_states import find_states
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.contact_newton import hold, jacobian
 from handlcp.lcp.kernels.contact_rows import Contacts, in_order, rows, work
-from handlcp.lcp.kernels.contact_run import closed, in_turns, newton_first
-from handlcp.lcp.kernels.dense import multiply_add, product, solve_wide
+from handlcp.lcp.kernels.contact_run import closed, hold, in_turns, jacobian, newton_first
+from handlcp.lcp.kernels.dense import kernel, multiply_add, product, solve_wide
 from handlcp.tolerances import ACTIVE, CERTIFY, SOLVE
 
 _ANY = 1e30  # times the load: a step without any is measured by the forces of the squeeze, however large

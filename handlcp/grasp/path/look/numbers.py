@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.mechanism import joint_flexibility
-from handlcp.grasp.model.vectors import cross_rows
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 class Laws(NamedTuple):

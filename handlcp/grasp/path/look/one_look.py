@@ -12,7 +12,7 @@ from handlcp.grasp.path.look.linear_solve import Giving, answered, linear_proble
 from handlcp.grasp.path.look.numbers import Elastic, Laws, Loads, end_of_step
 from handlcp.grasp.path.look.tangent import Condensed, Moving, Touch, Turned, condensed, skew, turned_forces
 from handlcp.grasp.solve.compiled_solve import ScenePattern
-from handlcp.lcp.kernels.compile import kernel
+from handlcp.lcp.kernels.dense import kernel
 
 
 class Damping(NamedTuple):

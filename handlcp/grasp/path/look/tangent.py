@@ -24,8 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.kernels.compile import kernel
-from handlcp.lcp.kernels.dense import product, solve_wide
+from handlcp.lcp.kernels.dense import kernel, product, solve_wide
 
 
 class Touch(NamedTuple):
