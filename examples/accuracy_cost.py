@@ -16,7 +16,7 @@ import handlcp as hl
 from handlcp import scene
 from handlcp.show import accuracy_table, work_precision
 from handlcp.show import convergence as picture
-from handlcp.show.file import checked
+from handlcp.show.html import checked
 from handlcp.study import paper
 from handlcp.study.convergence import Convergence, convergence
 

@@ -67,11 +67,11 @@ from .grasp.sensitivity.paths import PathSensitivity as PathSensitivity
 from .grasp.sensitivity.sensitivity import Sensitivity as Sensitivity
 from .grasp.verify.judge import Residuals as Residuals
 from .hand.design.motors import RequiredTorque as RequiredTorque
-from .hand.elasticity.synergies import Synergies as Synergies
+from .hand.elasticity.tendons import Synergies as Synergies
 from .hand.elasticity.tendons import Tendons as Tendons
 from .hand.find.candidate import Candidate as Candidate
+from .hand.find.candidate import Found as Found
 from .hand.find.find import find_grasp as find_grasp
-from .hand.find.found import Found as Found
 from .hand.hand import Hand as Hand
 from .hand.hand_grasp import HandGrasp as HandGrasp
 from .hand.library import example_hand as example_hand
@@ -91,15 +91,15 @@ from .hand.objects.shapes import (
     Sphere as Sphere,
 )
 from .hand.objects.table import Table as Table
-from .hand.robot.audit.audit import Audit as Audit
-from .hand.robot.audit.audit import audit_urdf as audit_urdf
-from .hand.robot.describe.report import HandDescription as HandDescription
-from .hand.robot.describe.report import describe_urdf as describe_urdf
-from .hand.robot.doubt import Doubt as Doubt
+from .hand.robot.audit import Audit as Audit
+from .hand.robot.audit import audit_urdf as audit_urdf
+from .hand.robot.describe import HandDescription as HandDescription
+from .hand.robot.describe import describe_urdf as describe_urdf
+from .hand.robot.joint_limits import Doubt as Doubt
 from .hand.solution import HandGraspSolution as HandGraspSolution
+from .hand.solution import TorqueCheck as TorqueCheck
 from .hand.state import HandState as HandState
 from .hand.stream import GraspStream as GraspStream
-from .hand.torques import TorqueCheck as TorqueCheck
 from .hand.update import GraspUpdate as GraspUpdate
 from .lcp.problem import LCP as LCP
 from .lcp.problem import LCPSolution as LCPSolution
@@ -116,8 +116,8 @@ from .study.accuracy.on_paths import path_cost as path_cost
 from .study.accuracy.result import AccuracyCost as AccuracyCost
 from .study.envelope.measure import envelope as envelope
 from .study.envelope.result import Envelope as Envelope
-from .study.reliability.influence import Influence as Influence
 from .study.reliability.interval import Chance as Chance
+from .study.reliability.interval import Influence as Influence
 from .study.reliability.result import Reliability as Reliability
 from .study.reliability.result import Sample as Sample
 from .study.reliability.study import reliability as reliability

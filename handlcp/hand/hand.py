@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from handlcp.hand.objects.object import Object
-    from handlcp.hand.robot.audit.audit import Audit
-    from handlcp.hand.robot.describe.report import HandDescription
+    from handlcp.hand.robot.audit import Audit
+    from handlcp.hand.robot.describe import HandDescription
 
 _STIFFNESS = (
     "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by joint name, "
@@ -76,8 +76,7 @@ class Hand(HandModel):
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
-        from handlcp.hand.robot.source.read import describe_model, describe_xml
-        from handlcp.hand.robot.source.xml import URDF
+        from handlcp.hand.robot.source.read import URDF, describe_model, describe_xml
 
         if isinstance(source, pin.Model):
             if base is not None:
@@ -108,8 +107,7 @@ class Hand(HandModel):
 
         Raises Unsupported without MuJoCo (pip install handlcp[mujoco]), and what `from_urdf` raises.
         """
-        from handlcp.hand.robot.source.read import describe_xml
-        from handlcp.hand.robot.source.xml import MJCF
+        from handlcp.hand.robot.source.read import MJCF, describe_xml
 
         described = describe_xml("source", source, base, package_dirs, (MJCF,))
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
@@ -140,9 +138,8 @@ class Hand(HandModel):
     def _made(
         cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any
     ) -> Self:
-        from handlcp.hand.elasticity.pads import read_pads
-        from handlcp.hand.elasticity.stiffness import read_stiffness
-        from handlcp.hand.robot.fingertips.frames import find_tips
+        from handlcp.hand.elasticity.stiffness import read_pads, read_stiffness
+        from handlcp.hand.robot.fingertips import find_tips
         from handlcp.hand.robot.joint_limits import read_torque_limits
         from handlcp.hand.robot.tip_geometry import read_radii
 
@@ -173,9 +170,8 @@ class Hand(HandModel):
         Beside new fingertips, what was passed by name of the old ones has to be passed again. Raises InputError,
         UnknownName.
         """
-        from handlcp.hand.elasticity.pads import read_pads
-        from handlcp.hand.elasticity.stiffness import read_stiffness
-        from handlcp.hand.robot.fingertips.frames import find_tips
+        from handlcp.hand.elasticity.stiffness import read_pads, read_stiffness
+        from handlcp.hand.robot.fingertips import find_tips
         from handlcp.hand.robot.joint_limits import read_torque_limits
         from handlcp.hand.robot.tip_geometry import read_radii
 
@@ -221,8 +217,8 @@ class Hand(HandModel):
 
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
-        from handlcp.hand.robot.audit.audit import audit_of
-        from handlcp.hand.robot.doubt import Doubt
+        from handlcp.hand.robot.audit import audit_of
+        from handlcp.hand.robot.joint_limits import Doubt
 
         doubts = self.doubts
         if self.stiffness.uniform:
@@ -234,7 +230,7 @@ class Hand(HandModel):
 
     def describe(self) -> HandDescription:
         """Joints with ranges, limits, stiffness; fingertips, and why; couplings; mass; size. To print, or as data."""
-        from handlcp.hand.robot.describe.report import describe_hand
+        from handlcp.hand.robot.describe import describe_hand
 
         return describe_hand(self)
 

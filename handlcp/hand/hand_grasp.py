@@ -122,7 +122,7 @@ class HandGrasp(HandQuestions):
         """What was asked of the fingers and no command of their joints makes, one `Reach` for each kind: an overlap in
         the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within reach.
         """
-        from handlcp.hand.reach import out_of_reach
+        from handlcp.hand.squeeze import out_of_reach
 
         return out_of_reach(self.spec)
 

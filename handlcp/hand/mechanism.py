@@ -24,7 +24,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
-from handlcp.hand.elasticity.pads import tip_flexibility
+from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.joint_limits import TorqueLimits
@@ -37,7 +37,7 @@ from handlcp.lazy import lazy
 if TYPE_CHECKING:
     from handlcp.grasp.answer.verdict import Reason
     from handlcp.hand.followed.geometry import FollowedHand
-    from handlcp.hand.torques import TorqueCheck
+    from handlcp.hand.solution import TorqueCheck
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class HandMechanism(Varied, Mechanism):
 
     @lazy
     def _hessian(self) -> Array:
-        from handlcp.hand.robot.contact_hessian import contact_hessian
+        from handlcp.hand.robot.posture import contact_hessian
 
         H = contact_hessian(self.posture, self.tips, self.positions, self.frames)
         still = np.zeros((len(self.jacobian) - len(H), *H.shape[1:]))
@@ -144,8 +144,8 @@ class HandMechanism(Varied, Mechanism):
 
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """Of its torques, its limits and its posture."""
-        from handlcp.hand.robot.audit.audit import doubt_reasons
-        from handlcp.hand.torques import torque_reasons
+        from handlcp.hand.robot.audit import doubt_reasons
+        from handlcp.hand.solution import torque_reasons
 
         if solution.held:
             yield from torque_reasons(solution.torque_check)
@@ -155,26 +155,26 @@ class HandMechanism(Varied, Mechanism):
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes."""
-        from handlcp.hand.reach import reach_reasons
+        from handlcp.hand.squeeze import reach_reasons
 
         yield from reach_reasons(spec)
 
     def squeezed(self, spec: GraspSpec, depth: float) -> GraspSpec:
         """By commands of the joints."""
-        from handlcp.hand.reach import squeezed_further
+        from handlcp.hand.squeeze import squeezed_further
 
         return squeezed_further(spec, depth)
 
     def eased(self, spec: GraspSpec, share: float) -> GraspSpec:
         """Commands of the joints included."""
-        from handlcp.hand.reach import eased
+        from handlcp.hand.squeeze import eased
 
         return eased(spec, share)
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """Of torques and posture at the end of a loading."""
-        from handlcp.hand.robot.audit.audit import doubt_reasons
-        from handlcp.hand.torques import torque_reasons
+        from handlcp.hand.robot.audit import doubt_reasons
+        from handlcp.hand.solution import torque_reasons
 
         at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
         yield from torque_reasons(self._check(at_limit, yielded))
@@ -219,7 +219,7 @@ class HandMechanism(Varied, Mechanism):
 
     def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
         """Of a posture, with the object there; None: not known."""
-        from handlcp.hand.objects.posture_reasons import posture_reasons
+        from handlcp.hand.objects.inside import posture_reasons
 
         if posture is not None:
             yield from posture_reasons(posture, obj, self.tips)
@@ -248,7 +248,7 @@ class HandMechanism(Varied, Mechanism):
         }  # fmt: skip
 
     def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
-        from handlcp.hand.torques import torque_check
+        from handlcp.hand.solution import torque_check
 
         limits, yielding = self.posture.hand.torques, tuple[str, ...]()
         if yielded.any():  # NaN without an answer

@@ -2,15 +2,201 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, NamedTuple
 
-from handlcp.check import Array
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, read_only
+from handlcp.errors import UnknownName
 from handlcp.grasp.answer.printed import printed
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.cause.judge import exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.elasticity import Effort
-from handlcp.hand.torques import TorqueCheck
+from handlcp.text_table import TextTable, wrapped
+
+# ----------------------------------------------------------------
+# Joint by joint: the torque that holds the grasp, the limit, and which joint gives out first.
+
+
+class TorqueRow(NamedTuple):
+    """One joint. torque, limit [N·m] (N for a prismatic joint); utilisation [-]; known: whether the limit is."""
+
+    joint: str
+    torque: float
+    limit: float
+    utilisation: float
+    known: bool
+
+    @property
+    def over(self) -> bool:
+        """Whether the joint needs more than its limit."""
+        return bool(exceeded(self.utilisation))
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueCheck:
+    """Torques against limits; iterates over `TorqueRow`s and prints as a table.
+
+    joints : nv names. torque : (nv,) [N·m]. limit : (nv,) [N·m], inf where there is none or none is known.
+    utilisation : (nv,) |torque| / limit, a finite number always (NaN if the torque is): 0 where the limit is infinite
+        or unknown.
+    known : nv booleans.
+    yielding : names of the joints at their limit that give way there (`TorqueSaturation`); their utilisation is 1.
+    """
+
+    joints: tuple[str, ...]
+    torque: Array
+    limit: Array
+    utilisation: Array
+    known: tuple[bool, ...]
+    yielding: tuple[str, ...] = ()
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """The joints whose limit is not known."""
+        return tuple(name for name, known in zip(self.joints, self.known, strict=True) if not known)
+
+    @property
+    def binding(self) -> str | None:
+        """The joint with the highest utilisation among the known limits; None when no limit is known."""
+        shares = np.where(self.known & np.isfinite(self.utilisation), self.utilisation, -1.0)
+        i = most_used(shares)
+        return self.joints[i] if shares[i] >= 0 else None
+
+    @property
+    def over(self) -> tuple[TorqueRow, ...]:
+        """The rows of joints asked for more than their limit."""
+        return tuple(row for row in self if row.over)
+
+    @property
+    def ok(self) -> bool:
+        """All limits known (pass `torque_limits`, numpy.inf for none), and none exceeded."""
+        return all(self.known) and not np.isnan(self.utilisation).any() and not self.over
+
+    def __iter__(self) -> Iterator[TorqueRow]:
+        columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
+        return map(TorqueRow, self.joints, *columns, self.known)
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    def __getitem__(self, joint: str) -> TorqueRow:
+        if joint not in self.joints:
+            raise UnknownName("joint", "a joint", [str(joint)], self.joints)
+        return next(row for row in self if row.joint == joint)
+
+    @property
+    def margin(self) -> Array:
+        """(nv,) N·m, how much more torque each joint has: limit - |torque|, below 0 where it would need more than it
+        has; inf where there is no limit or none is known.
+        """
+        return read_only(self.limit - abs(self.torque))
+
+    @property
+    def table(self) -> TextTable:
+        """Joint by joint, with a remark in the last column."""
+        known = [limit for limit in self.limit.tolist() if np.isfinite(limit)]
+        unit, size = words.prefixed("N·m", [10.0 * x for x in (*self.torque.tolist(), *known)])
+        limits = [_limit(r._replace(limit=r.limit / size)) for r in self]
+        columns = ([r.joint for r in self], _torques(self.torque / size), limits, [_share(r) for r in self],
+                   [self.remark(r) for r in self])  # fmt: skip
+        heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
+        return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
+
+    def remark(self, row: TorqueRow) -> str:
+        """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others."""
+        if row.over and row.known:
+            return "over limit"
+        if row.joint in self.yielding:
+            return "yields"
+        return "closest" if row.joint == self.binding and np.isfinite(row.limit) else ""
+
+    def __str__(self) -> str:
+        return f"{self.table}\n{wrapped(self.verdict)}"
+
+    @property
+    def verdict(self) -> str:
+        """One sentence."""
+        if over := self.over:
+            return f"{needs_more([r.joint for r in over])}."
+        if np.isnan(self.torque).any():
+            return "No torques: the grasp was not solved."
+        if self.unknown:
+            return f"Without a torque limit: {words.listed(self.unknown)}. Pass torque_limits."
+        if self.yielding:
+            one = len(self.yielding) == 1
+            gives = "gives way at its limit" if one else "give way at their limits"
+            return f"All joints hold; {words.listed(self.yielding)} {gives}."
+        if self.binding is None or not np.isfinite(self[self.binding].limit):
+            return "No joint has a torque limit."
+        return f"All joints hold; {self.binding} is closest to its limit."
+
+    def __rich__(self) -> Any:
+        from rich.table import Table
+
+        table = Table(caption=self.verdict, caption_justify="left")
+        table.add_column("joint")
+        for heading in ("torque [N·m]", "limit [N·m]", "utilisation"):
+            table.add_column(heading, justify="right")
+        for r in self:
+            style = "red" if r.over else "bold" if r.joint == self.binding else None
+            table.add_row(r.joint, f"{r.torque + 0.0:.4f}", _limit(r), _share(r), style=style)
+        return table
+
+
+def torque_check(
+    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = ()
+) -> TorqueCheck:
+    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding : names."""
+    return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding)
+
+
+def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
+    """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
+    if check.over:
+        needs = [f"{r.joint} needs {' of '.join(words.torques((abs(r.torque), r.limit)))}" for r in check.over]
+        text = f"the contacts could hold the object, the motors cannot: {words.listed(needs)}"
+        yield Reason("torque_over_limit", "decides", text, {"joints": [_values(r) for r in check.over]})
+    elif check.binding is not None:
+        r = check[check.binding]
+        share = f"{words.percent(r.utilisation)} of {words.torque(r.limit)}"
+        text = f"the joint closest to its limit is {r.joint} at {share}"
+        text = text if np.isfinite(r.limit) else "no joint has a torque limit"
+        yield Reason("torque", "note", text, _values(r))
+    if check.yielding:
+        text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
+        yield Reason("torque", "note", text, {"yielding": check.yielding})
+    if check.unknown:
+        text = f"torque limits not known, torques not judged: {words.listed(check.unknown)}"
+        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+
+
+def _values(r: TorqueRow) -> dict[str, Any]:
+    return {"joint": r.joint, "torque_Nm": r.torque, "limit_Nm": r.limit, "utilisation": r.utilisation}
+
+
+def _limit(row: TorqueRow) -> str:
+    return f"{row.limit:.4g}" if row.known and np.isfinite(row.limit) else "none" if row.known else "unknown"
+
+
+def _share(row: TorqueRow) -> str:
+    return "–" if not row.known or np.isinf(row.limit) else words.percent(row.utilisation)
+
+
+def _torques(values: Array) -> list[str]:
+    """Four decimals, fewer where the largest torque has more than one digit before them."""
+    largest = float(np.nanmax(abs(values), initial=0.0))
+    decimals = 4 if largest < 9.99995 else 3 if largest < 99.9995 else 2
+    return [f"{round(t, decimals) + 0.0:.{decimals}f}" if np.isfinite(t) else "–" for t in values.tolist()]
+
+
+# ----------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)

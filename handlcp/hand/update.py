@@ -12,7 +12,7 @@ from handlcp.grasp.verify.contact_laws import in_world
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.torques import TorqueCheck, torque_check
+from handlcp.hand.solution import TorqueCheck, torque_check
 from handlcp.lcp import Status
 
 

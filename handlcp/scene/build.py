@@ -11,9 +11,7 @@ from handlcp.check import Array, array
 from handlcp.grasp import Contact, Environment, Grasp
 from handlcp.grasp.model.limit import by_finger
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Synergies, Table, Tendons, example_hand
-from handlcp.scene.naming import keyed, known
-from handlcp.scene.physics import effects_of, is_by_finger, law_of
-from handlcp.scene.scene_tables import SceneTables
+from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, keyed, known, law_of
 from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, HandTable, MeshTable, SphereTable
 
 # Arguments of the package's functions, and the keys that they come from

@@ -16,9 +16,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from handlcp.scene.kinds import SHAPES
+from handlcp.scene.kinds import SHAPES, Expected, MadeWhenRead, Table
 from handlcp.scene.scene_tables import SceneTables
-from handlcp.scene.table import Expected, MadeWhenRead, Table
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,17 +1,125 @@
-"""All tables of a scene file together, and what may stand beside what."""
+"""The tables of a scene file that make a scene: names, effects, friction, and what may stand beside what."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, create_model, model_validator
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.effects import Effect, effect_kinds
+from handlcp.grasp.friction import FrictionLaw, Frictionless, as_law, friction_laws
+from handlcp.grasp.model.limit import FileKey
 from handlcp.scene import kinds as k
 from handlcp.scene import schema as s
-from handlcp.scene.effects_table import asked, effects_table, kinds_with_keys
-from handlcp.scene.table import MadeWhenRead, Table
+from handlcp.scene.kinds import Expected, MadeWhenRead, Table
+
+# ----------------------------------------------------------------
+# Names in a scene file: its keys in errors, its fingers in tables.
+
+
+def known(key: str, names: Any, valid: Sequence[str]) -> None:
+    """Raises UnknownName for names that are not among the valid ones."""
+    if unknown := [n for n in names if n not in valid]:
+        raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
+
+
+@contextmanager
+def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
+    """Name the scene file's key in an InputError instead of the argument that it became; the error's type stays."""
+    try:
+        yield
+    except InputError as error:
+        head, dot, rest = error.argument.partition("[")
+        named = keys.get(head, prefix + head) + dot + rest
+        for listed, key in keys.items():  # such as "effects[1]", whose number no file knows
+            if "[" in listed and error.argument.startswith(listed):
+                named = key + error.argument[len(listed) :]
+        if named != error.argument:
+            error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
+        raise
+
+
+# ----------------------------------------------------------------
+# The [effects] table of a scene file: a key for each effect that has one, as the effect itself describes it.
+
+
+def kinds_with_keys() -> tuple[tuple[type[Effect], FileKey], ...]:
+    """The effects that a scene file may ask for, in order, each with its key."""
+    return tuple([(kind, kind.file_key) for kind in effect_kinds() if kind.file_key is not None])
+
+
+def effects_table() -> type[Table]:
+    """The table of all effects that there are by now."""
+    return _made("EffectsTable", tuple([key for _, key in kinds_with_keys()]))
+
+
+def asked(table: Table) -> dict[str, Any]:
+    """What the file says, by key: values, and tables as mappings of what is written in them."""
+    said: dict[str, Any] = table.model_dump(exclude_unset=True)
+    return {key: value for key, value in said.items() if value is not False and value is not None and value != []}
+
+
+@lru_cache(maxsize=64)
+def _made(name: str, keys: tuple[FileKey, ...]) -> type[Table]:
+    fields: dict[str, Any] = {key.name: _field(key) for key in keys}
+    return create_model(name, __base__=Table, **fields)
+
+
+def _field(key: FileKey) -> tuple[Any, Any]:
+    """Type and default of a key."""
+    if key.many:
+        return list[_made(key.name, key.table)], Field(default_factory=list, description=key.meaning)  # type: ignore[misc]
+    held: Any = _made(key.name, key.table) if key.table else Annotated[key.holds, Expected(key.expected)]
+    if key.required:
+        return held, Field(description=key.meaning)
+    return (held | None if key.default is None else held), Field(default=key.default, description=key.meaning)
+
+
+# ----------------------------------------------------------------
+# What a scene file says of friction and of effects asked for by name.
+
+
+def law_of(value: Any, key: str = "grasp.friction") -> FrictionLaw:
+    """The friction law of a checked value, which is that of `key`."""
+    if not isinstance(value, dict):
+        return Frictionless() if value == "frictionless" else as_law(value, key)
+    law = next(law for law in _laws_with_keys() if set(law.file_keys[0]) <= set(value))
+    keys = law.file_keys[0] | law.file_keys[1]
+    with keyed({f"{law.__name__}.{argument}": f"{key}.{name}" for name, argument in keys.items()}):
+        return law.from_file(value)
+
+
+def is_by_finger(value: Any) -> bool:
+    """Whether a friction is a table by finger; that of one law has the law's keys."""
+    return isinstance(value, dict) and not any(set(law.file_keys[0]) <= set(value) for law in _laws_with_keys())
+
+
+def effects_of(table: Table, fingers: Sequence[str]) -> tuple[list[Effect], dict[str, str]]:
+    """What [effects] asks for; and by argument, such as "effects[1]", the key that it is from. fingers : (n,) names."""
+    effects: list[Effect] = []
+    keys: dict[str, str] = {}
+    said = asked(table)
+    for kind, key in kinds_with_keys():
+        if key.name not in said:
+            continue
+        path = f"effects.{key.name}"
+        for effect in kind.from_file(said[key.name], path, tuple(fingers)):
+            keys[f"effects[{len(effects)}]"] = path
+            effects.append(effect)
+    return effects, keys
+
+
+def _laws_with_keys() -> list[type[FrictionLaw]]:
+    return [law for law in friction_laws() if law.file_keys[0]]
+
+
+# ----------------------------------------------------------------
+# All tables of a scene file together, and what may stand beside what.
 
 _COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad")  # of [grasp]
 

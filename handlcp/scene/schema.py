@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from handlcp.errors import InputError
 from handlcp.scene import kinds as k
-from handlcp.scene.table import Table
+from handlcp.scene.kinds import Table
 
 
 class TendonsTable(Table):

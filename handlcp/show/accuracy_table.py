@@ -9,8 +9,8 @@ from rich.text import Text
 
 from handlcp.show.tables import empty, numbers
 from handlcp.study.accuracy.left_out import UNDETERMINED
+from handlcp.study.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.study.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, LeftOut, Row
-from handlcp.study.accuracy.words import ROUNDING, microseconds, share
 
 ERRORS = (1e-1, 1e-2, 1e-3, 1e-6, 1e-9)
 TIMED = ("grasp.solve()", "NSNGRK polished", "Newton", "Lemke")

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.axes import SMALL, TEXT, panel
-from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.style import BLUE, INK, RED, spread
+from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.style import BLUE, INK, RED, SMALL, TEXT, panel, spread
 from handlcp.study.convergence import Convergence, Run
 from handlcp.words import percent
 

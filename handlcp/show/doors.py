@@ -10,9 +10,8 @@ from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.hand.hand_grasp import grasp_of
-from handlcp.show.file import checked, write
-from handlcp.show.frame import data_frame
-from handlcp.show.record import record
+from handlcp.show.html import checked, write
+from handlcp.show.record import data_frame, record
 from handlcp.study.accuracy import PathCost
 from handlcp.study.envelope import Envelope
 from handlcp.study.plain import json_text
@@ -25,7 +24,7 @@ def plot(
     solution: GraspSolution, path: Any = None, obj: Any = None, title: str = "", verdict: Verdict | None = None
 ) -> Any:
     """See `GraspSolution.plot`."""
-    from handlcp.show.loading.ending import verdict_picture
+    from handlcp.show.loading.report import verdict_picture
     from handlcp.show.picture import draw  # pictures alone need matplotlib
 
     file = None if path is None else checked(path)
@@ -98,14 +97,14 @@ def envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
 
 def envelope_dict(env: Envelope) -> dict[str, Any]:
     """See `Envelope.to_dict`."""
-    from handlcp.show.envelope.record import record as record_of_envelope
+    from handlcp.show.envelope.sight import record as record_of_envelope
 
     return record_of_envelope(env)
 
 
 def envelope_frame(env: Envelope) -> Any:
     """See `Envelope.to_frame`."""
-    from handlcp.show.envelope.record import columns
+    from handlcp.show.envelope.sight import columns
 
     return data_frame(columns(env))
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.axes import SMALL, TEXT, number_ticks, panel, say
-from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, shortened
+from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, SMALL, TEXT, number_ticks, panel, say, shortened
 from handlcp.study.reliability import Reliability
 
 WIDTH, HEIGHT, DPI = 10.0, 4.6, 160  # inches, dots an inch

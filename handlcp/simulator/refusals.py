@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import Any
 
 from handlcp.errors import InputError, Unsupported
@@ -11,6 +12,21 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.hand import HandGrasp
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
+
+# ---------------------------------------------------------------- MuJoCo is an extra: imported when it is needed.
+
+
+def need_mujoco() -> ModuleType:
+    """The package mujoco. Raises Unsupported where it is not installed."""
+    try:
+        import mujoco
+    except ImportError:
+        raise Unsupported("no simulation without MuJoCo: pip install handlcp[mujoco]") from None
+    module: ModuleType = mujoco
+    return module
+
+
+# ----------------------------------------------------------------
 
 # MuJoCo writes balance in the deformed posture: geometric stiffness is always in it
 _KNOWN = (JointOffset, FingerWeight, GeometricStiffness, TorqueSaturation)

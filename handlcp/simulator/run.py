@@ -9,9 +9,8 @@ from typing import Any
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.simulator.loss import Record
 from handlcp.simulator.mjcf.settings import SimulatorSettings
-from handlcp.simulator.under_way import PUSH, Run
+from handlcp.simulator.under_way import PUSH, Record, Run
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

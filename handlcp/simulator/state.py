@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
-from handlcp.simulator.need import need_mujoco
+from handlcp.simulator.refusals import need_mujoco
 
 
 @dataclass(frozen=True, eq=False)

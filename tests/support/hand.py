@@ -10,14 +10,13 @@ import numpy as np
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
-from handlcp.hand.objects.detect import nearest
-from handlcp.hand.objects.distance import distance
+from handlcp.hand.objects.detect import distance, nearest
 from handlcp.hand.objects.inside import links_inside
-from handlcp.hand.objects.plane_contacts import RIM
-from handlcp.hand.objects.plane_contacts import _needed as _points_needed
-from handlcp.hand.robot.contact_hessian import contact_hessian
+from handlcp.hand.objects.table import RIM
+from handlcp.hand.objects.table import _needed as _points_needed
+from handlcp.hand.robot.posture import contact_hessian
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
-from handlcp.hand.torques import torque_check
+from handlcp.hand.solution import torque_check
 
 __all__ = [
     "RIM",

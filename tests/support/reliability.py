@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.study.reliability.interval import Chance, chance_of
 from handlcp.study.reliability.place import Placer
-from handlcp.study.reliability.points import Blocks, blocks_of
+from handlcp.study.reliability.run import Blocks, blocks_of
 from handlcp.study.reliability.spread import read_spread
 
 __all__ = ["Blocks", "blocks_of", "chance", "chance_in_two_looks", "grasp_with", "steps_of"]

@@ -16,17 +16,16 @@ from handlcp.show import tables
 from handlcp.show import work_precision as work_precision_figure
 from handlcp.show.accuracy_table import all_tables
 from handlcp.show.contact_sheet import contact_sheet
-from handlcp.show.envelope.colours import NOTHING, OTHERS, SHADES
 from handlcp.show.envelope.sight import facing as facing_weakest
-from handlcp.show.envelope.surface import divided, section, surface_of, wires
-from handlcp.show.loading import end, report
+from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires
+from handlcp.show.loading import report
+from handlcp.show.loading import series as end
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
-from handlcp.show.picture.camera import Marks, camera_for, facing
+from handlcp.show.picture.camera import Marks, camera_for, facing, fill
 from handlcp.show.picture.links import hand_bodies, tip_shapes
 from handlcp.show.picture.moments import Turn
 from handlcp.show.picture.overlay import nice, rim
-from handlcp.show.picture.raster import fill
 from handlcp.show.record import record
 from handlcp.show.style import shortened
 

@@ -14,14 +14,12 @@ from handlcp.study.accuracy.left_out import UNDETERMINED, variants
 from handlcp.study.accuracy.methods import settings
 from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
 from handlcp.study.nsngrk import RES, STEPS
-from handlcp.study.paper.data import NUMBERS, Number, raw
-from handlcp.study.paper.examples import PRELOAD
-from handlcp.study.paper.misses import Miss
-from handlcp.study.paper.no_equilibrium import no_equilibrium, search_grasp
-from handlcp.study.paper.nsngrk_as_printed import run_case
+from handlcp.study.paper.data import NUMBERS, PRELOAD, Number, raw
+from handlcp.study.paper.misses import Miss, no_equilibrium, search_grasp
 from handlcp.study.paper.printed import compatibility, signed_forces
 from handlcp.study.paper.render import render
-from handlcp.study.paper.rows import Mark, mark_of, rows_of
+from handlcp.study.paper.report import run_case
+from handlcp.study.paper.tables import Mark, mark_of, rows_of
 
 __all__ = [
     "CERTIFIED",

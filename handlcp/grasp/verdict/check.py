@@ -101,11 +101,11 @@ def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution
 
 def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading, bool]:
     """The loading, and whether its end is the same with half the steps; where it is not, with twice as many, and twice
-    as many again. Where nothing slides it has half the steps. Raises Unsupported.
+    as many again. Where nothing slides and nothing happens it has half the steps. Raises Unsupported.
     """
     coarse, count = follow(spec, section, None, order, None, STEPS // 2, None), STEPS
-    if not _slid(coarse):
-        return coarse, True  # steps in which nothing slides are exact, however long
+    if _sticks(coarse):
+        return coarse, True  # such steps are exact, however long
     path = follow(spec, section, None, order, None, STEPS, None)
     if path.outcome is Outcome.GAVE_UP:
         return path, True
@@ -117,8 +117,9 @@ def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading,
     return path, coarse.held == path.held
 
 
-def _slid(path: Loading) -> bool:
-    return not path.held or any("sliding" in kinds for kinds in path.steps.contact_state)
+def _sticks(path: Loading) -> bool:
+    """Whether the end is reached, nothing slides on the way, and nothing else happens."""
+    return path.held and not path.events and not any("sliding" in kinds for kinds in path.steps.contact_state)
 
 
 def _reasons(

@@ -49,7 +49,7 @@ class HandQuestions(Grasp):
         the grasp holds when it closes and is loaded then, to a relative tolerance. `required_torque` finds a grip for
         each finger. Raises InputError, Unsupported.
         """
-        from handlcp.hand.design.commands import required_grip
+        from handlcp.hand.design.required_torque import required_grip
 
         return required_grip(self.spec, self._section(faces), tolerance)
 
@@ -57,7 +57,7 @@ class HandQuestions(Grasp):
         """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
         grasp holds, as `required_grip`. Raises InputError, Unsupported.
         """
-        from handlcp.hand.design.commands import required_squeeze
+        from handlcp.hand.design.required_torque import required_squeeze
 
         return required_squeeze(self.spec, self._section(faces), tolerance)
 
@@ -68,7 +68,7 @@ class HandQuestions(Grasp):
         offset as large, so that stiffer joints press harder.
         """
         from handlcp.grasp.design.stiffness import required_stiffness
-        from handlcp.hand.design.stiffer import hand_stiffened
+        from handlcp.hand.design.changed import hand_stiffened
 
         return required_stiffness(self.spec, self._section(faces), motion, tolerance, hand_stiffened)
 
@@ -80,6 +80,6 @@ class HandQuestions(Grasp):
         force that it is where joints are made stiffer or softer.
         """
         from handlcp.grasp.design.best_change import best_change
-        from handlcp.hand.design.means import means_of_hand
+        from handlcp.hand.design.changed import means_of_hand
 
         return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_hand)

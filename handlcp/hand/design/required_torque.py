@@ -7,25 +7,142 @@ joints then need, at any time, becomes their torque limits, and `check` has to c
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.analysis.required import tolerance_of
+from handlcp.grasp.analysis.required import Required, tolerance_of
 from handlcp.grasp.answer.verdict import HELD, Verdict
-from handlcp.grasp.design.least import ORDER, verdict_on
+from handlcp.grasp.assembly.build import build
+from handlcp.grasp.design.least import ORDER, Changed, least_value, verdict_on, without_slip
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.check import followed_to
-from handlcp.hand.design.brief import Case, cases
+from handlcp.hand.command import commanded
 from handlcp.hand.design.changed import gripped, hand_of, with_limits
-from handlcp.hand.design.least_grip import least_grip
-from handlcp.hand.design.motors import RequiredTorque
-from handlcp.hand.design.search import least
-from handlcp.hand.design.sticking import sticking
-from handlcp.hand.design.trials import Trial, Trials
+from handlcp.hand.design.motors import Case, RequiredTorque, cases
+from handlcp.hand.design.trials import Trial, Trials, least
+
+# ----------------------------------------------------------------
+# Contact forces where nothing slips and nothing opens: linear in the grip and in the load.
+#
+# d = d₀ + D f
+#
+# with the grip forces f (k,) that are commanded. While all contacts stick, the path of forces from squeeze to load is a
+# straight line. Where it stays within friction it is the answer, whatever the order of the loading.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sticking:
+    """Forces r = by_grip f + rest in the laws' coordinates (c,), and torques τ = levers r + held (nv,) [N·m].
+
+    scene : without a command. by_grip (c, k) : one column a finger. rest (c,) : without a grip, under the load;
+    unloaded (c,) : without the load, too.
+    """
+
+    scene: Scene
+    by_grip: Array
+    rest: Array
+    unloaded: Array
+    levers: Array
+    held: Array
+
+
+def sticking(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], GraspSpec]) -> Sticking:
+    """Of this grasp under its load. gripped : the grasp with grip forces (k,) [N]; 0 for none."""
+    k = spec.of_fingers
+    bare = build(gripped(spec, np.zeros(k)))
+    shifts = [build(gripped(spec, row)).offset - bare.offset for row in np.eye(k)]
+    loads = np.zeros((6, 2 + k))
+    loads[:, 0] = bare.geometry.wrench
+    r, _ = without_slip(bare, bare.flexibility, np.column_stack([bare.offset, bare.offset, *shifts]), loads)
+    mechanism, scale = bare.mechanism, 1.0 if bare.scale is None else bare.scale
+    assert mechanism is not None
+    return Sticking(bare, r[:, 2:], r[:, 0], r[:, 1], mechanism.rows(bare.soft).T * scale, bare.held_torque)
+
+
+# ----------------------------------------------------------------
+# The grip of each finger with which no fingertip slips and the motors need least: a linear program.
+#
+# least t    with    |τ| ≤ t s,    r within friction    after the squeeze and under every load
+#
+# r and τ are linear in the grip forces (above), and s says what counts as much as what: the torque limits, or
+# one newton metre for every joint. It knows neither slips nor motions of the hand. So it is where the search for the
+# least grip begins, not its answer.
+
+_DIRECTIONS = 16  # faces of a friction cone in a tangent plane
+_BALL = 64  # faces of a soft finger's limit surface
+_SMALL = 1e-6  # weight of the grip's sum and of its largest: among grips with the same torques the gentlest, evenly
+
+
+def least_grip(states: Sequence[Sticking], section: Section, share: Array, pattern: Array) -> Array | None:
+    """(k,) grip forces [N]; None: with no such grip all fingertips stick.
+
+    states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
+    """
+    from scipy.optimize import linprog  # half a second of import that only this question should pay
+
+    p = pattern.shape[1]
+    unit = max(float(np.linalg.norm(s.scene.geometry.wrench[:3])) for s in states) or 1.0
+    above, most = list[Array](), list[Array]()
+    for by_grip, rest, state in _ends(states):
+        at = by_grip @ pattern
+        cone = _cone(state.scene, section)
+        torque, held = state.levers @ at, state.levers @ rest + state.held
+        above += [np.column_stack([-cone @ at * unit, np.zeros((len(cone), 2))])]
+        none = np.zeros(len(share))
+        above += [np.column_stack([way * torque * unit, none, -share]) for way in (1.0, -1.0)]
+        most += [cone @ rest, -held, held]
+    above.append(np.column_stack([pattern, -np.ones(len(pattern)), np.zeros(len(pattern))]))  # the largest of the grip
+    most.append(np.zeros(len(pattern)))
+    size = max(float(abs(b).max(initial=0.0)) for b in most) or 1.0
+    cost = np.append(np.full(p + 1, _SMALL), 1.0)
+    found = linprog(cost, np.vstack(above), np.concatenate(most), bounds=[(0.0, None)] * (p + 2), method="highs")
+    if found.x is None or not found.x[:p].max(initial=0.0) * unit < 1e6 * size:
+        return None
+    return np.asarray(pattern @ found.x[:p] * unit)
+
+
+def _ends(states: Sequence[Sticking]) -> list[tuple[Array, Array, Sticking]]:
+    """(by_grip, rest, state) after the squeeze, and under every load."""
+    return [(states[0].by_grip, states[0].unloaded, states[0]), *((s.by_grip, s.rest, s) for s in states)]
+
+
+def _cone(scene: Scene, section: Section) -> Array:
+    """Rows A with A r ≥ 0 for forces (c,) within friction, on faces inside the cones."""
+    rows = list[Array]()
+    for own, radius in zip(scene.kind.contact_components, scene.limits(section), strict=True):
+        if own[0] < 0:
+            continue
+        ways, inside = _faces(int((own >= 0).sum()) - 1)
+        for way in ways:
+            row = np.zeros(scene.components)
+            row[own[0]] = radius * inside
+            row[own[1 : 1 + len(way)]] = -way
+            rows.append(row)
+    return np.array(rows).reshape(-1, scene.components)
+
+
+def _faces(tangents: int) -> tuple[Array, float]:
+    """Unit normals of faces in so many tangential directions, and how far inside the unit ball they lie."""
+    if tangents == 0:
+        return np.zeros((1, 0)), 1.0
+    if tangents == 1:
+        return np.array([[1.0], [-1.0]]), 1.0
+    if tangents == 2:
+        angle = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+        return np.column_stack([np.cos(angle), np.sin(angle)]), float(np.cos(np.pi / _DIRECTIONS))
+    k = np.arange(_BALL) + 0.5
+    height, turn = 1.0 - 2.0 * k / _BALL, np.pi * (1.0 + np.sqrt(5.0)) * k
+    flat = np.sqrt(1.0 - height**2)
+    return np.column_stack([flat * np.cos(turn), flat * np.sin(turn), height]), 0.95
+
+
+# ----------------------------------------------------------------
 
 _ROUNDED_UP = 1e-6  # of a torque, so that rounding puts none over its limit
 
@@ -83,3 +200,24 @@ def _why(verdict: Verdict) -> str:
 def _judged(case: Case, best: Trial, torque: Array, section: Section) -> Verdict:
     """The grasp with this grip and these motors under one load."""
     return verdict_on(with_limits(gripped(case.spec, best.force), torque), section)
+
+
+# ----------------------------------------------------------------
+# How hard must the hand close? The least grip or squeeze, common to all fingers, with which a grasp holds.
+
+_TIMES = 256.0  # the grip with which nothing slips: the most that is tried
+_DEEPEST, _START = 0.05, 1e-3  # [m] of a squeeze
+
+
+def required_grip(spec: GraspSpec, section: Section, tolerance: Any) -> Required:
+    """See `HandGrasp.required_grip`."""
+    k = spec.of_fingers
+    start = float(starts((Case("", spec),), section, np.ones(len(hand_of(spec).names)))[-1].mean())
+    changed = Changed(lambda force: gripped(spec, np.full(k, force)), section)
+    return least_value(changed, start, _TIMES * start, tolerance_of(tolerance), "N")
+
+
+def required_squeeze(spec: GraspSpec, section: Section, tolerance: Any) -> Required:
+    """See `HandGrasp.required_squeeze`."""
+    changed = Changed(lambda depth: commanded(spec, depth, None, None), section)
+    return least_value(changed, _START, _DEEPEST, tolerance_of(tolerance), "m")

@@ -1,4 +1,4 @@
-"""Joint stiffness: from what users pass to the root of its inverse."""
+"""Stiffness of joints and pads as users pass it: numbers, by name, as matrices."""
 
 from __future__ import annotations
 
@@ -8,9 +8,74 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, per_name, read_only, spd
+from handlcp.check import Array, array, dimensions, number, per_name, psd, read_only, spd
 from handlcp.errors import InputError
+from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.hand.elasticity.elasticity import Elasticity, Transmission
+from handlcp.lcp.kernels.dense import kernel
+
+# ----------------------------------------------------------------
+# What users pass about actuators: a named row over the joints for each, and its stiffness.
+
+Given = Array | dict[str, dict[str, float]]
+
+
+def given_rows(argument: str, value: Any) -> Given:
+    """Finite rows (m, nv), or as many named mappings of joint names to numbers; m ≥ 1. Raises InputError."""
+    if not isinstance(value, Mapping):
+        rows = array(argument, value, (-1, -1))
+        if not len(rows):
+            raise InputError(argument, "a row for each, at least one", f"shape {rows.shape}")
+        return rows
+    out: dict[str, dict[str, float]] = {}
+    for name, row in value.items():
+        if not isinstance(row, Mapping):
+            raise InputError(f"{argument}[{name!r}]", "a mapping of joint names to numbers", repr(row)[:80])
+        out[str(name)] = {str(j): number(f"{argument}[{name!r}][{j!r}]", x) for j, x in row.items()}
+    if not out:
+        raise InputError(argument, "one name or more", "none")
+    return out
+
+
+def read_rows(argument: str, given: Given, kind: str, joints: Sequence[str]) -> tuple[tuple[str, ...], Array]:
+    """Names and rows (m, nv) over these joints; joints that a mapping leaves out: 0. An array's rows are "kind 1", …
+
+    Raises InputError (wrong size, a row of zeros), UnknownName.
+    """
+    if isinstance(given, dict):
+        names, rows = tuple(given), np.zeros((len(given), len(joints)))
+        for name, row, out in zip(names, given.values(), rows, strict=True):
+            for joint, x in per_name(f"{argument}[{name!r}]", row, joints, "a joint").items():
+                out[joints.index(joint)] = x
+    else:
+        names, rows = tuple(f"{kind} {i + 1}" for i in range(len(given))), given
+        if rows.shape[1] != len(joints):
+            listed = ", ".join(joints)
+            raise InputError(argument, f"{len(joints)} numbers a {kind}, one for each of {listed}", rows.shape[1])
+    for name, out in zip(names, rows, strict=True):
+        if not out.any():
+            raise InputError(argument, f"a {kind} that moves with some joint", f"only zeros for {name!r}")
+    return names, read_only(rows)
+
+
+def read_springs(
+    argument: str, value: Any, kind: str, names: Sequence[str], read: Callable[[str, Any], float]
+) -> Array:
+    """(m, m) stiffness of the actuators from a number, a mapping by name (all of them), (m,) or an SPD matrix.
+
+    read : checks a number, as in `springs`. Raises InputError, UnknownName.
+    """
+    if isinstance(value, Mapping):
+        values = per_name(argument, value, names, f"a {kind}")
+        if missing := [name for name in names if name not in values]:
+            raise InputError(argument, f"a stiffness for every {kind}, {', '.join(missing)} included", sorted(values))
+        return np.diag([read(f"{argument}[{name!r}]", values[name]) for name in names])
+    diagonal = springs(argument, value, names, read)
+    return spd(argument, array(argument, value, (len(names), len(names)))) if diagonal is None else diagonal
+
+
+# ----------------------------------------------------------------
+# Joint stiffness: from what users pass to the root of its inverse.
 
 
 class JointStiffness(Elasticity):
@@ -78,3 +143,61 @@ def springs(argument: str, value: Any, names: Sequence[str], read: Callable[[str
 
 def _stiffness(argument: str, value: Any) -> float:
     return np.inf if value is None else number(argument, value, above=0.0, finite=False)
+
+
+# ----------------------------------------------------------------
+# Fingertip pads: their flexibility, in the axes of the tip frames, adds to that of the joints.
+
+
+class Pads:
+    """Flexibility of n pads: blocks (n, 3, 3) [m/N], PSD, tip axes. isotropic : each is the same in all directions."""
+
+    __slots__ = ("_every", "blocks", "isotropic")
+
+    def __init__(self, blocks: Array) -> None:
+        self.blocks, self._every = read_only(blocks), tuple(range(len(blocks)))
+        self.isotropic = bool((blocks == blocks[:, :1, :1] * np.eye(3)).all())
+
+    def in_axes(self, rotations: Callable[[], Array], tips: tuple[int, ...]) -> Array:
+        """(m, 3, 3) of the m tips numbered `tips`; rotations makes what turns tip axes into those of the result, (m, 3,
+        3), and is asked only where a pad is not the same in all axes.
+        """
+        pads = self.blocks if tips == self._every else read_only(self.blocks[list(tips)])
+        if self.isotropic:
+            return pads
+        R = rotations()
+        turned = R @ pads @ R.transpose(0, 2, 1)
+        return read_only((turned + turned.transpose(0, 2, 1)) / 2)
+
+
+@kernel
+def tip_flexibility(jacobian: Array, root: Array, pads: Array) -> Array:
+    """E = J K⁻¹ Jᵀ + pads (3m, 3m) [m/N]; jacobian (3m, nv), root as in `joint_flexibility`, pads (m, 3, 3)."""
+    E = joint_flexibility(jacobian, root)
+    for i in range(len(pads)):
+        for a in range(3):
+            for b in range(3):
+                E[3 * i + a, 3 * i + b] += pads[i, a, b]
+    return E
+
+
+def read_pads(value: Any, tips: Sequence[str]) -> Pads:
+    """From a number, (3,), (3, 3), (n, 3, 3) [m/N], or a mapping by tip name of the first three (others: rigid).
+
+    Raises InputError for anything that is not positive semidefinite; UnknownName.
+    """
+    argument, n = "pad_flexibility", len(tips)
+    if isinstance(value, Mapping):
+        values = per_name(argument, value, tips, "a fingertip")
+        return Pads(np.array([_pad(f"{argument}[{tip!r}]", values.get(tip, 0.0)) for tip in tips]))
+    if dimensions(value) == 3:
+        stack = array(argument, value, (n, 3, 3))
+        return Pads(np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
+    return Pads(np.tile(_pad(argument, value), (n, 1, 1)))
+
+
+def _pad(argument: str, value: Any) -> Array:
+    if isinstance(value, (str, bytes, bool)) or value is None:
+        raise InputError(argument, "a flexibility [m/N]: a number, (3,) or (3, 3)", repr(value))
+    a = array(argument, value, (), (3,), (3, 3))
+    return psd(argument, np.eye(3) * a if a.ndim < 2 else a)

@@ -2,18 +2,150 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from handlcp.check import integer, yes_or_no
-from handlcp.errors import InputError, NoGraspFound
-from handlcp.hand.find.found import Found, told
-from handlcp.hand.find.search import Search
+import numpy as np
+
+from handlcp.check import Array, integer, yes_or_no
+from handlcp.errors import HandLCPError, InputError, NoGraspFound
+from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.hand.find.candidate import Candidate, Found, reserves, told
+from handlcp.hand.find.clear import Links
+from handlcp.hand.find.guesses import SAMPLES, guesses
+from handlcp.hand.find.place import Place, free_ranges, size_of_object
+from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
+from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
+from handlcp.hand.state import HandState
+
+# ----------------------------------------------------------------
+# From places to grasps: touched, held by forces, clear of links, solved; and better ones nearby.
+
+_AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held
+_SOLVED = 16  # grasps of each round that are solved
+_ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
+_JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
+_CHECKED, _RECHECKED = 8, 2  # of the best grasps, until one is held: at first, and in each round of refinement
+_LEAST = 0.5  # of the load, shared by the fingers: what each presses with at least
+_FIRM = 1.0  # [N] the load of an object that weighs less
+
+
+class Search:
+    """The search of one hand for one object. tried : how many places came how far. refused : the
+    grasps that one solve holds and the check does not, or not surely.
+
+    asked : what is passed on to `state.grasp`; without `squeeze` and `grip_force` each finger presses as planned.
+    """
+
+    def __init__(
+        self, hand: HandModel, tips: tuple[int, ...], obj: Object, asked: Mapping[str, Any], seed: int
+    ) -> None:
+        self._hand, self._tips, self._obj, self._asked, self._seed = hand, tips, obj, asked, seed
+        self._home = obj.moved_to(np.zeros(3))
+        self._links = Links(hand, tips)
+        self._size = size_of_object(obj)
+        self._limits: Asked | None = None
+        self.tried: Counter[str] = Counter(sampled=SAMPLES)
+        self.refused: list[Candidate] = []
+
+    def run(self, tries: int) -> list[Candidate]:
+        """The grasps that one solve holds, the best first; of these the first is held when checked. None is where none
+        of the best is.
+        """
+        places = guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
+        found: list[Candidate] = []
+        while places and not found:
+            found = self._checked(self._settled(places[:_AT_ONCE]), _CHECKED)
+            places = places[_AT_ONCE:]
+        rng = np.random.default_rng(self._seed)
+        for k in range(_ROUNDS if found else 0):
+            best = [self._place(candidate) for candidate in found[:_BEST]]
+            near = self._settled(self._nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
+            better = [one for one in near if one.rank < found[0].rank]
+            found = sorted([*self._checked(better, _RECHECKED), *found], key=lambda one: one.rank)
+        return found
+
+    def _checked(self, found: list[Candidate], most: int) -> list[Candidate]:
+        """Those from the first one on that the check is sure of; none where it is of none of the first so many."""
+        for k, candidate in enumerate(found[:most]):
+            self.tried["checked"] += 1
+            if candidate.sure:
+                return found[k:]
+            self.refused.append(candidate)
+        return []
+
+    def _settled(self, places: Iterable[Place]) -> list[Candidate]:
+        """The grasps that begin at these places and are held, the best first."""
+        ready: list[tuple[float, Touch, Array]] = []
+        for place in places:
+            self.tried["tried"] += 1
+            touch = brought_together(self._hand, self._tips, self._links, self._home, place)
+            if touch is None:
+                continue
+            self.tried["touching"] += 1
+            forces = normal_forces(touch, touch.place.of(self._obj).center_of_mass, self._holding(touch))
+            if forces is None:
+                continue
+            self.tried["balanced"] += 1
+            ready.append((self._effort(touch, forces), touch, forces))
+        ready.sort(key=lambda one: one[0])
+        grasps: list[HandGrasp] = []
+        for _, touch, forces in ready:
+            if len(grasps) < _SOLVED and self._links.out_of_each_other(touch.place.q):
+                self.tried["clear"] += 1
+                grasps += self._grasp(touch, forces)
+        found = []
+        for grasp, solution in zip(grasps, solve_many(grasps, "cone", workers=1, proof=False), strict=True):
+            if solution.held:
+                found.append(Candidate(grasp, solution, *reserves(grasp, solution)))
+        self.tried["held"] += len(found)
+        return sorted(found, key=lambda one: one.rank)
+
+    def _grasp(self, touch: Touch, forces: Array) -> list[HandGrasp]:
+        """The grasp of a place, or none where no distance is confirmed there."""
+        asked = dict(self._asked)
+        if asked["squeeze"] is None and asked["grip_force"] is None:
+            asked["grip_force"] = forces
+        try:
+            return [HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **asked)]
+        except HandLCPError:
+            return []
+
+    def _holding(self, touch: Touch) -> Asked:
+        """What the contacts are to hold; read off the first grasp, which is made as any other."""
+        if self._limits is None:
+            bare = dict(self._asked, squeeze=None, grip_force=None)
+            grasp = HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **bare)
+            laws = [contact.friction for contact in grasp.spec.contacts]
+            mu, levers = np.array([[law.mu * min(law.scale), law.lever] for law in laws]).T
+            heavy = max(float(np.linalg.norm(grasp.spec.wrench[:3])), _FIRM)
+            self._limits = Asked(grasp.spec.wrench, mu, levers, self._size, _LEAST * heavy / len(mu))
+        return self._limits
+
+    def _effort(self, touch: Touch, forces: Array) -> float:
+        """What ranks places before they are solved: the largest share of a torque limit, or forces without limits."""
+        torque = abs(touch.levers.T @ forces) / self._hand.torque_limits
+        weakest = float(torque.max(initial=0.0))
+        return weakest if weakest > 0.0 else float(forces.sum())
+
+    def _place(self, candidate: Candidate) -> Place:
+        R, o = candidate.object.frame
+        return Place(np.array(candidate.q), np.array(R), np.array(o))
+
+    def _nearby(self, place: Place, rng: np.random.Generator, share: float) -> Place:
+        lower, upper = free_ranges(self._hand)
+        joints = share * _JOINTS * (upper - lower) * rng.standard_normal(len(lower))
+        twist = share * np.repeat([_SHIFT * self._size, _TURN], 3) * rng.standard_normal(6)
+        return place.moved(np.clip(place.q + joints, lower, upper) - place.q, twist)
+
+
+# ----------------------------------------------------------------
 
 
 def find_grasp(

@@ -20,11 +20,17 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Look, Where, least_flexibility, supports
 from handlcp.grasp.path.look.numbers import Elastic
 from handlcp.grasp.path.look.tangent import Moving, Touch
-from handlcp.hand.followed.balls import ball_look
-from handlcp.hand.followed.contacts import Bodies, contacts_at, slip_between
-from handlcp.hand.followed.fingertips import Balls, finger_contacts
-from handlcp.hand.followed.motions import displaced, gone_on, motion_between, moved_on
-from handlcp.hand.objects.plane_contacts import rolling_point
+from handlcp.hand.followed.contacts import (
+    Bodies,
+    contacts_at,
+    displaced,
+    gone_on,
+    motion_between,
+    moved_on,
+    slip_between,
+)
+from handlcp.hand.followed.fingertips import Balls, ball_look, finger_contacts
+from handlcp.hand.objects.table import rolling_point
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import TipMotions, overlaps
 

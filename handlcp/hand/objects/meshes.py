@@ -11,7 +11,7 @@ import numpy as np
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
-from handlcp.hand.robot.hull import hull
+from handlcp.hand.robot.link_surface import hull
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 HOW_TO_MESH = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"

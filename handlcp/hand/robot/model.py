@@ -11,10 +11,9 @@ import pinocchio as pin
 from handlcp.check import Array, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.pads import Pads
-from handlcp.hand.robot.doubt import Doubt
-from handlcp.hand.robot.fingertips.frames import TipFrames
-from handlcp.hand.robot.joint_limits import TorqueLimits
+from handlcp.hand.elasticity.stiffness import Pads
+from handlcp.hand.robot.fingertips import TipFrames
+from handlcp.hand.robot.joint_limits import Doubt, TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
@@ -122,8 +121,7 @@ class HandModel:
     @lazy
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
-        from handlcp.hand.robot.audit.audit import doubts_of
-        from handlcp.hand.robot.audit.geometry import tip_doubts
+        from handlcp.hand.robot.audit import doubts_of, tip_doubts
 
         shared = self.stiffness.law[1]  # words of a transmission
         every = (*doubts_of(self.description, self.torques.given, self.kinematics), *tip_doubts(self))

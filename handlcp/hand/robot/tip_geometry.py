@@ -12,8 +12,8 @@ import pinocchio as pin
 
 from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
-from handlcp.hand.robot.fingertips.frames import TipFrames
-from handlcp.hand.robot.hull import hull
+from handlcp.hand.robot.fingertips import TipFrames
+from handlcp.hand.robot.link_surface import hull
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
 
 _LARGEST = 0.5  # [m] no fingertip is larger

@@ -6,17 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.axes import SMALL
 from handlcp.show.envelope.legend import Legend, head
 from handlcp.show.envelope.polar import polar_figure
 from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
-from handlcp.show.file import Figure, new_figure
+from handlcp.show.html import Figure, new_figure
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.camera import Camera, Frame, camera_for, frame
 from handlcp.show.picture.content import Content
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import paint
-from handlcp.show.style import GREY, INK
+from handlcp.show.style import GREY, INK, SMALL
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.printed import amount, direction
 

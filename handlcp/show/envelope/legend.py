@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.show.axes import SMALL
-from handlcp.show.envelope.colours import NOTHING
-from handlcp.show.envelope.surface import Surface
-from handlcp.show.style import BOLD, GREY, INK, title_lines, width, wrapped
+from handlcp.show.envelope.surface import NOTHING, Surface
+from handlcp.show.style import BOLD, GREY, INK, SMALL, title_lines, width, wrapped
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.printed import geometry, given_away, headline
 

@@ -17,8 +17,7 @@ from handlcp.show.page import file
 from handlcp.show.page.content import packed, view_of
 from handlcp.show.page.document import Own, document, web_files
 from handlcp.show.page.frames import Frames
-from handlcp.show.page.meshes import Meshes
-from handlcp.show.page.parts import notes_of, parts_of
+from handlcp.show.page.meshes import Meshes, notes_of, parts_of
 from handlcp.show.page.snapshot import of_solution
 from handlcp.show.picture.bodies import HAND
 from handlcp.show.picture.content import Content

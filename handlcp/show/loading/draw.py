@@ -8,11 +8,10 @@ from typing import Any
 
 from handlcp.grasp.path.events import summary
 from handlcp.grasp.path.follow import Loading
-from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.loading.axis import Axis, StageAxis
-from handlcp.show.loading.curves import draw_panel
-from handlcp.show.loading.head import headline
+from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.loading.curves import Axis, StageAxis, draw_panel
 from handlcp.show.loading.marks import Mark, Marks
+from handlcp.show.loading.report import headline
 from handlcp.show.loading.series import Panel, panels
 
 WIDTH, DPI = 10.0, 160  # inches, dots an inch

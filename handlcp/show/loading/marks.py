@@ -6,9 +6,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from handlcp.show.axes import SMALL, TEXT
-from handlcp.show.loading.axis import Axis
-from handlcp.show.style import BLUE, GREY, INK, PURPLE, RED, spread, width
+from handlcp.show.loading.curves import Axis
+from handlcp.show.style import BLUE, GREY, INK, PURPLE, RED, SMALL, TEXT, spread, width
 
 LOST, SHADE = "#B03A00", "#FBEFE9"
 COLOURS = {"slips": RED, "sticks": BLUE, "opens": GREY, "touches": GREY, "snaps": INK}  # joints are purple

@@ -14,8 +14,7 @@ from handlcp.check import Array
 from handlcp.grasp import Grasp, Loading
 from handlcp.grasp.path.events import summary
 from handlcp.show.page.frames import Frames
-from handlcp.show.page.meshes import Meshes
-from handlcp.show.page.parts import FIXED, Part, notes_of, parts_of
+from handlcp.show.page.meshes import FIXED, Meshes, Part, notes_of, parts_of
 from handlcp.show.page.snapshot import Snapshot, steps_shown
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import HAND, Body

@@ -15,7 +15,7 @@ from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.page import file, head
 from handlcp.show.page.content import content, escape_of, path_of
-from handlcp.show.page.library import three_js
+from handlcp.show.page.file import three_js
 from handlcp.show.page.snapshot import at_steps, of_solution
 from handlcp.show.picture.content import Content
 from handlcp.study.plain import plain

@@ -17,7 +17,7 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
 from handlcp.hand import HandGrasp, HandState
-from handlcp.hand.objects.triangles import closest_of
+from handlcp.hand.objects.shapes import closest_of
 from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import HAND, Body, Colour

@@ -14,8 +14,7 @@ from scipy import ndimage
 
 from handlcp.check import Array, Bools
 from handlcp.show.picture.bodies import Body
-from handlcp.show.picture.camera import Camera, Frame
-from handlcp.show.picture.raster import fill
+from handlcp.show.picture.camera import Camera, Frame, fill
 
 LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])  # screen axes: from the upper left
 CREASE = np.cos(np.radians(28.0))  # edges of the object sharper than this are drawn

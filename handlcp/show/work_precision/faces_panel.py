@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.show.axes import SMALL, error_ticks, number_ticks, panel, say
-from handlcp.show.style import BLUE, RED
+from handlcp.show.style import BLUE, RED, SMALL, error_ticks, number_ticks, panel, say
 from handlcp.show.work_precision.time_panel import FLOOR, ROUNDING
 from handlcp.study.accuracy.result import AccuracyCost, FaceLaw
 

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError
-from handlcp.show.axes import SMALL, TEXT
-from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.style import GREY, INK
+from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.style import GREY, INK, SMALL, TEXT
 from handlcp.show.work_precision.faces_panel import faces_panel
 from handlcp.show.work_precision.left_out_panel import left_out_panel
 from handlcp.show.work_precision.time_panel import time_panel

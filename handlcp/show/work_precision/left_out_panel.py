@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.axes import SMALL, number_ticks, panel
-from handlcp.show.style import BLUE, GREEN, GREY, INK, RED
+from handlcp.show.style import BLUE, GREEN, GREY, INK, RED, SMALL, number_ticks, panel
 from handlcp.study.accuracy.left_out import UNDETERMINED
 from handlcp.study.accuracy.result import AccuracyCost
 

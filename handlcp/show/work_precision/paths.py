@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.axes import SMALL, TEXT, error_ticks, panel, time_ticks
-from handlcp.show.file import Figure, new_figure
-from handlcp.show.style import BLUE, GREY, INK, RED
+from handlcp.show.html import Figure, new_figure
+from handlcp.show.style import BLUE, GREY, INK, RED, SMALL, TEXT, error_ticks, panel, time_ticks
 from handlcp.study.accuracy.on_paths import FOLLOW, LIMIT, PathCost, PathRow
 
 WIDTH, HEIGHT, HEAD = 10.0, 4.6, 12.5  # inches, points

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.show.axes import SMALL, error_ticks, panel, say, time_ticks
-from handlcp.show.style import BLUE, PURPLE, RED
+from handlcp.show.style import BLUE, PURPLE, RED, SMALL, error_ticks, panel, say, time_ticks
 from handlcp.show.work_precision.curve_labels import CurveLabel, ladder, write
 from handlcp.study.accuracy.result import AccuracyCost, Row
 

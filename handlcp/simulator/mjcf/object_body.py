@@ -9,9 +9,8 @@ import numpy as np
 
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
-from handlcp.simulator.mjcf.fingertips import shape_words
-from handlcp.simulator.mjcf.settings import SimulatorSettings
-from handlcp.simulator.mjcf.words import add, placed
+from handlcp.simulator.mjcf.hand_tree import shape_words
+from handlcp.simulator.mjcf.settings import SimulatorSettings, add, placed
 
 OBJECT = "object"  # its body, and its shape
 LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object

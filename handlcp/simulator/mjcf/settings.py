@@ -6,10 +6,42 @@ moves slowly, motion is damped, and contacts are much stiffer than fingers and p
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass, fields
+from typing import Any
 
-from handlcp.check import number
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array, number
 from handlcp.errors import InputError
+
+# ---------------------------------------------------------------- Numbers and elements as MJCF writes them.
+
+
+def text(value: Any) -> str:
+    """One number or several, to the last bit."""
+    return " ".join(repr(float(x)) for x in np.ravel(value))
+
+
+def add(parent: ET.Element, tag: str, **attributes: Any) -> ET.Element:
+    """A new element below `parent`; strings are written as they are, numbers by `text`. A trailing _ of a name goes."""
+    written = {k.rstrip("_"): v if isinstance(v, str) else text(v) for k, v in attributes.items()}
+    return ET.SubElement(parent, tag, written)
+
+
+def quaternion(rotation: Array) -> Array:
+    """(4,) w, x, y, z, as MuJoCo orders it."""
+    x, y, z, w = pin.Quaternion(np.array(rotation)).normalized().coeffs()
+    return np.array([w, x, y, z])
+
+
+def placed(rotation: Array, translation: Array) -> dict[str, Any]:
+    """Attributes of an element that stands elsewhere than its parent."""
+    return {"pos": translation, "quat": quaternion(rotation)}
+
+
+# ----------------------------------------------------------------
 
 _STEPS = 10  # a contact that is softer than this many time steps does not chatter
 

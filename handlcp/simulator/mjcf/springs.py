@@ -17,8 +17,7 @@ from handlcp.errors import Unsupported
 from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.model import HandModel
 from handlcp.simulator.mjcf.hand_tree import full_names
-from handlcp.simulator.mjcf.settings import SimulatorSettings
-from handlcp.simulator.mjcf.words import add, text
+from handlcp.simulator.mjcf.settings import SimulatorSettings, add, text
 
 _NONE = 1e-12  # of the largest stiffness: springs below it are rounding
 

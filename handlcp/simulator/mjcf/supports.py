@@ -18,9 +18,8 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
-from handlcp.simulator.mjcf.fingertips import add_pad, round_shape
-from handlcp.simulator.mjcf.settings import SimulatorSettings
-from handlcp.simulator.mjcf.words import add, placed
+from handlcp.simulator.mjcf.hand_tree import add_pad, round_shape
+from handlcp.simulator.mjcf.settings import SimulatorSettings, add, placed
 
 _FOOT = 1e-4  # [m] radius of the balls at a body's corners
 _BLOCK = 0.5  # [m] half the size of a block that gives way, far larger than what it carries

@@ -11,6 +11,31 @@ from handlcp.lcp import NSNGRK, Auto, Lemke, SemismoothNewton
 from handlcp.study.nsngrk import RES, STEPS, AsPrinted
 from handlcp.tolerances import SOLVE
 
+# ---------------------------------------------------------------- Errors and times for people.
+
+ROUNDING = 1e-12  # errors below say nothing about methods and faces
+
+
+def share(error: float) -> str:
+    """An error for people: 0 where it is rounding, powers of ten, percents from 0.01 % on, multiples from ten on."""
+    if error < ROUNDING:
+        return "0"
+    if error < 0.995e-4:
+        return f"{error:.0e}"
+    return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %" if error < 10 else f"{error:.0f} ×"
+
+
+def microseconds(seconds: float) -> str:
+    """A time for people: "42 µs", "3.1 ms", "1.2 s"."""
+    for size, name in ((1e-6, "µs"), (1e-3, "ms")):
+        if seconds < 999.5 * size:
+            value = seconds / size
+            return f"{value:.0f} {name}" if value >= 9.95 else f"{value:.1f} {name}"
+    return f"{seconds:.2g} s"
+
+
+# ----------------------------------------------------------------
+
 FACES = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 TOLERANCES = tuple(10.0**-k for k in range(1, 13))
 _SWEPT = (8, 16)  # faces at which all tolerances are tried

@@ -21,7 +21,7 @@ from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage
 from handlcp.lcp.compiler.when import at_once
-from handlcp.study.accuracy.words import share
+from handlcp.study.accuracy.methods import share
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.errors import InputError, writing
-from handlcp.study.accuracy.words import ROUNDING, microseconds, share
+from handlcp.study.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.text_table import wrapped
 from handlcp.views import view
 

@@ -1,7 +1,6 @@
 """How fast NSNGRK converges, beside the conditioning that predicts it: units, seeds, greedy and uniform sampling."""
 
-from handlcp.study.convergence.rates import generalized_jacobian, greedy_bound, measured_rate, uniform_bound
-from handlcp.study.convergence.runs import Run
+from handlcp.study.convergence.runs import Run, generalized_jacobian, greedy_bound, measured_rate, uniform_bound
 from handlcp.study.convergence.study import Convergence, convergence
 
 __all__ = [

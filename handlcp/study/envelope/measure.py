@@ -13,10 +13,9 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.path.follow import geometry_of
-from handlcp.study.envelope.ask import FIXED, FOLLOWED, Binds, Question
+from handlcp.study.envelope.ask import FIXED, FOLLOWED, FORCE, WRENCH, Binds, Load, Question, load_of
 from handlcp.study.envelope.directions import Asked, read_directions
 from handlcp.study.envelope.grid import Grid
-from handlcp.study.envelope.load import FORCE, WRENCH, Load, load_of
 from handlcp.study.envelope.result import Envelope
 
 _MORE = 2.0  # directions that are added at most, for each one that was asked for

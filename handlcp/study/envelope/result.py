@@ -13,8 +13,7 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.answer.shown import Data
 from handlcp.lazy import lazy
 from handlcp.study.envelope.ask import Binds, Question
-from handlcp.study.envelope.causes import Sector, causes_of
-from handlcp.study.envelope.compliance import Compliance
+from handlcp.study.envelope.causes import Compliance, Sector, causes_of
 from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.printed import printed
 from handlcp.views import view

@@ -1,7 +1,5 @@
 """What NSNGRK is measured against: the paper's settings and units, its method as printed, rows drawn alike."""
 
-from handlcp.study.nsngrk.as_printed import AsPrinted
-from handlcp.study.nsngrk.uniform_rows import UniformRows
-from handlcp.study.nsngrk.units import RES, SEEDS, STEPS, UnitsOf, in_units
+from handlcp.study.nsngrk.as_printed import RES, SEEDS, STEPS, AsPrinted, UniformRows, UnitsOf, in_units
 
 __all__ = ["RES", "SEEDS", "STEPS", "AsPrinted", "UniformRows", "UnitsOf", "in_units"]

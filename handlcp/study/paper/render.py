@@ -13,12 +13,9 @@ from rich.text import Text
 
 from handlcp.study.nsngrk import RES, STEPS
 from handlcp.study.paper.data import raw, short
-from handlcp.study.paper.misses import Evidence
-from handlcp.study.paper.no_equilibrium import FORCE_BOUND, MOTION_BOUND, PRELOAD_FACES, NoEquilibrium
-from handlcp.study.paper.nsngrk_as_printed import Case
-from handlcp.study.paper.report import PaperReport, run
-from handlcp.study.paper.rows import Mark, Row
-from handlcp.study.paper.tables import Comparison
+from handlcp.study.paper.misses import FORCE_BOUND, MOTION_BOUND, PRELOAD_FACES, Evidence, NoEquilibrium
+from handlcp.study.paper.report import Case, PaperReport, run
+from handlcp.study.paper.tables import Comparison, Mark, Row
 
 _STYLE = {Mark.NO: "red", Mark.LOOSE: "yellow", Mark.OTHER: ""}  # the others fit: green
 _LEVEL = {"reproduced": "bold green", "failed": "bold white on red", "not a solution": "bold red", "solution": "yellow"}

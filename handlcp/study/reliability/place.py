@@ -22,13 +22,11 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.pads import Pads
-from handlcp.hand.elasticity.stiffness import JointStiffness
+from handlcp.hand.elasticity.stiffness import JointStiffness, Pads
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility, mechanism_of
 from handlcp.hand.robot.posture import Posture
-from handlcp.study.reliability.slide import slid
+from handlcp.study.reliability.outcome import Values, slid
 from handlcp.study.reliability.spread import Dimension
-from handlcp.study.reliability.values import Values
 
 _HAND = {"stiffness", "pads", "posture", "positions"}  # what changes the Jacobian or the flexibility of a hand
 

@@ -17,12 +17,10 @@ from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
 from handlcp.study.plain import plain
-from handlcp.study.reliability.influence import Influence, value_with
-from handlcp.study.reliability.interval import Chance
+from handlcp.study.reliability.interval import Chance, Influence, value_with
 from handlcp.study.reliability.outcome import WORDS, Outcomes
 from handlcp.study.reliability.place import Placer
-from handlcp.study.reliability.points import Blocks
-from handlcp.study.reliability.run import Method, values_at
+from handlcp.study.reliability.run import Blocks, Method, values_at
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 

@@ -17,19 +17,92 @@ joints for stiffness and posture, fingertips for pads.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy import stats
 
-from handlcp.check import per_name
+from handlcp.check import Array, number, per_name
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.elasticity.stiffness import JointStiffness
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.study.reliability.law import Law, law_of
+
+# ----------------------------------------------------------------
+# How one number of a grasp varies: a distribution, from what users pass.
+#
+# A number is a standard deviation. As a share it belongs to a quantity that cannot be negative, and the distribution is
+# lognormal with the nominal value as its mean; as a length or an angle it is normal about zero.
+
+CUT = 1e-6  # chance of impossible values that is cut off; a distribution with more of them is refused
+_GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apart
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """quantile : the values (m,) below which shares (m,) of all values lie. mean, sd : mean and
+    standard deviation. below : the chance of values below the least possible one; they are cut off.
+    """
+
+    quantile: Callable[[Array], Array]
+    mean: float
+    sd: float
+    below: float = 0.0
+
+    def at(self, u: Array) -> Array:
+        """(m,) values at points (m,) of [0, 1)."""
+        inside = self.below + (1.0 - self.below) * np.clip(u, 2.0**-33, 1.0 - 2.0**-33)
+        return np.asarray(self.quantile(inside), dtype=float)
+
+    @property
+    def marks(self) -> list[float]:
+        """Numbers that differ where distributions differ."""
+        return [float(x) for x in self.at(_GRID)]
+
+
+def law_of(argument: str, value: Any, mean: float | None, least: float) -> Law:
+    """The law of a number, or of a frozen distribution of scipy.stats.
+
+    mean : nominal value, of which a number is a share; None: a number is the standard deviation itself, about 0.
+    least : the least possible value. Raises InputError.
+    """
+    found = getattr(value, "ppf", None) or getattr(value, "icdf", None)
+    if callable(value) or isinstance(value, str):  # scipy.stats.norm itself, not yet with its numbers
+        expected = "a standard deviation, or a frozen distribution such as scipy.stats.norm(0.5, 0.05)"
+        raise InputError(argument, expected, repr(value)[:80])
+    if found is not None and hasattr(value, "cdf"):
+        return _given(argument, value, found, least)
+    spread = number(argument, value, above=0.0)
+    if mean is None:
+        frozen = stats.norm(0.0, spread)
+        return Law(frozen.ppf, 0.0, spread)
+    if mean <= 0.0:
+        raise InputError(argument, "a distribution: a share of zero is zero", value)
+    width = math.sqrt(math.log1p(spread * spread))
+    lognormal = stats.lognorm(width, scale=mean * math.exp(-0.5 * width * width))
+    return Law(lognormal.ppf, mean, mean * spread)
+
+
+def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least: float) -> Law:
+    """The law of a frozen distribution; what of it is impossible is cut off where it is next to nothing."""
+    values = np.asarray(quantile(_GRID), dtype=float)
+    sd = frozen.std() if hasattr(frozen, "std") else frozen.standard_deviation()
+    if values.shape != _GRID.shape or not np.isfinite(values).all() or not np.isfinite(sd):
+        raise InputError(argument, "one distribution of finite numbers with a standard deviation", repr(frozen)[:80])
+    below = 0.0
+    if least > -np.inf:
+        below = float(frozen.cdf(least)) if float(quantile(np.array([2.0**-33]))[0]) < least else 0.0
+        if below > CUT:
+            expected = f"values of at least {least:g}; scipy.stats.lognorm and truncnorm have no others"
+            raise InputError(argument, expected, f"values below it with a chance of {below:.2g}")
+    return Law(quantile, float(frozen.mean()), float(sd), below)
+
+
+# ----------------------------------------------------------------
 
 PARAMETERS = ("friction", "stiffness", "pads", "mass", "load", "squeeze", "positions", "posture")
 

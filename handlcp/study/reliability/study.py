@@ -11,14 +11,11 @@ from handlcp.errors import InputError
 from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
-from handlcp.study.reliability.influence import influences
-from handlcp.study.reliability.interval import Chance, chance_of
-from handlcp.study.reliability.kept import Kept, question_of
+from handlcp.study.reliability.interval import Chance, chance_of, influences
 from handlcp.study.reliability.outcome import CHECK, SOLVE, WORDS, Outcomes
 from handlcp.study.reliability.place import Placer
-from handlcp.study.reliability.points import BLOCKS, blocks_of
 from handlcp.study.reliability.result import Reliability
-from handlcp.study.reliability.run import Method, run, slopes_of
+from handlcp.study.reliability.run import BLOCKS, Kept, Method, blocks_of, question_of, run, slopes_of
 from handlcp.study.reliability.spread import read_spread
 
 _LOOKED_AT = 2**17  # samples from which is read off what matters

@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import URDFError
-from handlcp.hand.robot.doubt import Doubt
+from handlcp.hand.robot.joint_limits import Doubt
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.urdf import captured_stderr, resolve_meshes
 

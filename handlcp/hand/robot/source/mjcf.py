@@ -23,9 +23,8 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported, URDFError
-from handlcp.hand.robot.doubt import Doubt
-from handlcp.hand.robot.source.mjcf_drives import couplings, efforts
-from handlcp.hand.robot.source.mjcf_shapes import add, add_shapes, placed, rotation_of
+from handlcp.hand.robot.joint_limits import Doubt
+from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, couplings, efforts, placed, rotation_of
 
 _UNBOUNDED = 1e3  # [m] the range of a slide without one
 

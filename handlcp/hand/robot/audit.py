@@ -1,25 +1,28 @@
-"""The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them."""
+"""What may be wrong with a hand's description: doubts about its geometry, joints, ranges and limits."""
 
 from __future__ import annotations
 
 import textwrap
+import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, overload
 
-from handlcp.errors import HandLCPError
+from handlcp import words
+from handlcp.errors import HandLCPError, URDFError
 from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.hand.robot.audit.geometry import geometry_doubts
-from handlcp.hand.robot.audit.joints import joint_doubts
-from handlcp.hand.robot.audit.ranges import range_doubts
-from handlcp.hand.robot.doubt import SEVERITIES, Doubt
+from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
+from handlcp.hand.robot.joint_limits import SEVERITIES, Doubt
 from handlcp.hand.robot.joints import joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
-from handlcp.hand.robot.source.description import Description
-from handlcp.hand.robot.source.xml import robot_of
-from handlcp.hand.robot.urdf import build_model, package_folders
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
+from handlcp.hand.robot.source.read import robot_of
+from handlcp.hand.robot.urdf import build_model, package_folders, resolve_meshes
+
+# ----------------------------------------------------------------
+# The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
 
 _HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
@@ -131,3 +134,52 @@ def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
         joints = d.joint.split(", ")
         code = "limit_doubtful" if d.about == "torque limit" else "hand_doubtful"
         yield Reason(code, "warning", d.sentence, {"joints": joints})
+
+
+# ----------------------------------------------------------------
+# Doubts about the geometry of links: what is missing, and what that leaves unchecked. No mesh is loaded for them.
+
+_ADVICE = "a file with collision geometry, or tip_radius for the fingertips"
+
+
+def geometry_doubts(described: Description) -> Iterator[Doubt]:
+    """Of a robot's links."""
+    solid, seen = described.has(COLLISION), described.has(VISUAL)
+    if not solid:
+        what = "no link has collision geometry: whether links are inside the object is not checked"
+        yield Doubt("hand", what, _ADVICE, "serious", "geometry")
+    elif bare := [name for name in seen if name not in solid]:
+        what = "without collision geometry: not checked to be outside the object"
+        yield Doubt(", ".join(bare), what, _ADVICE, "minor", "geometry")
+    if described.root is None:
+        return
+    for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):
+        if missing := _missing(described, kind):
+            what = f"mesh files of {kind} geometry are not found: {words.listed(missing)}"
+            yield Doubt("hand", what, "package_dirs with the folder that holds them", severity, "geometry")
+
+
+def tip_doubts(hand: Any) -> Iterator[Doubt]:
+    """Of the fingertips of a hand: what contacts are found on."""
+    drawn = [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == VISUAL]
+    if drawn:
+        what = "nothing there collides, so contacts are found on what is drawn of it"
+        yield Doubt(", ".join(drawn), what, "tip_radius, or a file with collision geometry", "minor", "geometry")
+    bare = [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == ""]
+    if bare:
+        what = "its link has no geometry, so that no contact with an object can be found"
+        yield Doubt(", ".join(bare), what, "tip_radius", "serious", "geometry")
+
+
+def _missing(described: Description, kind: str) -> list[str]:
+    """Addresses of meshes that are not found."""
+    missing = []
+    assert described.root is not None
+    for mesh in described.root.iterfind(f"link/{kind}/geometry/mesh"):
+        alone = ET.Element("link")
+        alone.append(ET.Element("mesh", mesh.attrib))
+        try:
+            resolve_meshes(alone, described.folders)
+        except URDFError:
+            missing.append(mesh.get("filename", ""))
+    return list(dict.fromkeys(missing))

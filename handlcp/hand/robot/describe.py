@@ -1,4 +1,4 @@
-"""What a hand is: `hand.describe()`, and `describe_urdf` for a file of which nothing else is known yet."""
+"""A hand described: joints with ranges, limits, stiffness; fingertips, couplings, mass and size."""
 
 from __future__ import annotations
 
@@ -10,17 +10,47 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.errors import HandLCPError
 from handlcp.grasp.answer.shown import Data
-from handlcp.hand.robot.audit.audit import Audit, audit_of, file_doubts
-from handlcp.hand.robot.describe.rows import CouplingRow, JointRow, LinkRow, TipRow
-from handlcp.hand.robot.describe.size import size_of
-from handlcp.hand.robot.describe.text import text_of
-from handlcp.hand.robot.fingertips.candidates import Candidate, candidates, obvious
+from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
+from handlcp.hand.robot.describe_text import CouplingRow, JointRow, LinkRow, TipRow, text_of
+from handlcp.hand.robot.fingertips import Candidate, candidates, obvious
 from handlcp.hand.robot.joint_limits import read_torque_limits
 from handlcp.hand.robot.joints import Coupling
 from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.link_surface import surface_points
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.source.read import describe_xml
+
+# ---------------------------------------------------------------- How large a hand is.
+
+
+def size_of(described: Description, kinematics: Kinematics) -> tuple[float, float, float]:
+    """Extents along x, y, z in the neutral posture [m]: of the collision geometry, else of what is drawn, else of the
+    links' frames.
+    """
+    every = range(1, len(described.model.frames))
+    places, _ = kinematics.frames_at(kinematics.neutral, every)
+    points = [places[:, :3, 3]]
+    for kind in (COLLISION, VISUAL):
+        try:
+            parts = described.parts(kind)
+        except HandLCPError:  # its meshes are missing
+            continue
+        for part in parts:
+            surface = surface_points([(part.shape, part.rotation, part.position)], corners=True)
+            if surface is not None and part.frame:
+                place = places[part.frame - 1]
+                points.append(surface @ place[:3, :3].T + place[:3, 3])
+        if len(points) > 1:
+            points = points[1:]
+            break
+    x, y, z = np.ptp(np.concatenate(points), axis=0).tolist()
+    return (x, y, z)
+
+
+# ----------------------------------------------------------------
+# What a hand is: `hand.describe()`, and `describe_urdf` for a file of which nothing else is known yet.
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,66 @@
-"""A description of a hand, printed in lines of at most 80 columns."""
+"""A description of a hand as plain rows, and printed."""
 
 from __future__ import annotations
 
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
-from handlcp.hand.robot.describe.rows import JointRow, TipRow
+# ----------------------------------------------------------------
+# The rows of a description of a hand, as plain data.
+
+
+class JointRow(NamedTuple):
+    """One independent joint. kind : "revolute", "continuous", "prismatic". lower, upper [rad, m], ±inf: no end.
+
+    torque_limit [N·m, N] : None where none is known. stiffness [N·m/rad] : its own, the diagonal of a matrix; None
+    where none was said, or a transmission gives way in its place. fingertips : that it moves.
+    """
+
+    name: str
+    kind: str
+    lower: float
+    upper: float
+    torque_limit: float | None
+    stiffness: float | None
+    fingertips: tuple[str, ...]
+
+
+class TipRow(NamedTuple):
+    """One fingertip, or what could be one. link : that carries it. point : on the link, in its frame [m]; None: at its
+    origin. taken : whether it is a fingertip of the hand. reason : why.
+    """
+
+    name: str
+    link: str
+    point: tuple[float, float, float] | None
+    taken: bool
+    reason: str
+
+
+class CouplingRow(NamedTuple):
+    """joint moves by factor × that of follows, plus offset [rad, m]."""
+
+    joint: str
+    follows: str
+    factor: float
+    offset: float
+
+
+class LinkRow(NamedTuple):
+    """One link. mass [kg] : 0 where the file says none. joint : that carries it, "" for the base. geometry :
+    "collision", "visual" or "" for none; collision where it has both.
+    """
+
+    name: str
+    mass: float
+    joint: str
+    geometry: str
+
+
+# ----------------------------------------------------------------
+# A description of a hand, printed in lines of at most 80 columns.
 
 WIDTH = 80
 _NUMBERS = (9, 9, 10, 11)  # columns: range from, to; torque limit; stiffness

@@ -1,1 +1,0 @@
-"""Which frames or points are fingertips: what the user names, or what a robot shows."""
