@@ -9,6 +9,9 @@ from __future__ import annotations
 # What a solver aims for: natural residual in nondimensional units. Newton's last step usually reaches 1e-14.
 SOLVE = 1e-10
 
+# ... and where friction limits of 1e-6 ask more of a residual than the rest does.
+FINE = SOLVE * 1e-2
+
 # What a certifier accepts as SOLVED: the worst residual relative to the scene. Two decades above SOLVE, because the
 # certifier measures other quantities than the solver (physics instead of the scaled complementarity problem).
 CERTIFY = 1e-8

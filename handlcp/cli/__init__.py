@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from handlcp.cli.app import app
-from handlcp.cli.lists import lost, open_streams
+from handlcp.cli.streams import lost, open_streams
 
 from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
 from handlcp.cli.follow import follow  # isort: skip

@@ -10,12 +10,18 @@ from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.hand.hand_grasp import grasp_of
-from handlcp.show.html import checked, write
-from handlcp.show.record import data_frame, record
+from handlcp.show.html import checked, html, table_html, text_html, write
+from handlcp.show.record import data_frame, record, solution_frame
 from handlcp.study.accuracy import PathCost
 from handlcp.study.envelope import Envelope
 from handlcp.study.plain import json_text
 from handlcp.study.reliability import Reliability
+
+__all__ = [
+    "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
+    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "path_cost_plot", "plot", "reliability_plot",
+    "solution_frame", "table_html", "text_html", "to_dict", "to_json",
+]  # fmt: skip
 
 DPI = 160  # dots an inch
 

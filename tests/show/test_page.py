@@ -256,7 +256,7 @@ def test_a_page_has_one_verdict(tmp_path):
 
 def test_commands_write_pages(tmp_path):
     scene = str(EXAMPLES / "cube_three_fingers.toml")
-    for command, frames in (("solve", 17), ("follow", 5)):
+    for command, frames in (("solve", 9), ("follow", 5)):
         page = tmp_path / f"{command}.html"
         more = ["--steps", "2"] if command == "follow" else []
         result = CliRunner().invoke(app, [command, scene, "--page", str(page), *more])

@@ -108,7 +108,7 @@ def advice_is_watched(patch: Patch) -> list[Any]:
         asked.append(arguments)
         return required_preload(*arguments, **named)
 
-    patch.setattr("handlcp.grasp.analysis.advice.required_preload", watched)
+    patch.setattr("handlcp.grasp.analysis.required.required_preload", watched)
     return asked
 
 
@@ -135,8 +135,7 @@ def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
     enough for a thousand, however busy the machine is.
     """
     clock = Ticking(tick)
-    for module in ("equilibria", "starts"):
-        patch.setattr(f"handlcp.grasp.analysis.{module}.time", clock)
+    patch.setattr("handlcp.grasp.analysis.equilibria.time", clock)
 
 
 # ---------------------------------------------------------------- studies

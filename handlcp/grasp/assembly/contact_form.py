@@ -13,8 +13,7 @@ from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
 from handlcp.grasp.model.grasp_matrix import Posed
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
-from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
-from handlcp.lcp.contact import NO_NORMALS
+from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units, contact
 from handlcp.lcp.kernels.dense import kernel
 
 # ---------------------------------------------------------------- A solver's answer as mechanics.
@@ -178,5 +177,5 @@ def friction_sets(scene: Scene, section: Section) -> FrictionSets:
 def outward(scene: Scene, section: Section) -> Array:
     """(f, 3) outward normals of the polyhedra of soft contacts, as kernels read them; none where no set has faces."""
     if not scene.soft or not section.faces:
-        return NO_NORMALS
+        return contact.NO_NORMALS
     return read_only(np.ascontiguousarray(limit_set(section, 3).normals.T))

@@ -26,8 +26,7 @@ from handlcp.grasp.verify.judge import judge
 from handlcp.lcp import SemismoothNewton
 from handlcp.lcp.kernels.dense import kernel, solve_ranked
 from handlcp.lcp.solvers.auto import in_units_of_limits
-from handlcp.lcp.solvers.base import FINE
-from handlcp.tolerances import CERTIFY, RANK
+from handlcp.tolerances import CERTIFY, FINE, RANK
 
 # ----------------------------------------------------------------
 # From a candidate that a search found, not exact to the last digit, to one that the certifier passes.

@@ -21,11 +21,12 @@ from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.problem import LCP, Proposal
-from handlcp.lcp.solvers.base import FINE, ContactSolver, converged, measured_by_limits
+from handlcp.lcp.solvers.base import ContactSolver, converged, measured_by_limits
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
+from handlcp.tolerances import FINE
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 

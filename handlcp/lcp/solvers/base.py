@@ -36,7 +36,6 @@ class ContactSolver(Protocol):
 # ----------------------------------------------------------------
 # What solvers of contact problems share: one run of the compiled method, places to start from, and other units.
 
-FINE = SOLVE * 1e-2  # friction limits of 1e-6 ask more of a residual than the rest does
 _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank tolerance
 
 

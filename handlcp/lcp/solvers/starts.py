@@ -11,8 +11,9 @@ import numpy as np
 from handlcp.check import Array, integer
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import Proposal, Scaled
-from handlcp.lcp.solvers.base import FINE, converged, held, run_contact
+from handlcp.lcp.solvers.base import converged, held, run_contact
 from handlcp.lcp.solvers.newton import SemismoothNewton
+from handlcp.tolerances import FINE
 
 _NEWTON = SemismoothNewton(max_iterations=30)  # from each start of a plain problem
 
