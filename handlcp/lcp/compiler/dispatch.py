@@ -24,7 +24,7 @@ def dispatcher(kernel: Any) -> Any:
     with _lock:
         if kernel.jit is None:
             typeof_impl.register(type(kernel))(_typeof)
-            jit = numba.njit(error_model="numpy", nogil=True)(kernel.function)
+            jit = numba.njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(kernel.function)
             jit._cache = KernelCache(kernel.function)
             jit._compile_for_args = lambda *args: _decide(kernel, jit, args)  # numba's C code calls what it returns
             kernel.jit = kernel.run = jit
