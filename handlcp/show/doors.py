@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
-from handlcp.grasp.limits.result import LoadLimit
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.html import checked, html, table_html, text_html, write
 from handlcp.show.record import data_frame, record, solution_frame
-from handlcp.study.accuracy import PathCost
-from handlcp.study.envelope import Envelope
 from handlcp.study.plain import json_text
-from handlcp.study.reliability import Reliability
+
+if TYPE_CHECKING:
+    from handlcp.grasp.limits.result import LoadLimit
+    from handlcp.study.accuracy import PathCost
+    from handlcp.study.envelope import Envelope
+    from handlcp.study.reliability import Reliability
 
 __all__ = [
     "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",

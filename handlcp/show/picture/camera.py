@@ -70,6 +70,7 @@ GRAIN = 0.05  # of the grasp's size: details of a finely meshed hand that are no
 FAR, NEAR = 3.8, 2.5  # a hand that reaches farther from the object than FAR times its radius is cut at NEAR times
 AIR = 0.3  # radii of the object between it and where the hand begins to fade
 CLEAR = 0.25  # sizes of the grasp: arrows that are this far apart are not nearer to each other than they need to be
+SEEN = 0.9  # what it is worth to see all of the object
 FOOT, HEAD = 0.62, 0.12  # inches for the scales below, and of air above
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -181,7 +182,7 @@ def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | Non
     first, second, _ = frame_about(up).T
     hand = shapes.coarse(np.concatenate([b.triangles for b in solids]), GRAIN * size) if solids else np.zeros((0, 3, 3))
     shape = None if glass is None else shapes.coarse(glass.triangles, GRAIN * size)
-    best, camera = -np.inf, facing(first, up)
+    views: list[tuple[float, Camera]] = []  # without what is seen of the object, which takes longest
     for elevation in ELEVATIONS:
         for azimuth in np.arange(0.0, 360.0, STEP) + 5.0:
             a, e = np.radians(azimuth), np.radians(elevation)
@@ -191,13 +192,18 @@ def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | Non
             score = float(min(apart.min(initial=1.0), 0.7)) + 0.3 * float(apart.mean()) if len(apart) else 0.0
             length = np.linalg.norm(c.project(arrows), axis=1)
             score += 0.9 * min(float(length.min(initial=1.0)), 0.8) + 0.3 * float(length.mean()) if len(arrows) else 0.0
-            if shape is not None:
-                score += 0.9 * _visible(c, hand, shape)
             score += 2.0 * min(marks.clear(c) / size, CLEAR)
-            score -= 0.15 if elevation < 0 else 0.0
-            if score > best + 1e-9:
-                best, camera = score, c
-    return camera
+            views.append((score - (0.15 if elevation < 0 else 0.0), c))
+    scores = np.array([score for score, _ in views])
+    if shape is not None:
+        best, seen = -np.inf, np.full(len(views), -np.inf)
+        for k in np.argsort(-scores, kind="stable"):
+            if scores[k] + SEEN < best:
+                break  # nor can any of the others be better
+            seen[k] = scores[k] + SEEN * _visible(views[k][1], hand, shape)
+            best = max(best, seen[k])
+        scores = seen
+    return views[int(np.argmax(scores >= scores.max() - 1e-9))][1]
 
 
 def _visible(camera: Camera, hand: Array, glass: Array) -> float:
