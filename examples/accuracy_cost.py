@@ -14,11 +14,11 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp import scene
-from handlcp.show import accuracy_table, work_precision
-from handlcp.show import convergence as picture
-from handlcp.show.html import checked
-from handlcp.study import paper
-from handlcp.study.convergence import Convergence, convergence
+from handlcp.method import paper, work_precision
+from handlcp.method.accuracy import table as accuracy_table
+from handlcp.method.convergence import Convergence, convergence
+from handlcp.method.convergence import picture as picture
+from handlcp.show.file import checked
 
 HERE = Path(__file__).parent
 FACES = 8  # of Example 3's pyramids in the paper's Tables 6 and 7

@@ -109,11 +109,11 @@ from .lcp.solvers.auto import Auto as Auto
 from .lcp.solvers.lemke import Lemke as Lemke
 from .lcp.solvers.newton import SemismoothNewton as SemismoothNewton
 from .lcp.solvers.nsngrk import NSNGRK as NSNGRK
+from .method.accuracy.cost import accuracy_cost as accuracy_cost
+from .method.accuracy.on_paths import PathCost as PathCost
+from .method.accuracy.on_paths import path_cost as path_cost
+from .method.accuracy.result import AccuracyCost as AccuracyCost
 from .simulator.write import to_mujoco as to_mujoco
-from .study.accuracy.cost import accuracy_cost as accuracy_cost
-from .study.accuracy.on_paths import PathCost as PathCost
-from .study.accuracy.on_paths import path_cost as path_cost
-from .study.accuracy.result import AccuracyCost as AccuracyCost
 from .study.envelope.measure import envelope as envelope
 from .study.envelope.result import Envelope as Envelope
 from .study.reliability.interval import Chance as Chance

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
 from handlcp.errors import HandLCPError, InputError, NoSolutionFound, UnknownName
-from handlcp.show.html import checked, writable
+from handlcp.show.file import checked, writable
 
 # ----------------------------------------------------------------
 # `handlcp gallery`: find grasps of every hand and write a page of them.
@@ -33,7 +33,7 @@ def gallery(
     input.
     """
     from handlcp.show.contact_sheet import contact_sheet
-    from handlcp.show.html import new_figure
+    from handlcp.show.file import new_figure
     from handlcp.study.gallery import GALLERY_HANDS, model, page, run
 
     if unknown := [name for name in hand or () if name not in GALLERY_HANDS]:
@@ -83,8 +83,9 @@ def accuracy(
     Exit status 0, 1 if nothing holds the object exactly (there is nothing to compare with), 2 bad input.
     """
     from handlcp import scene as scenes
-    from handlcp.show import accuracy_table, work_precision
-    from handlcp.study.accuracy import accuracy_cost
+    from handlcp.method import work_precision
+    from handlcp.method.accuracy import accuracy_cost
+    from handlcp.method.accuracy import table as accuracy_table
 
     file = scenes.load(scene)
     if plot is not None:

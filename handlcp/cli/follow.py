@@ -10,7 +10,7 @@ from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
 from handlcp.grasp import Loading
-from handlcp.show.html import checked
+from handlcp.show.file import checked
 from handlcp.show.page.file import checked as checked_page
 
 

@@ -14,7 +14,7 @@ from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
-from handlcp.show.html import checked
+from handlcp.show.file import checked
 
 _Wrench = tuple[float, float, float, float, float, float]
 _AXES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}

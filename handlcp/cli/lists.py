@@ -36,8 +36,8 @@ def warm(json: Json = False) -> None:
     messages.silent()
     with progress_bar() as progress, when.at_once():
         progress(0, 1, "importing")
+        from handlcp.method.everything import JOBS
         from handlcp.show.picture.camera import touch
-        from handlcp.study.everything import JOBS
 
         jobs = (*JOBS, ("pictures", touch))
         for k, (name, job) in enumerate(jobs):
@@ -80,7 +80,7 @@ def audit(
 @app.command()
 def paper(json: Json = False) -> None:
     """Recompute the paper's examples and compare them with what is printed there."""
-    from handlcp.study.paper import paper_command
+    from handlcp.method.paper import paper_command
 
     raise typer.Exit(paper_command(json=json, console=Console()))
 
@@ -135,7 +135,7 @@ def effects(
     ] = False,
 ) -> None:
     """List every effect there is: when to use it, how to ask for it, which unknowns it brings."""
-    from handlcp.study import catalogue
+    from handlcp.method import catalogue
 
     found = catalogue.entries()
     costs = catalogue.costs() if measure else None

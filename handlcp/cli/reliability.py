@@ -10,7 +10,7 @@ from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json, progress_bar, sides_of, titled
 from handlcp.errors import InputError
-from handlcp.show.html import checked, writable
+from handlcp.show.file import checked, writable
 
 _SHARE = "standard deviation, as a share"
 

@@ -18,7 +18,7 @@ from handlcp.grasp.friction import as_section
 from handlcp.grasp.verdict.check import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
-from handlcp.show.html import checked
+from handlcp.show.file import checked
 from handlcp.show.loading.report import solution_tables
 from handlcp.show.loading.series import solution_at_end
 from handlcp.show.page.file import checked as checked_page

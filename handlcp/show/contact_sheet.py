@@ -7,7 +7,7 @@ from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.hand import Candidate
-from handlcp.show.html import new_figure
+from handlcp.show.file import new_figure
 from handlcp.show.picture.camera import camera_for, frame
 from handlcp.show.picture.content import LOAD, Content
 from handlcp.show.picture.overlay import Overlay

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
-from handlcp.show.html import checked, html, table_html, text_html, write
+from handlcp.show.file import DPI, checked, drawn, write
+from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import data_frame, record, solution_frame
 from handlcp.study.plain import json_text
 
 if TYPE_CHECKING:
     from handlcp.grasp.limits.result import LoadLimit
-    from handlcp.study.accuracy import PathCost
     from handlcp.study.envelope import Envelope
     from handlcp.study.reliability import Reliability
 
 __all__ = [
     "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
-    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "path_cost_plot", "plot", "reliability_plot",
+    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot",
     "solution_frame", "table_html", "text_html", "to_dict", "to_json",
 ]  # fmt: skip
-
-DPI = 160  # dots an inch
 
 
 def plot(
@@ -75,25 +72,18 @@ def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", 
     return save_loading(loading, path, title, obj, verdict)
 
 
-def path_cost_plot(cost: PathCost, path: Any = None, title: str = "") -> Any:
-    """See `PathCost.plot`."""
-    from handlcp.show.work_precision.paths import figure
-
-    return _drawn(figure, cost, path, title)
-
-
 def envelope_plot(env: Envelope, path: Any = None, title: str = "") -> Any:
     """See `Envelope.plot`."""
     from handlcp.show.envelope.draw import figure
 
-    return _drawn(figure, env, path, title)
+    return drawn(figure, env, path, title)
 
 
 def envelope_polar(env: Envelope, path: Any = None, title: str = "") -> Any:
     """See `Envelope.polar`."""
     from handlcp.show.envelope.polar import polar_figure
 
-    return _drawn(polar_figure, env, path, title)
+    return drawn(polar_figure, env, path, title)
 
 
 def envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
@@ -115,14 +105,6 @@ def envelope_frame(env: Envelope) -> Any:
     from handlcp.show.envelope.sight import columns
 
     return data_frame(columns(env))
-
-
-def _drawn(figure: Callable[[Any, str], Any], answer: Any, path: Any, title: str) -> Any:
-    """A figure, or the file that it was written to."""
-    if path is None:
-        return figure(answer, title)
-    file = checked(path)
-    return write(figure(answer, title), file, DPI)
 
 
 def reliability_plot(found: Reliability, path: Any = None, title: str = "") -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, SMALL, TEXT, number_ticks, panel, say, shortened
 from handlcp.study.reliability import Reliability
 

@@ -127,7 +127,7 @@ def key_table(keys: Sequence[Any]) -> Table:
 
 
 def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | None = None) -> Table:
-    """All effects. costs : `handlcp.study.catalogue.Cost`s by title; None: not measured."""
+    """All effects. costs : `handlcp.method.catalogue.Cost`s by title; None: not measured."""
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
     table = empty("All effects", None if costs is None else note)
     table.add_column("effect\nunknowns", max_width=26)

@@ -1,1 +1,1 @@
-"""A designer's questions, answered with hands and grasps; `study.paper` reproduces the paper they started from."""
+"""A designer's questions that take many grasps: envelopes, reliability, a gallery of hands."""

@@ -3,7 +3,7 @@
     python -m tests.benchmarks.as_printed [seconds]
 
 One process, one thread, everything compiled and warm. All work on natural units: as given, in metres and newtons, none
-of the Kaczmarz methods gets there at all (`study.convergence`). `AsPrinted` takes forward differences in every step and
+of the Kaczmarz methods gets there at all (`method.convergence`). `AsPrinted` takes forward differences in each step and
 ends with nothing else; a run is stopped after `seconds` (60), and then only a lower bound of the ratio is printed, with
 the time that the rate at its end would still ask for. Methods take turns, seed by seed, so that a busy moment meets
 all of them; medians over seeds, and of the fast methods over many calls, too.
@@ -28,8 +28,8 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp.lcp import AsPrinted, proposals
-from handlcp.study.convergence import measured_rate
-from handlcp.study.paper import example
+from handlcp.method.convergence import measured_rate
+from handlcp.method.paper import example
 from tests.benchmarks.report import plain_table
 
 TOL, FACES, SEEDS = 1e-8, 16, range(5)

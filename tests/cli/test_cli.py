@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from handlcp.study.catalogue import Cost, entries
+from handlcp.method.catalogue import Cost, entries
 from tests.support import patches
 from tests.support.hand import urdf
 from tests.support.texts import same, without_numbers

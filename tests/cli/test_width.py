@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene
 from handlcp.cli import app
-from handlcp.study.accuracy import accuracy_cost
-from handlcp.study.catalogue import Cost, entries
+from handlcp.method.accuracy import accuracy_cost
+from handlcp.method.catalogue import Cost, entries
 from tests.support import patches
 from tests.support.hand import urdf
 from tests.support.show import all_tables, tables

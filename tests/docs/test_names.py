@@ -10,7 +10,7 @@ import tomllib
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.grasp import effect_kinds
-from handlcp.study.catalogue import entries
+from handlcp.method.catalogue import entries
 
 ROOT = pathlib.Path(__file__).parents[2]
 DOCS = ROOT / "docs"

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.method.paper import Example, example, table
 from handlcp.scene import load
-from handlcp.study.paper import Example, example, table
 from tests.support.grasp import arrays
 from tests.support.study import Mark, rows_of
 from tests.support.texts import same

@@ -11,8 +11,8 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 import handlcp as hl
-from handlcp.study.convergence import convergence
-from handlcp.study.paper import example
+from handlcp.method.convergence import convergence
+from handlcp.method.paper import example
 from tests.lcp.problems import random_p
 from tests.support import patches
 from tests.support.show import convergence_figure

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.study.accuracy import accuracy_cost
-from handlcp.study.convergence import convergence
+from handlcp.method.accuracy import accuracy_cost
+from handlcp.method.convergence import convergence
 
 pandas = pytest.importorskip("pandas")
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.method.catalogue import anchor, cost, costs, entries, page, trials
 from handlcp.scene import SceneFile, keys
-from handlcp.study.catalogue import anchor, cost, costs, entries, page, trials
 from tests.support import patches
 from tests.support.effects import entry_for, kinds_in_the_catalogue, made_up_entry
 from tests.support.grasp import arrays
@@ -52,7 +52,7 @@ def law(entry):
 
 def test_the_page_is_what_the_generator_writes_but_for_what_was_measured():
     fresh = page(costs(lambda runs: dict.fromkeys(runs, 1.0)), "2000-01-01 (1 core)")
-    assert masked(fresh) == masked(PAGE), "python -m handlcp.study.catalogue > handlcp/grasp/effects/README.md"
+    assert masked(fresh) == masked(PAGE), "python -m handlcp.method.catalogue > handlcp/grasp/effects/README.md"
     assert masked(PAGE).count("× #") == len(ALL) - 2  # balance and contact are never left out
 
 

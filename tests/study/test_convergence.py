@@ -9,8 +9,8 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import Units
-from handlcp.study.convergence import convergence, generalized_jacobian, greedy_bound, measured_rate, uniform_bound
-from handlcp.study.paper import example
+from handlcp.method.convergence import convergence, generalized_jacobian, greedy_bound, measured_rate, uniform_bound
+from handlcp.method.paper import example
 from tests.lcp.problems import random_p
 from tests.support.study import run_case
 

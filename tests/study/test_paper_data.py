@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper import example, table
+from handlcp.method.paper import example, table
 from tests.support.grasp import arrays
 from tests.support.study import NUMBERS, Mark, Number, mark_of, raw
 

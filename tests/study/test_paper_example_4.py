@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from handlcp.lcp import Status
-from handlcp.study.paper import example
+from handlcp.method.paper import example
 from tests.support.grasp import arrays
 from tests.support.study import PRELOAD, no_equilibrium, search_grasp
 

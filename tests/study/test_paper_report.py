@@ -11,7 +11,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from handlcp.study.paper import PaperReport, paper_command, run
+from handlcp.method.paper import PaperReport, paper_command, run
 from tests.support import patches
 from tests.support.study import Mark, render
 from tests.support.texts import same

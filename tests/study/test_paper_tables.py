@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper import compare, example, table
+from handlcp.method.paper import compare, example, table
 from tests.support.study import NUMBERS, Mark, Miss, compatibility, mark_of, signed_forces
 from tests.support.texts import same
 

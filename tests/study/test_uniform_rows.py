@@ -6,7 +6,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.lcp import Units
-from handlcp.study.nsngrk import UniformRows
+from handlcp.method.nsngrk import UniformRows
 from tests.lcp.problems import random_p
 
 

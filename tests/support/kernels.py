@@ -18,7 +18,7 @@ from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.compiler.when import MANY, at_once
 from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add
-from handlcp.study.everything import JOBS
+from handlcp.method.everything import JOBS
 
 __all__ = [
     "JOBS", "MANY", "anew", "at_once", "automatic", "cached_in", "compiled", "constants", "decorated",

@@ -126,8 +126,8 @@ def ticks_between_shares(patch: Patch, tick: float) -> None:
 def ticks_of_studies(patch: Patch, tick: float) -> None:
     """The study of accuracy has a clock each look at which takes so long [s]: the same always fits its budget."""
     clock = Ticking(tick)
-    patch.setattr("handlcp.study.accuracy.cost.time", clock)
-    patch.setattr("handlcp.study.accuracy.measure.time", clock)
+    patch.setattr("handlcp.method.accuracy.cost.time", clock)
+    patch.setattr("handlcp.method.accuracy.measure.time", clock)
 
 
 def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
@@ -148,17 +148,17 @@ def another_effect(patch: Patch, kind: type) -> None:
 
 def costs_of_effects(patch: Patch, costs: Callable[[], dict[str, Any]]) -> None:
     """The command line has its costs of effects from here."""
-    patch.setattr("handlcp.study.catalogue.costs", costs)
+    patch.setattr("handlcp.method.catalogue.costs", costs)
 
 
 def paper_command(patch: Patch, command: Callable[..., int]) -> None:
     """What the command line runs for the paper."""
-    patch.setattr("handlcp.study.paper.paper_command", command)
+    patch.setattr("handlcp.method.paper.paper_command", command)
 
 
 def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
     """The paper's command prints this report."""
-    patch.setattr("handlcp.study.paper.render.run", made)
+    patch.setattr("handlcp.method.paper.render.run", made)
 
 
 def without_module(patch: Patch, name: str) -> None:

@@ -9,12 +9,12 @@ import numpy as np
 import handlcp as hl
 from handlcp import words as units
 from handlcp.grasp.path.events import summary
-from handlcp.show import convergence as convergence_figure
+from handlcp.method import work_precision as work_precision_figure
+from handlcp.method.accuracy.table import all_tables
+from handlcp.method.convergence import picture as convergence_figure
 from handlcp.show import loading as loading_figure
 from handlcp.show import picture as _picture
 from handlcp.show import tables
-from handlcp.show import work_precision as work_precision_figure
-from handlcp.show.accuracy_table import all_tables
 from handlcp.show.contact_sheet import contact_sheet
 from handlcp.show.envelope.sight import facing as facing_weakest
 from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires

@@ -10,16 +10,16 @@ import numpy as np
 import handlcp as hl
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.study.accuracy.left_out import UNDETERMINED, variants
-from handlcp.study.accuracy.methods import settings
-from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
-from handlcp.study.nsngrk import RES, STEPS
-from handlcp.study.paper.data import NUMBERS, PRELOAD, Number, raw
-from handlcp.study.paper.misses import Miss, no_equilibrium, search_grasp
-from handlcp.study.paper.printed import compatibility, signed_forces
-from handlcp.study.paper.render import render
-from handlcp.study.paper.report import run_case
-from handlcp.study.paper.tables import Mark, mark_of, rows_of
+from handlcp.method.accuracy.left_out import UNDETERMINED, variants
+from handlcp.method.accuracy.methods import settings
+from handlcp.method.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
+from handlcp.method.nsngrk import RES, STEPS
+from handlcp.method.paper.data import NUMBERS, PRELOAD, Number, raw
+from handlcp.method.paper.misses import Miss, no_equilibrium, search_grasp
+from handlcp.method.paper.printed import compatibility, signed_forces
+from handlcp.method.paper.render import render
+from handlcp.method.paper.report import run_case
+from handlcp.method.paper.tables import Mark, mark_of, rows_of
 
 __all__ = [
     "CERTIFIED",

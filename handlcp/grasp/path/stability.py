@@ -43,8 +43,8 @@ def flow(
         if isinstance(found, Failure) or stepper.far(state.where.pose, found.where.pose) > _STEP:
             h /= 4.0
             if h < _LEAST:
-                rest = _sought(stepper, state, controls) if push is None or count >= _PUSHED else None
-                return (state, CREEPS) if rest is None else (rest, REST)
+                sought = _sought(stepper, state, controls) if push is None or count >= _PUSHED else None
+                return (state, CREEPS) if sought is None else (sought, REST)
             continue
         off, before = stepper.resisted(state, found, h), speed
         speed, state = stepper.far(state.where.pose, found.where.pose) / h, found

@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.show.envelope.legend import Legend, head
 from handlcp.show.envelope.polar import polar_figure
 from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
-from handlcp.show.html import Figure, new_figure
+from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.camera import Camera, Frame, camera_for, frame
 from handlcp.show.picture.content import Content

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.show.envelope.legend import Legend, head
 from handlcp.show.envelope.surface import Surface, section, surface_of
-from handlcp.show.html import Figure, new_figure
+from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture.overlay import nice
 from handlcp.show.style import GREY, INK, SMALL, TEXT
 from handlcp.study.envelope import Envelope

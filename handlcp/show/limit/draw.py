@@ -13,7 +13,7 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.answer.reasons import friction_used
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
-from handlcp.show.html import Figure, checked, write
+from handlcp.show.file import Figure, checked, write
 from handlcp.show.limit.report import moved, size, way
 from handlcp.show.loading.draw import DPI, compose
 from handlcp.show.loading.marks import Mark, Marks

@@ -8,7 +8,7 @@ from typing import Any
 
 from handlcp.grasp.path.events import summary
 from handlcp.grasp.path.follow import Loading
-from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.loading.curves import Axis, StageAxis, draw_panel
 from handlcp.show.loading.marks import Mark, Marks
 from handlcp.show.loading.report import headline

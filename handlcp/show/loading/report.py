@@ -16,7 +16,7 @@ from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.grasp.path.events import summary
 from handlcp.grasp.path.follow import Loading
 from handlcp.show import tables
-from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.loading.series import friction_used, grasp_at_end, moved, slipped, solution_at_end
 from handlcp.show.picture.content import Content
 from handlcp.show.picture.figure import DPI, HEIGHT, WIDTH, compose

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError, Unsupported, writing
-from handlcp.show.html import writable
+from handlcp.show.file import writable
 
 # ----------------------------------------------------------------
 # three.js, the drawing library of the page, out of the package that bundles it: nothing is downloaded.

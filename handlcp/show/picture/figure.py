@@ -15,7 +15,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, GraspSolution, Verdict
-from handlcp.show.html import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Frame, camera_for, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content

@@ -1,0 +1,222 @@
+"""What accuracy costs on a path: time and error of `follow` and `load_limit` over the number of their steps."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, integer, number
+from handlcp.doubled import MORE, SAFE
+from handlcp.errors import InputError
+from handlcp.grasp import Grasp
+from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.limits.followed import followed_limit
+from handlcp.grasp.limits.followed import sliding as sliding_to_limit
+from handlcp.grasp.limits.load_limit import is_followed, load_of
+from handlcp.grasp.path.follow import follow, sliding
+from handlcp.grasp.path.state import Stage
+from handlcp.lcp.compiler.when import at_once
+from handlcp.method.accuracy.methods import share
+from handlcp.show.file import Figure, drawn, new_figure
+from handlcp.show.style import BLUE, GREY, INK, RED, SMALL, TEXT, error_ticks, panel, time_ticks
+from handlcp.text_table import TextTable, wrapped
+
+FOLLOW, LIMIT = "follow", "load_limit"
+_HELD = 0.7  # of the load limit: what `follow` is asked for
+_FINEST = 4  # times the most steps: what errors are measured against
+_ANY = (np.inf, np.inf)
+_STEPS = 8  # of a stage, as many as `check` takes
+_ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
+
+
+_Answer = tuple[Array, int, int]  # what was found, in how many steps, and in how many of these something slides
+
+
+@dataclass(frozen=True, slots=True)
+class PathRow:
+    """One question with one number of steps. question : "follow", the forces at the end of a held load; or
+    "load_limit", the factor. times : as many steps as usual were asked for; steps : that were taken, which events and
+    sharp bends make more. seconds : the quickest of several runs. error : relative, against the finest steps.
+    estimate : what `accuracy=` takes for it; NaN: none.
+    """
+
+    question: str
+    times: float
+    steps: int
+    seconds: float
+    error: float
+    estimate: float
+
+
+@dataclass(frozen=True, eq=False)
+class PathCost(Data):
+    """What accuracy costs on a path of a grasp; made by `path_cost`.
+
+    rows : every question with every number of steps. load (6,) : the load whose limit was asked for [N, N·m]. factor :
+        its load limit, with the finest steps. geometry : "fixed" or "followed".
+    """
+
+    rows: tuple[PathRow, ...]
+    load: Array
+    factor: float
+    geometry: str
+
+    def of(self, question: str) -> tuple[PathRow, ...]:
+        """The rows of one question, the fewest steps first."""
+        return tuple([r for r in self.rows if r.question == question])
+
+    @property
+    def summary(self) -> str:
+        """One sentence: the order of convergence, and how often the estimate is too small."""
+        orders = []
+        for question in (FOLLOW, LIMIT):
+            rows = [r for r in self.of(question) if r.error > 0.0]
+            if len({r.steps for r in rows}) > 1:
+                slope = np.polyfit(np.log([r.steps for r in rows]), np.log([r.error for r in rows]), 1)[0]
+                orders.append(f"{2.0 ** -float(slope):.2g} ({question})")
+        known = [r for r in self.rows if np.isfinite(r.estimate)]
+        low = sum([r.error > r.estimate for r in known])
+        fall = f"twice the steps divide the error by {' and '.join(orders)}; " if orders else ""
+        return f"{fall}the estimate is below the true error in {low} of {len(known)} rows"
+
+    def plot(self, path: Any = None, *, title: str = "") -> Any:
+        """The figure: error against time for each question, its estimate dashed. A matplotlib figure, or the file that
+        it was written to. Raises InputError for an unknown format; Unsupported without matplotlib.
+        """
+        return drawn(figure, self, path, title)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data; None for what is not a number."""
+        return {
+            "load_N_Nm": self.load.tolist(), "factor": self.factor, "geometry": self.geometry,
+            "rows": [{"question": r.question, "times_as_many": r.times, "steps": r.steps,
+                      "seconds": r.seconds, "error": r.error,
+                      "estimate": r.estimate if np.isfinite(r.estimate) else None} for r in self.rows],
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        """A table and the summary."""
+        rows = [
+            (r.question, f"× {r.times:g}", f"{r.steps}", f"{1e3 * r.seconds:.3g}", share(r.error),
+             share(r.estimate) if np.isfinite(r.estimate) else "–") for r in self.rows
+        ]  # fmt: skip
+        heads = "question", "asked", "steps", "time\nms", "error", "estimate"
+        table = TextTable(heads, tuple(rows), "<>>>>>")
+        said = f"{self.summary[0].upper()}{self.summary[1:]}."
+        return f"{table}\n\n{wrapped(said, '')}"
+
+
+@at_once()
+def path_cost(
+    grasp: Grasp, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
+    times: Sequence[float] = (0.5, 1, 2, 4, 8, 16), repeats: int = 3,
+) -> PathCost:  # fmt: skip
+    """Time and error of `load_limit` along a wrench, and of `follow` up to 0.7 of that limit, over the number of steps.
+
+    wrench, geometry, faces : as in `Grasp.load_limit`; in one posture, too, the path is taken in steps here. times :
+    as many steps as usual, increasing; errors are against four times the most of them. repeats : of each run; the
+    quickest counts. Raises InputError, also for a load that has no limit; Unsupported.
+    """
+    if not isinstance(grasp, Grasp):
+        raise InputError("grasp", "a Grasp", repr(grasp)[:80])
+    many = [number("times", x, above=0.0) for x in times]
+    if len(many) < 2 or many != sorted(set(many)):
+        raise InputError("times", "at least two numbers that increase", repr(list(times)))
+    integer("repeats", repeats, 1, 1000)
+    spec, section = grasp.spec, as_section(faces, planar=grasp.scene.kind.planar)
+    load, how = load_of(spec, wrench), "followed" if is_followed(spec, geometry) else "fixed"
+
+    def limit(finer: float) -> _Answer:
+        found = followed_limit(spec, section, load, _ANY, how, finer)
+        return np.array([found.factor]), len(found.path.factors), sliding_to_limit(found)
+
+    best = float(limit(_FINEST * many[-1])[0][0])
+    if not 0.0 < best < np.inf:
+        raise InputError("wrench", "a load with a limit", f"one that is held {best:g} times")
+
+    def end(finer: float) -> _Answer:
+        count = max(int(np.ceil(_STEPS * finer)), 1)
+        found = follow(spec, section, _HELD * best * load, _ORDER, how, count, None)
+        return np.asarray(found.steps.forces[-1]), len(found.steps.states), sliding(found)
+
+    rows = [*_rows(FOLLOW, end, many, repeats), *_rows(LIMIT, limit, many, repeats)]
+    return PathCost(tuple(rows), load, best, how)
+
+
+def _rows(question: str, ask: Callable[[float], _Answer], many: Sequence[float], repeats: int) -> list[PathRow]:
+    """A row for each number of steps; ask : the answer with so many times as many."""
+    finest, _, _ = ask(_FINEST * many[-1])
+    size, known, found = float(abs(finest).max()), [ask(0.5 * many[0])], list[PathRow]()
+    for finer in many:
+        took, answer, steps, slid = np.inf, finest, 0, 0
+        for _ in range(repeats):
+            begun = time.perf_counter()
+            answer, steps, slid = ask(finer)
+            took = min(took, time.perf_counter() - begun)
+        coarser = [a for a, _, few in known if slid >= MORE * few]
+        estimate = SAFE * float(abs(answer - coarser[-1]).max()) / size if coarser else np.nan
+        found.append(PathRow(question, finer, steps, took, float(abs(answer - finest).max()) / size, estimate))
+        known.append((answer, steps, slid))
+    return found
+
+
+# ----------------------------------------------------------------
+# The figure of what accuracy costs on a path: error against time, for each question, and its estimate.
+
+WIDTH, HEIGHT, HEAD = 10.0, 4.6, 12.5  # inches, points
+DASHED = (0, (4, 2.5))
+PANELS = (
+    (FOLLOW, "follow: forces at the end", "error, of the largest force", BLUE),
+    (LIMIT, "load_limit: the factor", "error, of the factor", RED),
+)
+
+
+def figure(cost: PathCost, title: str = "") -> Figure:
+    """Both panels. Raises Unsupported without matplotlib."""
+    made = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
+    made.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
+    made.text(0.012, 0.905, f"{cost.summary[0].upper()}{cost.summary[1:]}.", fontsize=TEXT, color=INK, va="top")
+    for k, (question, name, error, colour) in enumerate(PANELS):
+        _panel(made.add_axes((0.085 + 0.5 * k, 0.19, 0.4, 0.58)), cost.of(question), name, error, colour)
+    note = (
+        "Full: against the finest steps. Dashed: the estimate beside the answer, 1.5 × the change since half as many. "
+        "Numbers: steps taken."
+    )
+    made.text(0.012, 0.02, note, fontsize=SMALL, color=GREY, va="bottom")
+    return made
+
+
+def _panel(ax: Any, rows: tuple[PathRow, ...], name: str, error: str, colour: str) -> None:
+    panel(ax, name, "time of one call", error)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    seconds = np.array([r.seconds for r in rows])
+    off, estimate = np.array([(max(r.error, 1e-16), np.maximum(r.estimate, 1e-16)) for r in rows]).T
+    ax.plot(seconds, estimate, color=colour, linewidth=1.2, linestyle=DASHED, alpha=0.8)
+    ax.plot(seconds, off, "o-", color=colour, linewidth=1.5, markersize=5.5, markeredgecolor="white")
+    left = float(seconds.min()) / 2.0, float(seconds.max()) * 1.6
+    last = 0.0
+    for row, x, y in zip(rows, seconds, off, strict=True):
+        if x < last * (left[1] / left[0]) ** 0.06:  # no room for another number
+            continue
+        last = x
+        ax.annotate(
+            f"{row.steps}",
+            (x, y),
+            (-3, -5),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=INK,
+            ha="right",
+            va="top",
+        )
+    ax.set_xlim(*left)
+    both = np.concatenate([off, estimate[np.isfinite(estimate)]])
+    ax.set_ylim(float(both.min()) / 4.0, float(both.max()) * 2.5)
+    time_ticks(ax)
+    error_ticks(ax)

@@ -1,8 +1,0 @@
-"""How fast NSNGRK converges, beside the conditioning that predicts it: units, seeds, greedy and uniform sampling."""
-
-from handlcp.study.convergence.runs import Run, generalized_jacobian, greedy_bound, measured_rate, uniform_bound
-from handlcp.study.convergence.study import Convergence, convergence
-
-__all__ = [
-    "Convergence", "Run", "convergence", "generalized_jacobian", "greedy_bound", "measured_rate", "uniform_bound",
-]  # fmt: skip
