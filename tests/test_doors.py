@@ -18,7 +18,8 @@ PACKAGE = pathlib.Path(importlib.import_module("handlcp").__file__).parent
 DOORS = {
     "handlcp", "handlcp.errors", "handlcp.scene", "handlcp.cli", "handlcp.lcp", "handlcp.grasp", "handlcp.hand",
     "handlcp.simulator", "handlcp.show", "handlcp.study", "handlcp.method.accuracy", "handlcp.method.paper",
-    "handlcp.method.convergence", "handlcp.method.catalogue", "handlcp.study.gallery", "handlcp.method", "handlcp.method.nsngrk",
+    "handlcp.method.convergence", "handlcp.method.catalogue", "handlcp.study.gallery", "handlcp.method",
+    "handlcp.method.nsngrk",
 }  # fmt: skip
 SUPPORT = TESTS / "support"
 FILES = [p for p in sorted(TESTS.rglob("*.py")) if p.parent != SUPPORT and p != pathlib.Path(__file__)]

@@ -211,6 +211,41 @@ print(w, loaded(small()))
     assert last.communicate() == ("[1. 2. 3.] 1\n", "")
 
 
+SOLVES = """
+import numpy as np
+from tests.support.kernels import is_compiled, large, loaded, small
+if {other_first}:
+    small()(np.eye(3), np.arange(3.0), np.ones(3), np.zeros(3))
+x = np.zeros(2)
+large()(np.array([[0.0, 2.0], [4.0, 0.0]]), np.array([2.0, 4.0]), x, np.zeros(2, dtype=np.int64), 1e-12)
+print(x, loaded(large()))
+"""
+
+
+def solved(folder, other_first=False):
+    """What a new process prints that solves two equations by a kernel which calls others where they are."""
+    running = process(SOLVES.format(other_first=other_first), folder, HANDLCP_KERNELS="compiled")
+    out, err = running.communicate()
+    assert running.returncode == 0, err
+    return out
+
+
+def test_code_is_loaded_with_what_it_calls_or_compiled_anew(tmp_path):
+    """A kernel that is called where it is may be gone from the cache, or come from another process under another
+    symbol: code that called it would end the process.
+    """
+    one, other = tmp_path / "one", tmp_path / "other"
+    assert [solved(one), solved(one)] == ["[1. 1.] 0\n", "[1. 1.] 1\n"]
+    assert solved(other, other_first=True) == "[1. 1.] 0\n"
+    called = next(one.rglob("*_pivot_anywhere-*.nbc"))
+    theirs = next(other.rglob(called.name))
+    assert called.read_bytes() != theirs.read_bytes()
+    called.write_bytes(theirs.read_bytes())
+    assert [solved(one), solved(one)] == ["[1. 1.] 0\n", "[1. 1.] 1\n"]
+    called.unlink()
+    assert [solved(one), solved(one)] == ["[1. 1.] 0\n", "[1. 1.] 1\n"]
+
+
 def test_folders_of_earlier_sources_do_not_pile_up(tmp_path):
     with k.cached_in(tmp_path):
         tag = k.folder_of_cache().name.rpartition("-")[0]

@@ -17,13 +17,13 @@ from handlcp.lcp.compiler import folders, messages, when
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.compiler.when import MANY, at_once
 from handlcp.lcp.kernels import dense as _door
-from handlcp.lcp.kernels.dense import multiply_add
+from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 from handlcp.method.everything import JOBS
 
 __all__ = [
     "JOBS", "MANY", "anew", "at_once", "automatic", "cached_in", "compiled", "constants", "decorated",
-    "folder_of_cache", "impatient", "interpreted", "is_compiled", "kernels", "known_files", "loaded", "mode", "put",
-    "roots", "said_afresh", "small", "waiting",
+    "folder_of_cache", "impatient", "interpreted", "is_compiled", "kernels", "known_files", "large", "loaded", "mode",
+    "put", "roots", "said_afresh", "small", "waiting",
 ]  # fmt: skip
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent
@@ -59,6 +59,11 @@ def interpreted() -> Iterator[None]:
 def small() -> Any:
     """A kernel that takes little to compile: (M, z, q, w) writes M z + q into w."""
     return multiply_add
+
+
+def large() -> Any:
+    """A kernel that calls large ones, which it does not take in: (A, b, x, columns, tolerance) solves A x = b."""
+    return solve_ranked
 
 
 def anew(one: Any) -> Any:

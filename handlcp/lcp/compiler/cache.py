@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import hashlib
 import pickle
+import sys
 from typing import Any
 
 import llvmlite
 import numba
 import numpy as np
 from numba.core.compiler import CompileResult
+from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
-from handlcp.lcp.compiler import folders
+from handlcp.lcp.compiler import folders, link
 from handlcp.lcp.compiler.messages import hint
 
 
@@ -30,6 +32,7 @@ class KernelCache:
         self.name, self._code = f"{function.__module__}.{function.__qualname__}", function.__code__.co_code
         self._inside = function.__module__.startswith("handlcp.") and "<" not in function.__qualname__
         self._ready: dict[Any, Any] = {}
+        link.use(cpu_target.target_context.codegen())
 
     @property
     def cache_path(self) -> str:
@@ -53,16 +56,26 @@ class KernelCache:
             if (data := folders.read(self._file(types, target.codegen()))) is None:
                 return None
             target.refresh()
-            return CompileResult._rebuild(target, *pickle.loads(data))
+            large, needs, reduced = pickle.loads(data)
+            if not all([_is_there(need) for need in needs]):
+                return None
+            found = CompileResult._rebuild(target, *reduced)
         except Exception:  # whatever is wrong with a file, it can be compiled anew
             return None
+        found.library.needs = {need.symbol: need for need in needs}
+        if large:
+            link.keep_apart(found, self.name, types)
+        return found
 
     def save_overload(self, types: Any, found: Any) -> None:
         """Keep a compiled function; say once where that fails."""
         if not self._inside or found.library.has_dynamic_globals or any(not x.can_cache for x in found.lifted):
             return
+        large, needs = link.is_large(found), tuple(getattr(found.library, "needs", {}).values())
+        if large:
+            link.keep_apart(found, self.name, types)
         try:
-            why = folders.put(self._file(types, found.codegen), dumps(found._reduce()))
+            why = folders.put(self._file(types, found.codegen), dumps((large, needs, found._reduce())))
         except Exception as error:
             why = f"{type(error).__name__}: {error}"
         if why is not None:
@@ -82,3 +95,14 @@ class KernelCache:
         versions = numba.__version__, llvmlite.__version__, np.__version__
         said = repr((types, codegen.magic_tuple(), versions, self._code))
         return f"{self.name}-{hashlib.sha256(said.encode()).hexdigest()[:24]}.nbc"
+
+
+def _is_there(need: link.Need) -> bool:
+    """Whether what compiled code calls is there under its symbol, or can be loaded."""
+    module, _, name = need.kernel.rpartition(".")
+    jit = getattr(sys.modules[module], name).dispatcher
+    if need.types not in jit.overloads:
+        if not jit._cache.has(need.types, jit.targetctx):
+            return False
+        jit.compile(need.types)
+    return bool(jit.overloads[need.types].fndesc.llvm_func_name == need.symbol)

@@ -72,6 +72,13 @@ class Kernel:
         """Seconds, roughly, with all kernels that it calls."""
         return when.compiling_takes(self._instructions)
 
+    @property
+    def dispatcher(self) -> Any:
+        """numba's, made when first asked for."""
+        from handlcp.lcp.compiler.dispatch import dispatcher  # numba: a quarter of a second
+
+        return dispatcher(self)
+
     def begin_anew(self) -> None:
         """It has compiled code for these arguments; the next ones that it has none for wait as long."""
         self.spent = 0.0
@@ -81,9 +88,7 @@ class Kernel:
         if when.mode() == "interpreted":
             self.run = self.interpret
         elif when.compiling_at_once() or (self.spent > when.loading_takes() and (self._is_kept or self.pays())):
-            from handlcp.lcp.compiler.dispatch import dispatcher  # numba: a quarter of a second
-
-            return dispatcher(self)(*args)
+            return self.dispatcher(*args)
         return self.interpret(*args)
 
     @cached_property

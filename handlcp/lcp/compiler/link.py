@@ -1,0 +1,59 @@
+"""Large kernels are compiled once: who calls one calls it, and does not take its code in.
+
+numba links the code of whatever a function calls into that function, and optimises all of it together, again in every
+caller. Small kernels gain by that. A large one is left where it is: its callers need it by its symbol, which the
+execution engine finds in the code that was compiled or loaded before. A symbol that is not there would end the process;
+so what compiled code needs is kept beside it, and looked for before that code is loaded (`cache`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numba.core.codegen import JITCodeLibrary
+
+_LARGE = 150  # instructions of LLVM, optimised: of these a call costs little
+
+
+class Need(NamedTuple):
+    """A kernel that compiled code calls: its dotted name, the types of its arguments, and its symbol."""
+
+    kernel: str
+    types: Any
+    symbol: str
+
+
+class Library(JITCodeLibrary):  # type: ignore[misc]
+    """Code of one function. own : what its callers need of it, where it is a large kernel. needs : what it calls."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.own: Need | None = None
+        self.needs: dict[str, Need] = {}
+
+    def add_linking_library(self, library: Any) -> None:
+        """Whatever this code calls: taken in, unless it is a large kernel."""
+        own = getattr(library, "own", None)
+        if own is None:
+            super().add_linking_library(library)
+            self.needs |= getattr(library, "needs", {})
+        else:
+            self.needs[own.symbol] = own
+
+
+def use(codegen: Any) -> None:
+    """Let numba's code generator make such libraries. Nothing happens where it is not the one that is known."""
+    if getattr(codegen, "_library_class", None) is JITCodeLibrary:
+        codegen._library_class = Library
+
+
+def is_large(found: Any) -> bool:
+    """Whether a kernel that was just compiled is."""
+    function = found.library.get_function(found.fndesc.llvm_func_name)
+    return sum(1 for block in function.blocks for _ in block.instructions) > _LARGE
+
+
+def keep_apart(found: Any, kernel: str, types: Any) -> None:
+    """From now on callers of this kernel do not take it in."""
+    if isinstance(found.library, Library):
+        found.library.own = Need(kernel, types, found.fndesc.llvm_func_name)
