@@ -172,6 +172,21 @@ def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, 
     assert "Set HANDLCP_CACHE_DIR to a folder that can be written" in said
 
 
+@pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
+def test_others_may_read_what_is_kept_and_a_folder_that_they_can_write_is_refused(tmp_path, capfd, monkeypatch):
+    k.said_afresh(monkeypatch, 60.0)
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        run_small(k.anew(k.small()))
+        folder = k.folder_of_cache()
+        file = next(folder.glob("*.nbc"))
+        assert (folder.stat().st_mode & 0o777, file.stat().st_mode & 0o777) == (0o755, 0o644)
+        folder.chmod(0o777)
+        kernel = k.anew(k.small())
+        np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        assert k.loaded(kernel) == 0
+    assert "others can write there" in capfd.readouterr().err
+
+
 def test_a_full_disk_is_no_error(tmp_path, capfd, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")

@@ -54,9 +54,24 @@ def _roots() -> list[Path]:
     return [*own, Path(home, "handlcp")] if os.path.isabs(home) else own  # "~" stays where there is no home
 
 
+def _trusted() -> list[Path]:
+    """Those of the folders that are ours or root's, and that nobody else can write: what lies there is run."""
+    return [folder for folder in folders() if not _open_to_others(folder)]
+
+
+def _open_to_others(folder: Path) -> bool:
+    if os.name != "posix":
+        return False
+    try:
+        found = folder.stat()
+    except OSError:
+        return False
+    return bool(found.st_mode & 0o022) or found.st_uid not in (os.getuid(), 0)
+
+
 def destination() -> Path | None:
     """The folder that new code will go to, as far as can be seen without writing; None: there is none."""
-    for folder in folders():
+    for folder in _trusted():
         above = next((f for f in (folder, *folder.parents) if f.exists()), folder)
         if folder not in _unwritable and above.is_dir() and os.access(above, os.W_OK):
             return folder
@@ -65,7 +80,7 @@ def destination() -> Path | None:
 
 def is_kept(name: str) -> bool:
     """Whether there is compiled code of this kernel, for whatever types of arguments."""
-    for folder in folders():
+    for folder in _trusted():
         with contextlib.suppress(OSError):
             if any(entry.startswith(f"{name}-") for entry in os.listdir(folder)):
                 return True
@@ -74,7 +89,7 @@ def is_kept(name: str) -> bool:
 
 def kept() -> tuple[int, Path | None]:
     """How many kernels have compiled code in the first folder that has any, and that folder; (0, None): none has."""
-    for folder in folders():
+    for folder in _trusted():
         with contextlib.suppress(OSError):
             if names := {file.name.rpartition("-")[0] for file in folder.glob("*.nbc")}:
                 return len(names), folder
@@ -83,7 +98,7 @@ def kept() -> tuple[int, Path | None]:
 
 def read(name: str) -> bytes | None:
     """The contents of the file of this name, from the first folder that has it whole; None: none has."""
-    for folder in folders():
+    for folder in _trusted():
         with contextlib.suppress(OSError):
             data = (folder / name).read_bytes()
             if data[:32] == hashlib.sha256(data[32:]).digest():  # not truncated, nor written by somebody else
@@ -97,6 +112,8 @@ def put(name: str, data: bytes) -> str | None:
     """
     why = "its source cannot be read"
     for folder in folders():
+        if _open_to_others(folder):
+            _unwritable[folder] = f"{folder}: others can write there, and what lies there is run"
         if folder not in _unwritable:
             try:
                 _write(folder, name, hashlib.sha256(data).digest() + data)
@@ -111,11 +128,13 @@ def put(name: str, data: bytes) -> str | None:
 def _write(folder: Path, name: str, data: bytes) -> None:
     if not folder.is_dir():
         folder.mkdir(parents=True, exist_ok=True)
+        folder.chmod(0o755)
         _forget_old(folder)
     handle, beside = tempfile.mkstemp(dir=folder, prefix=".")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
+        os.chmod(beside, 0o644)  # who may read the package may read what is compiled of it
         os.replace(beside, folder / name)
     except BaseException:
         with contextlib.suppress(OSError):
