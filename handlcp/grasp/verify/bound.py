@@ -21,9 +21,7 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.capacity import Capacity, capacity_of
-from handlcp.grasp.verify.cones import Cones
-from handlcp.grasp.verify.conic import ENDED, NOTHING_FITS, UNBOUNDED, solve_conic
-from handlcp.grasp.verify.newton import Conic
+from handlcp.grasp.verify.conic import ENDED, NOTHING_FITS, UNBOUNDED, Cones, Conic, solve_conic
 from handlcp.tolerances import CERTIFY, RANK
 
 # ----------------------------------------------------------------
@@ -145,7 +143,7 @@ def _size(capacity: Capacity, base: Array) -> float:
 
 def _wider(cones: Cones) -> Cones:
     """With one half-line more, in front."""
-    return Cones(cones.linear + 1, tuple([(g.dimension, g.count) for g in cones.groups]))
+    return Cones(cones.linear + 1, cones.more)
 
 
 # ----------------------------------------------------------------

@@ -17,7 +17,7 @@ from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Cone, Section, limit_set
 from handlcp.grasp.model.limit import Limit
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.verify.cones import Cones
+from handlcp.grasp.verify.conic import Cones
 from handlcp.grasp.verify.holdable import generators, is_escape
 from handlcp.grasp.verify.judge import every_limit, stacked
 from handlcp.tolerances import ACTIVE
