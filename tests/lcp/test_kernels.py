@@ -278,17 +278,20 @@ def test_the_fingerprint_covers_the_constants_that_kernels_take_over():
     assert [(file.name, name) for file, name, source in k.constants() if source not in k.known_files()] == []
 
 
-@pytest.mark.parametrize(("patience", "lines"), [(0.0, 1), (60.0, 0)])
-def test_compiling_that_takes_long_says_so_once(capfd, monkeypatch, patience, lines):
+@pytest.mark.parametrize(("patience", "lines"), [(0.0, 2), (60.0, 0)])
+def test_compiling_that_takes_long_says_so_once_and_again_where_it_takes_much_longer(
+    capfd, monkeypatch, patience, lines
+):
     import time
 
     k.said_afresh(monkeypatch, patience)
-    for _ in range(2):
-        with k.waiting(30.0):
+    for seconds in (10.0, 15.0, 30.0, 30.0):
+        with k.waiting(seconds):
             time.sleep(0.05)
-    said = capfd.readouterr().err
-    assert said.count("\n") == lines
-    assert said.startswith("handlcp: compiling, about 30 s, once; kept in " if lines else "")
+    said = capfd.readouterr().err.splitlines()
+    assert len(said) == lines
+    for line, seconds in zip(said, (10, 30), strict=False):
+        assert line.startswith(f"handlcp: compiling, about {seconds} s, once; kept in ")
 
 
 @pytest.mark.parametrize(("name", "job"), k.JOBS, ids=[name for name, _ in k.JOBS])

@@ -113,7 +113,7 @@ def folder_of_cache() -> pathlib.Path:
 
 def said_afresh(monkeypatch: Any, patience: float) -> None:
     """Nothing has been said yet; a line about waiting comes after so many seconds."""
-    monkeypatch.setattr(messages, "_said", set())
+    monkeypatch.setattr(messages, "_said", {})
     monkeypatch.setattr(messages, "_PATIENCE", patience)
 
 
