@@ -73,7 +73,8 @@ def _ticks(axis: Any, places: Iterable[float], name: Callable[[float], str]) -> 
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart
 BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#A0307A"
-BOLD: dict[str, Any] = {"fontsize": 14.0, "weight": "bold", "va": "top"}  # titles
+# Titles; a dollar in one is a dollar
+BOLD: dict[str, Any] = {"fontsize": 14.0, "weight": "bold", "va": "top", "parse_math": False}
 _TALLEST = 2  # lines of a title
 _WORD = re.compile(r"[^_\s./-]+[_\s./-]*|[_\s./-]+")  # of a name, with what parts it from the next
 INK, GREY = "#222222", "#5F5F5F"  # of text, and of text that matters less

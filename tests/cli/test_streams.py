@@ -189,3 +189,11 @@ def test_ctrl_c_during_a_solve_ends_quietly_with_130(kernels, tmp_path):
         out, err = program.communicate(timeout=60)
     assert (program.returncode, out) == (130, b"")
     assert b"Traceback" not in err
+
+
+def test_nothing_is_compiled_beforehand_where_nothing_can_be_kept(tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    env = os.environ | {"HANDLCP_KERNELS": "auto", "HANDLCP_CACHE_DIR": str(tmp_path / "file")}
+    done = subprocess.run([*HANDLCP, "warm"], capture_output=True, text=True, cwd=ROOT, env=env, timeout=60)
+    assert done.returncode == 2
+    assert "HANDLCP_CACHE_DIR: expected a folder that can be written" in done.stderr.replace("\n", " ")

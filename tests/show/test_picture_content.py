@@ -57,6 +57,15 @@ def test_the_legend_has_the_torque_of_the_load_and_the_moments_of_soft_fingers()
     assert "torque" not in legend("cube_three_fingers")
 
 
+def test_a_dollar_in_a_title_is_a_dollar(tmp_path):
+    grasp, solution, obj, _ = case("cube_three_fingers")
+    figure = draw(grasp, solution, obj, "$5 for a $^$ hand")
+    assert [t.get_text() for t in figure.texts if "$" in t.get_text() and not t.get_parse_math()] == [
+        "$5 for a $^$ hand"
+    ]
+    figure.savefig(tmp_path / "title.png")  # mathematics that is none would end it
+
+
 def test_what_is_drawn_of_a_load_is_statically_the_load():
     # A force whose line of action passes by the contacts, given about a point far away
     offset = np.array([0.0, 4.0, 0.0])

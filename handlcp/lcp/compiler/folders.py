@@ -13,6 +13,7 @@ from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 _CONSTANTS = ("tolerances.py",)  # files without a kernel whose numbers kernels take over
+_PROBE = "probe"  # a file that is written to see whether one can be
 _OLD = 3  # folders of earlier sources that are left when a new one is made
 
 _unwritable: dict[Path, str] = {}  # folder → why nothing could be written there
@@ -122,6 +123,15 @@ def put(name: str, data: bytes) -> str | None:
             else:
                 return None
         why = _unwritable[folder]
+    return why
+
+
+def unwritable() -> str | None:
+    """Why no folder takes anything, in words; None where one does. Something is written, and removed again."""
+    why = put(_PROBE, b"")
+    for folder in folders():
+        with contextlib.suppress(OSError):
+            (folder / _PROBE).unlink()
     return why
 
 

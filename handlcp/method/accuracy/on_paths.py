@@ -179,7 +179,7 @@ PANELS = (
 def figure(cost: PathCost, title: str = "") -> Figure:
     """Both panels. Raises Unsupported without matplotlib."""
     made = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
-    made.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
+    made.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top", parse_math=False)
     made.text(0.012, 0.905, f"{cost.summary[0].upper()}{cost.summary[1:]}.", fontsize=TEXT, color=INK, va="top")
     for k, (question, name, error, colour) in enumerate(PANELS):
         _panel(made.add_axes((0.085 + 0.5 * k, 0.19, 0.4, 0.58)), cost.of(question), name, error, colour)

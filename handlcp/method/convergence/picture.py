@@ -38,7 +38,7 @@ def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> F
     seeds disagree most, which natural units determine. Raises Unsupported when matplotlib is not installed.
     """
     figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
-    figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top")
+    figure.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top", parse_math=False)
     kinds = f"Kaczmarz steps alone, no exact ending; a line is one seed, {len(result.select())} of each kind"
     stops = [r.stop for r in result.select("given") if r.stop is not None]
     what = f"{kinds}; dots: where the stop rule ends a run." if stops else f"{kinds}."

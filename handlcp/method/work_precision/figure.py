@@ -36,7 +36,9 @@ def draw(costs: Costs) -> Figure:
     figure = new_figure(figsize=(WIDTH, inches), dpi=100)
     for k, (title, cost) in enumerate(scenes):
         top = inches - ROW * k
-        figure.text(0.012, (top - 0.08) / inches, title, fontsize=HEAD, weight="bold", color=INK, va="top")
+        figure.text(
+            0.012, (top - 0.08) / inches, title, fontsize=HEAD, weight="bold", color=INK, va="top", parse_math=False
+        )
         figure.text(0.012, (top - 0.36) / inches, f"{cost.summary}.", fontsize=TEXT, color=INK, va="top")
         _row(figure, cost, (top - 3.72) / inches, 2.95 / inches)
     c = scenes[0][1].conditions
