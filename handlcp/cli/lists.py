@@ -28,14 +28,14 @@ def warm(json: Json = False) -> None:
     Without it, commands start interpreted and compile when that pays. Exit status 0, 1 if compiled code could not be
     kept, 2 where HANDLCP_KERNELS forbids to compile, or no folder can be written.
     """
-    from handlcp.lcp.compiler import folders, messages, when
+    from handlcp.lcp.compiler import folders, when
 
     if when.mode() == "interpreted":
         raise InputError("HANDLCP_KERNELS", '"auto" or "compiled": nothing is compiled otherwise', '"interpreted"')
     if (why := folders.unwritable()) is not None:
         raise InputError("HANDLCP_CACHE_DIR", "a folder that can be written, to keep what is compiled", why)
     begun = time.perf_counter()
-    messages.silent()
+    when.silent()
     with progress_bar() as progress, when.at_once():
         progress(0, 1, "importing")
         from handlcp.method.everything import JOBS

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.residual import recompute, recompute_contact
+from handlcp.lcp.kernels.projection import recompute, recompute_contact
 from handlcp.lcp.problem import LCP, Status
 from handlcp.tolerances import CERTIFY, GROWTH
 

@@ -19,7 +19,7 @@ from handlcp.errors import InputError
 from handlcp.lcp.certify import certify
 from handlcp.lcp.contact import ContactProblem, FrictionSets, Pattern
 from handlcp.lcp.kernels.newton import active_set
-from handlcp.lcp.kernels.residual import product
+from handlcp.lcp.kernels.projection import product
 from handlcp.lcp.modes.search import ModeSearch
 from handlcp.lcp.problem import LCP, Scaled, Status
 from handlcp.tolerances import SOLVE

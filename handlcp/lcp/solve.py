@@ -10,7 +10,7 @@ from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, NoSolutionFound, Unsupported
 from handlcp.lcp.certify import certify, certify_contact, farkas_vector
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.residual import product
+from handlcp.lcp.kernels.projection import product
 from handlcp.lcp.problem import LCP, LCPSolution, Proposal, Status, stage_line
 from handlcp.lcp.search import search
 from handlcp.lcp.solvers.auto import Auto, as_chain

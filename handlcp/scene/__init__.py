@@ -9,7 +9,7 @@
 `import handlcp` does not import this package: pydantic is paid for by those who read scene files.
 """
 
-from handlcp.scene.file import SceneFile, load, read
+from handlcp.scene.build import SceneFile, load, read
 from handlcp.scene.keys import Key, keys
 
 __all__ = ["Key", "SceneFile", "keys", "load", "read"]

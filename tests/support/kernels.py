@@ -13,7 +13,7 @@ from typing import Any
 from unittest.mock import patch
 
 import handlcp
-from handlcp.lcp.compiler import folders, messages, when
+from handlcp.lcp.compiler import folders, when
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.compiler.when import MANY, at_once
 from handlcp.lcp.kernels import dense as _door
@@ -27,7 +27,7 @@ __all__ = [
 ]  # fmt: skip
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent
-roots, put, waiting, decorated = folders._roots, folders.put, messages.waiting, _door.kernel
+roots, put, waiting, decorated = folders._roots, folders.put, when.waiting, _door.kernel
 
 
 def kernels() -> Iterator[tuple[ModuleType, str, Kernel]]:
@@ -113,8 +113,8 @@ def folder_of_cache() -> pathlib.Path:
 
 def said_afresh(monkeypatch: Any, patience: float) -> None:
     """Nothing has been said yet; a line about waiting comes after so many seconds."""
-    monkeypatch.setattr(messages, "_said", {})
-    monkeypatch.setattr(messages, "_PATIENCE", patience)
+    monkeypatch.setattr(when, "_said", {})
+    monkeypatch.setattr(when, "_PATIENCE", patience)
 
 
 def mode(monkeypatch: Any, word: str) -> str:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
-from handlcp.lcp.compiler.messages import silent
+from handlcp.lcp.compiler.when import silent
 
-__all__ = ["silent"]
+__all__ = ["silent", "without_compiling"]
+
+
+def without_compiling(said: str) -> str:
+    """What a program said on stderr, without lines about compiling: whoever comes first to a kernel waits for it."""
+    return "".join(line for line in said.splitlines(keepends=True) if not line.startswith("handlcp: compiling"))

@@ -18,8 +18,8 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.reasons import motions
-from handlcp.grasp.answer.shown import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem, stamped

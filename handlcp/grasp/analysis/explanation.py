@@ -6,7 +6,7 @@ import re
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.assembly.contact_form import called_for, stamped
 from handlcp.grasp.assembly.problem import MULTIPLIERS, GraspProblem, assemble
 from handlcp.grasp.effects import Effect, effect_kinds

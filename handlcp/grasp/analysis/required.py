@@ -15,7 +15,7 @@ from typing import Any
 
 from handlcp.check import number
 from handlcp.errors import InputError
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from handlcp.check import Array, read_only, sealed
-from handlcp.grasp.answer.shown import Shown
+from handlcp.grasp.answer.printed import Shown
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec

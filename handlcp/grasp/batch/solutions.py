@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import Unsupported
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.columns import Group, groups_of
 from handlcp.grasp.batch.first_stage import STATUSES, Answers, Batch

@@ -15,7 +15,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.wording import NOTHING, said
 from handlcp.grasp.design.least import word

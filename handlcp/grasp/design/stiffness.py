@@ -16,7 +16,7 @@ from handlcp import words
 from handlcp.check import Array, number
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.required import tolerance_of
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.cause.judge import MOTION, OBJECT, Cause, limits_of, over

@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import Bind
 from handlcp.grasp.cause.wording import happens

@@ -14,7 +14,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import number
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import most_used
 from handlcp.grasp.cause.wording import said

@@ -14,7 +14,7 @@ from handlcp import words
 from handlcp.check import Array, integer, number, read_only
 from handlcp.doubled import doubled, insisted
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.contact_form import Candidate

@@ -11,7 +11,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools, array, number, per_name
 from handlcp.errors import InputError
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.cause.wording import needs_more

@@ -9,7 +9,7 @@ from typing import Any, overload
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.friction import as_section

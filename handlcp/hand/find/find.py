@@ -12,9 +12,8 @@ from handlcp.check import Array, integer, yes_or_no
 from handlcp.errors import HandLCPError, InputError, NoGraspFound
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.find.candidate import Candidate, Found, reserves, told
-from handlcp.hand.find.clear import Links
+from handlcp.hand.find.clear import Links, Place, free_ranges, size_of_object
 from handlcp.hand.find.guesses import SAMPLES, guesses
-from handlcp.hand.find.place import Place, free_ranges, size_of_object
 from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.meshes import what_to_pass

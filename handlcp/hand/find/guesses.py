@@ -11,8 +11,7 @@ from itertools import permutations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.hand.find.clear import Links
-from handlcp.hand.find.place import Place, box_around, end_of, free_ranges
+from handlcp.hand.find.clear import Links, Place, box_around, end_of, free_ranges
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel

@@ -10,8 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp.model.kind import cross_rows
-from handlcp.hand.find.clear import Links
-from handlcp.hand.find.place import Place, free_ranges, size_of_object
+from handlcp.hand.find.clear import Links, Place, free_ranges, size_of_object
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel

@@ -11,7 +11,7 @@ from typing import Any, overload
 
 from handlcp import words
 from handlcp.errors import HandLCPError, URDFError
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
 from handlcp.hand.robot.joint_limits import SEVERITIES, Doubt

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import CouplingRow, JointRow, LinkRow, TipRow, text_of
 from handlcp.hand.robot.fingertips import Candidate, candidates, obvious

@@ -19,7 +19,7 @@ from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
 from handlcp.lcp.compiler import folders, link
-from handlcp.lcp.compiler.messages import hint
+from handlcp.lcp.compiler.when import hint
 
 
 class KernelCache:

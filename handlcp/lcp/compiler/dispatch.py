@@ -10,7 +10,7 @@ from numba.extending import typeof_impl
 
 from handlcp.lcp.compiler import when
 from handlcp.lcp.compiler.cache import KernelCache
-from handlcp.lcp.compiler.messages import waiting
+from handlcp.lcp.compiler.when import waiting
 
 _lock = threading.RLock()
 

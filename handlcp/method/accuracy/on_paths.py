@@ -13,7 +13,7 @@ from handlcp.check import Array, integer, number
 from handlcp.doubled import MORE, SAFE
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.followed import sliding as sliding_to_limit

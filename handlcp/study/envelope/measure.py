@@ -14,7 +14,7 @@ from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, FORCE, WRENCH, Binds, Load, Question, load_of
-from handlcp.study.envelope.directions import Asked, read_directions
+from handlcp.study.envelope.causes import Asked, read_directions
 from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.result import Envelope
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.lazy import lazy
 from handlcp.study.envelope.ask import Binds, Question
 from handlcp.study.envelope.causes import Compliance, Sector, causes_of

@@ -13,7 +13,7 @@ from handlcp import words
 from handlcp.check import Array, Ints
 from handlcp.errors import InputError
 from handlcp.grasp import GraspSolution, Verdict
-from handlcp.grasp.answer.shown import Data
+from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
 from handlcp.study.plain import plain
