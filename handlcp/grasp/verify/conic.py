@@ -88,6 +88,7 @@ def _proposals(programs: Conic) -> Iterator[tuple[int, Array, Array, Array, Arra
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _GAP
+    settings.tol_infeas_abs = settings.tol_infeas_rel = 1e-3 * _PROOF  # its measure is another one
     none = sparse.csc_matrix((len(programs.c), len(programs.c)))
     for k in range(len(programs.A)):
         rows = sparse.csc_matrix(np.concatenate([programs.A[k], programs.G]))
