@@ -16,8 +16,7 @@ import handlcp as hl
 from handlcp import scene
 from handlcp.method import paper, work_precision
 from handlcp.method.accuracy import table as accuracy_table
-from handlcp.method.convergence import Convergence, convergence
-from handlcp.method.convergence import picture as picture
+from handlcp.method.convergence import Convergence, convergence, picture as picture
 from handlcp.show.file import checked
 
 HERE = Path(__file__).parent

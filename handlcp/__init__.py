@@ -6,8 +6,8 @@ g = hl.Grasp([hl.Contact(...), ...], wrench, flexibility=1e-4)
 s = g.solve()
 print(s)
 
-The names are listed in `__init__.pyi`, with the file of each. A file is imported when its name is first asked for, with
-what it stands on and nothing else.
+The names are listed in `__init__.pyi`, by room; the rooms' own lists say which file each is in. A file is imported when
+its name is first asked for, with what it stands on and nothing else.
 """
 
 from importlib import import_module

@@ -84,8 +84,7 @@ def accuracy(
     """
     from handlcp import scene as scenes
     from handlcp.method import work_precision
-    from handlcp.method.accuracy import accuracy_cost
-    from handlcp.method.accuracy import table as accuracy_table
+    from handlcp.method.accuracy import accuracy_cost, table as accuracy_table
 
     file = scenes.load(scene)
     if plot is not None:

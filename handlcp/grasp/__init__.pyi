@@ -2,19 +2,15 @@ from .analysis.equilibria import Equilibria as Equilibria
 from .analysis.explanation import Explanation as Explanation
 from .analysis.fingertips import wrench_from_fingertip_forces as wrench_from_fingertip_forces
 from .analysis.required import Required as Required
-from .analysis.suggestions import Suggestion as Suggestion
-from .analysis.suggestions import Suggestions as Suggestions
-from .answer.solution import Accuracy as Accuracy
-from .answer.solution import GraspSolution as GraspSolution
+from .analysis.suggestions import Suggestion as Suggestion, Suggestions as Suggestions
+from .answer.solution import Accuracy as Accuracy, GraspSolution as GraspSolution
 from .answer.uniqueness import Uniqueness as Uniqueness
-from .answer.verdict import Reason as Reason
-from .answer.verdict import Verdict as Verdict
+from .answer.verdict import Reason as Reason, Verdict as Verdict
 from .assembly.problem import GraspProblem as GraspProblem
 from .batch.solutions import Solutions as Solutions
 from .batch.solve_many import solve_many as solve_many
 from .cause.judge import Bind as Bind
-from .design.best_change import BestChange as BestChange
-from .design.best_change import TriedChange as TriedChange
+from .design.best_change import BestChange as BestChange, TriedChange as TriedChange
 from .design.stiffness import RequiredStiffness as RequiredStiffness
 from .effects.contact_compliance import ContactCompliance as ContactCompliance
 from .effects.finger_force_bound import FingerForceBound as FingerForceBound
@@ -31,20 +27,15 @@ from .friction.law import FrictionLaw as FrictionLaw
 from .friction.sections import Pyramid as Pyramid
 from .friction.soft_finger import SoftFinger as SoftFinger
 from .grasp import Grasp as Grasp
-from .limits.result import LimitEvent as LimitEvent
-from .limits.result import LimitPath as LimitPath
-from .limits.result import LoadLimit as LoadLimit
+from .limits.result import LimitEvent as LimitEvent, LimitPath as LimitPath, LoadLimit as LoadLimit
 from .margins.closure import Closure as Closure
-from .margins.margins import Least as Least
-from .margins.margins import Margins as Margins
+from .margins.margins import Least as Least, Margins as Margins
 from .margins.wrench_space import WrenchSpace as WrenchSpace
 from .model.contact import Contact as Contact
-from .model.effect import Effect as Effect
-from .model.effect import effect_kinds as effect_kinds
+from .model.effect import Effect as Effect, effect_kinds as effect_kinds
 from .model.environment import Environment as Environment
 from .model.kind import Placement as Placement
-from .model.limit import FileKey as FileKey
-from .model.limit import Limit as Limit
+from .model.limit import FileKey as FileKey, Limit as Limit
 from .model.scene import Scene as Scene
 from .model.spec import GraspSpec as GraspSpec
 from .path.events import Event as Event

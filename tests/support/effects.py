@@ -9,8 +9,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.grasp import effect_kinds
-from handlcp.grasp.analysis.explanation import ENVIRONMENT as _ENVIRONMENT
-from handlcp.grasp.analysis.explanation import Description, describe_effect
+from handlcp.grasp.analysis.explanation import ENVIRONMENT as _ENVIRONMENT, Description, describe_effect
 from handlcp.grasp.assembly.build import softened_by
 from handlcp.grasp.assembly.contact_form import stamped
 from tests.support.grasp import arrays

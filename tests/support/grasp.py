@@ -13,7 +13,8 @@ import handlcp as hl
 from handlcp.grasp.analysis import required as _required
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.answer.diagnosis import Sentences
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem, stamped
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.batch.first_stage import pack_all
 from handlcp.grasp.friction import as_section, limit_set

@@ -12,8 +12,7 @@ from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import distance, nearest
 from handlcp.hand.objects.inside import links_inside
-from handlcp.hand.objects.table import RIM
-from handlcp.hand.objects.table import _needed as _points_needed
+from handlcp.hand.objects.table import RIM, _needed as _points_needed
 from handlcp.hand.robot.posture import contact_hessian
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
 from handlcp.hand.solution import torque_check

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from handlcp.grasp.verify.judge import judge
-from handlcp.lcp import LCP, ContactProblem, FrictionSets, Pattern, Status, Units
-from handlcp.lcp import certify as _public_certify
+from handlcp.lcp import LCP, ContactProblem, FrictionSets, Pattern, Status, Units, certify as _public_certify
 from handlcp.lcp.certify import certify_contact
-from handlcp.lcp.kernels import contact_rows as _contact_rows
-from handlcp.lcp.kernels import contact_run as _contact_newton
-from handlcp.lcp.kernels import kaczmarz as _kaczmarz
-from handlcp.lcp.kernels import lemke as _lemke
+from handlcp.lcp.kernels import (
+    contact_rows as _contact_rows,
+    contact_run as _contact_newton,
+    kaczmarz as _kaczmarz,
+    lemke as _lemke,
+)
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import nearest as _nearest
 from handlcp.lcp.modes import generators as _modes

@@ -16,9 +16,7 @@ from handlcp.grasp.search.mode_table import mode_table
 from handlcp.grasp.search.mode_walk import first_certified, only_limits_move
 from handlcp.grasp.search.nonexistence import EquilibriumSearch, OverModes
 from handlcp.grasp.verify.capacity import overload as _overload
-from handlcp.grasp.verify.holdable import is_escape as _is_escape
-from handlcp.grasp.verify.holdable import jammed as _jammed
-from handlcp.grasp.verify.holdable import least_total as _least_total
+from handlcp.grasp.verify.holdable import is_escape as _is_escape, jammed as _jammed, least_total as _least_total
 from handlcp.lcp.search import search
 from tests.support.grasp import contact_problem, plain_problem, residuals, section_of
 

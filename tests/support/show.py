@@ -12,14 +12,11 @@ from handlcp.grasp.path.events import summary
 from handlcp.method import work_precision as work_precision_figure
 from handlcp.method.accuracy.table import all_tables
 from handlcp.method.convergence import picture as convergence_figure
-from handlcp.show import loading as loading_figure
-from handlcp.show import picture as _picture
-from handlcp.show import tables
+from handlcp.show import loading as loading_figure, picture as _picture, tables
 from handlcp.show.contact_sheet import contact_sheet
 from handlcp.show.envelope.sight import facing as facing_weakest
 from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires
-from handlcp.show.loading import report
-from handlcp.show.loading import series as end
+from handlcp.show.loading import report, series as end
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, stub_bodies
 from handlcp.show.picture.camera import Marks, camera_for, facing, fill

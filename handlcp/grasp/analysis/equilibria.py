@@ -22,7 +22,8 @@ from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.reasons import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem, stamped
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene

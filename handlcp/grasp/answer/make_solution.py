@@ -11,7 +11,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.answer.active_conditions import free_branches
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import Uniqueness, describe, minimum_norm
-from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import shifted

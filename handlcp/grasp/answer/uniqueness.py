@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.answer.active_conditions import Branch, inequalities
-from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import shifted

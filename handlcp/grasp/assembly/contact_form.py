@@ -3,57 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
+from handlcp.grasp.assembly.candidate import Candidate, in_si
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.friction import Interval, Pyramid, Section, limit_set
-from handlcp.grasp.model.grasp_matrix import Posed
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.unknowns import Layout, System, Unknown, labels, layout
-from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units, contact
-from handlcp.lcp.kernels.dense import kernel
-
-# ---------------------------------------------------------------- A solver's answer as mechanics.
-
-
-class Candidate(NamedTuple):
-    """SI, in the coordinates of the scene's friction laws: components (c,) [N], of all forces; twist (6,) about the
-    contacts' centre; the unknowns of further effects by group name; soft : how many contacts bear a moment.
-    """
-
-    components: Array
-    twist: Array
-    extra: dict[str, Array]
-    soft: int = 0
-
-    @property
-    def forces(self) -> Array:
-        """(n, 3) N, in the coordinates of the friction laws."""
-        return self.components[: len(self.components) - self.soft].reshape(-1, 3)
-
-
-@kernel
-def in_si(
-    x: Array, unknown: Ints, normals: int, at: tuple[int, int, int], prescribed: Array, p: Posed, dof: int
-) -> tuple[Array, Array]:
-    """Forces (c,) [N] and (dof,) motion [m, rad] from the unknowns x. unknown : which components, so many normal ones
-    first; at : where normal forces, tangential forces and the motion begin among the unknowns.
-    """
-    f, u = prescribed.copy(), np.empty(dof)
-    for k in range(len(unknown)):
-        f[unknown[k]] = x[at[0] + k if k < normals else at[1] + k - normals] * p.force
-    lengths = 3 if dof == 6 else 2
-    for k in range(dof):
-        u[k] = x[at[2] + k] * p.motion
-        if k >= lengths:
-            u[k] /= p.length
-    return f, u
-
-
-# ----------------------------------------------------------------
+from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
+from handlcp.lcp.contact import NO_NORMALS
 
 
 def called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
@@ -177,5 +137,5 @@ def friction_sets(scene: Scene, section: Section) -> FrictionSets:
 def outward(scene: Scene, section: Section) -> Array:
     """(f, 3) outward normals of the polyhedra of soft contacts, as kernels read them; none where no set has faces."""
     if not scene.soft or not section.faces:
-        return contact.NO_NORMALS
+        return NO_NORMALS
     return read_only(np.ascontiguousarray(limit_set(section, 3).normals.T))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from handlcp.check import Array
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Cone, Section
 from handlcp.grasp.model.scene import Scene

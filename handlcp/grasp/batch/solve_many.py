@@ -31,8 +31,7 @@ def told(progress: Progress, total: int) -> Iterator[Callable[[int], None]]:
         yield lambda more: None
     elif progress is True:
         from rich.console import Console  # rich takes a while to import, and most batches want no bar
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-        from rich.progress import Progress as Bar
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn, TimeRemainingColumn
 
         columns = TextColumn("grasps"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
         with Bar(*columns, console=Console(stderr=True)) as bar:

@@ -9,14 +9,13 @@ import numpy as np
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OBJECT, OPENS, SLIPS, TORQUE, Bind
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, RAY, REACHED, WATCHED
 from handlcp.grasp.limits.kernels.onward import is_sound
-from handlcp.grasp.limits.kernels.parts import CLOSED, Place
-from handlcp.grasp.limits.kernels.parts import OPENS as TOUCHES_LAST
+from handlcp.grasp.limits.kernels.parts import CLOSED, OPENS as TOUCHES_LAST, Place
 from handlcp.grasp.limits.result import LimitEvent, LimitPath
 from handlcp.grasp.limits.system import System
 from handlcp.grasp.model.kind import Placement, shifted

@@ -214,8 +214,7 @@ class Leg:
         if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
             found = self.stepper.step(state, controls)
         if isinstance(found, Failure) and self._last_resort(size):
-            guess = self.stepper.sought(state, controls)
-            found = found if guess is None else self.stepper.step(state, controls, guess)
+            found = self.stepper.sought(state, controls) or found
         return found
 
     def _last_resort(self, size: float) -> bool:

@@ -17,7 +17,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.cause.judge import OBJECT
 from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_lost
 from handlcp.grasp.effects.joint_offset import JointOffset

@@ -43,8 +43,10 @@ def flow(
         if isinstance(found, Failure) or stepper.far(state.where.pose, found.where.pose) > _STEP:
             h /= 4.0
             if h < _LEAST:
-                sought = _sought(stepper, state, controls) if push is None or count >= _PUSHED else None
-                return (state, CREEPS) if sought is None else (sought, REST)
+                rest = stepper.sought(state, controls) if under is controls else None
+                if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _STEP:
+                    return rest, REST
+                return state, CREEPS
             continue
         off, before = stepper.resisted(state, found, h), speed
         speed, state = stepper.far(state.where.pose, found.where.pose) / h, found
@@ -60,13 +62,6 @@ def flow(
                 return state, CREEPS
         h = min(2.0 * h, stepper.slow)
     return state, CREEPS
-
-
-def _sought(stepper: Stepper, state: State, controls: Controls) -> State | None:
-    """A state of rest nearby, by all that one grasp is solved with: asked where the first method finds no motion."""
-    guess = stepper.sought(state, controls)
-    rest = None if guess is None else stepper.step(state, controls, guess)
-    return rest if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _STEP else None
 
 
 # ----------------------------------------------------------------

@@ -144,9 +144,9 @@ class Stepper:
             look = geometry.look(end if share == 1.0 else between(geometry, look.at, end, share), look)
         return Failure("runs away")
 
-    def sought(self, state: State, controls: Controls) -> Guess | None:
-        """What is expected of a step by all that one grasp is solved with, contacts as they stand; None: no answer
-        either. Steps themselves ask the first method alone.
+    def sought(self, state: State, controls: Controls) -> State | Failure | None:
+        """A step from where all that one grasp is solved with, contacts as they stand, expects its end; None: they know
+        no answer either. Steps themselves ask the first method alone.
         """
         if self.grasp.general:
             return None
@@ -159,7 +159,7 @@ class Stepper:
         soft, forces = self.grasp.soft, found.forces.reshape(-1)
         own = forces if found.torsion is None else np.append(forces, found.torsion[soft])
         start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference])
-        return Guess(state.where, start, state.gives)
+        return self.step(state, controls, Guess(state.where, start, state.gives))
 
     def between(self, a: object, b: object) -> Array:
         """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""

@@ -22,7 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.search.mode_steps import Modes
 from handlcp.grasp.search.mode_walk import visit

@@ -19,7 +19,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.search import mode_steps as step
 from handlcp.grasp.search.mode_steps import SIGNS, Modes, Walk
 from handlcp.grasp.verify.judge import judge

@@ -17,7 +17,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.assembly.problem import GraspProblem
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.grasp.assembly.contact_form import Candidate
+from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset

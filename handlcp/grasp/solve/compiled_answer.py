@@ -8,7 +8,8 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.contact_form import Candidate, design, outward
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene

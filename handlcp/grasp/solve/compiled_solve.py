@@ -13,7 +13,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.answer.active_conditions import active_system
-from handlcp.grasp.assembly.contact_form import in_si
+from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
 from handlcp.grasp.verify.contact_laws import Friction, examine

@@ -20,7 +20,8 @@ from handlcp.grasp.answer.make_solution import (
 )
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.uniqueness import describe
-from handlcp.grasp.assembly.contact_form import Candidate, GraspContactProblem, stamped
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, assemble
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import shifted

@@ -17,7 +17,7 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.follow import Loading, follow
+from handlcp.grasp.path.follow import Loading, follow, sliding
 from handlcp.grasp.path.state import Outcome
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.others import other_equilibria
@@ -119,7 +119,7 @@ def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading,
 
 def _sticks(path: Loading) -> bool:
     """Whether the end is reached, nothing slides on the way, and nothing else happens."""
-    return path.held and not path.events and not any("sliding" in kinds for kinds in path.steps.contact_state)
+    return path.held and not path.events and not sliding(path)
 
 
 def _reasons(

@@ -3,8 +3,8 @@
     max λ ≥ 0    w₀ + G r + λ w = 0,    r within friction,    A r ≤ b,    |Jᵀ r + g| ≤ τ_max
 
 No grasp holds more than this bound, however it is squeezed and loaded (the static theorem of limit analysis). A linear
-program on friction pyramids and in a plane, a second-order cone program on the cone; many directions are solved
-together (`conic`). Every factor comes with the gap between it and what the multipliers prove.
+program on friction pyramids and in a plane, a second-order cone program on the cone (`conic`). Every factor comes with
+the gap between it and what the multipliers prove.
 """
 
 from __future__ import annotations
@@ -32,7 +32,6 @@ from handlcp.tolerances import CERTIFY, RANK
 # A factor far from one, in units of what the grasp bears, is computed again in units of its own, so that all are
 # accurate to the same share of themselves.
 
-_TOGETHER = 500  # programs at once: their matrices stay within a few dozen megabytes
 _FROM, _TO = 1e-2, 1e3  # factors that are accurate as they are, in units of what the grasp bears
 _AGAIN = 3  # changes of units
 _DECIDED = 1e-3  # a gap that tells nothing from everything
@@ -89,8 +88,7 @@ def largest(capacity: Capacity, base: Array, wrenches: Array) -> Factors:
     for _ in range(_AGAIN):
         if not len(todo):
             break
-        for part in np.array_split(todo, -(-len(todo) // _TOGETHER)):
-            out.put(part, _solved(capacity, base, wrenches[part], units[part], kept, length[part]))
+        out.put(todo, _solved(capacity, base, wrenches[todo], units[todo], kept, length[todo]))
         share = out.factors[todo] * length[todo] / units[todo]
         far = np.isfinite(share) & ((share < _FROM) | (share > _TO)) & (share > _LEAST)
         units[todo] *= np.where(far, share, 1.0)

@@ -102,17 +102,17 @@ def _judged(programs: Conic, k: int, x: Array, y: Array, z: Array, s: Array) -> 
     """(status, gap, what the numbers are to be divided by)."""
     c, A, b, G, h, _ = programs
     A, b, h = A[k], b[k], h[k]
-    dual, across = A.T @ y + G.T @ z + c, _norm(A.T @ y + G.T @ z)
+    pull = A.T @ y + G.T @ z
     cost, bound = float(c @ x), -float(b @ y + h @ z)
     size = max(1.0, abs(cost))
     primal = max(_norm(A @ x - b) / (1.0 + _norm(b)), _norm(G @ x + s - h) / (1.0 + _norm(h)))
-    missed = max(primal / (1.0 + 1e-3 * _norm(x)), _norm(dual) / (1.0 + _norm(c)))
+    missed = max(primal / (1.0 + 1e-3 * _norm(x)), _norm(pull + c) / (1.0 + _norm(c)))
     gap = max(float(s @ z) / size, abs(cost - bound) / size, missed)
     if gap <= _ENOUGH:
         return ENDED, gap, 1.0
     if cost < 0.0 and max(_norm(A @ x), _norm(G @ x + s)) <= -_PROOF * cost:
         return UNBOUNDED, 0.0, -cost
-    if bound > 0.0 and across <= _PROOF * bound:
+    if bound > 0.0 and _norm(pull) <= _PROOF * bound:
         return NOTHING_FITS, 0.0, bound
     return STOPPED, gap, 1.0
 

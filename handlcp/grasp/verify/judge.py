@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.grasp.assembly.contact_form import Candidate, outward
+from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.contact_form import outward
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.limit import Limit

@@ -14,7 +14,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.look.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
 from handlcp.hand.objects.detect import Proximity, nearest
-from handlcp.hand.objects.object import Object, on_surface
+from handlcp.hand.objects.object import Object, on_surface, put_contact
 from handlcp.lcp.kernels.dense import kernel, product
 
 # ----------------------------------------------------------------
@@ -87,11 +87,7 @@ def ball_contacts(
                     if H[e, 0] != 0.0 or H[e, 1] != 0.0 or H[e, 2] != 0.0:
                         N[a, b] += R[a, e] * (H[e, 0] * R[b, 0] + H[e, 1] * R[b, 1] + H[e, 2] * R[b, 2])
         gaps[i] = distance - radii[i]
-        for b in range(3):
-            positions[i, b], normals[i, b] = p[b], 0.0
-            for a in range(3):
-                positions[i, b] += R[b, a] * x[a]
-                normals[i, b] -= R[b, a] * out[a]
+        put_contact(R, p, x, out, positions[i], normals[i])
         moved_along(turn[i], shift[i], N, normals[i], distance, arm)
 
 

@@ -37,11 +37,19 @@ def touched(
                 c[a] += R[b, a] * (centres[i, b] - p[b])
         distance, x, out = on_surface(kind, sizes, c)
         gaps[i] = distance - radii[i]
-        for b in range(3):
-            positions[i, b], normals[i, b] = p[b], 0.0
-            for a in range(3):
-                positions[i, b] += R[b, a] * x[a]
-                normals[i, b] -= R[b, a] * out[a]
+        put_contact(R, p, x, out, positions[i], normals[i])
+
+
+@kernel
+def put_contact(R: Array, p: Array, x: Array, out: Array, position: Array, normal: Array) -> None:
+    """Write position p + R x and normal -R out, each (3,), of a point x on a shape and its outward normal there, whose
+    axes are the columns of R and whose frame is at p.
+    """
+    for b in range(3):
+        position[b], normal[b] = p[b], 0.0
+        for a in range(3):
+            position[b] += R[b, a] * x[a]
+            normal[b] -= R[b, a] * out[a]
 
 
 @kernel

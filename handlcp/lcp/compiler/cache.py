@@ -15,7 +15,6 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core.compiler import CompileResult
-from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
 from handlcp.lcp.compiler import folders, link
@@ -32,7 +31,6 @@ class KernelCache:
         self.name, self._code = f"{function.__module__}.{function.__qualname__}", function.__code__.co_code
         self._inside = function.__module__.startswith("handlcp.") and "<" not in function.__qualname__
         self._ready: dict[Any, Any] = {}
-        link.use(cpu_target.target_context.codegen())
 
     @property
     def cache_path(self) -> str:

@@ -6,11 +6,14 @@ import threading
 from typing import Any
 
 import numba
+from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
-from handlcp.lcp.compiler import when
+from handlcp.lcp.compiler import link, when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.when import waiting
+
+link.use(cpu_target.target_context.codegen())
 
 _lock = threading.RLock()
 

@@ -14,7 +14,6 @@ import os
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 
 from handlcp.errors import InputError
@@ -86,7 +85,7 @@ def mode() -> str:
     return word
 
 
-@contextmanager
+@contextlib.contextmanager
 def at_once(calls: float = MANY) -> Iterator[None]:
     """A block, or a function decorated with `@at_once()`, in which kernels are compiled or loaded at their first call.
 

@@ -15,8 +15,7 @@ from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.friction import Pyramid, as_section
-from handlcp.grasp.limits.followed import followed_limit
-from handlcp.grasp.limits.followed import sliding as sliding_to_limit
+from handlcp.grasp.limits.followed import followed_limit, sliding as sliding_to_limit
 from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage

@@ -10,8 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.path.follow import Loading
 from handlcp.show.loading.series import Curve, Panel
-from handlcp.show.style import INK, SMALL, TEXT, spread
-from handlcp.show.style import panel as frame
+from handlcp.show.style import INK, SMALL, TEXT, panel as frame, spread
 
 # ----------------------------------------------------------------
 # The axis that all panels share: stages side by side, each from 0 to 100 %; and what any such axis has.

@@ -17,8 +17,7 @@ from handlcp.grasp.limits.kernels.pairs import face_of_force
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place
 from handlcp.grasp.limits.kernels.rates import slides_at
 from handlcp.grasp.limits.kernels.still import FREE, SLIDES, Still, still_of
-from handlcp.grasp.limits.kernels.still_walk import BOUNDED, UNBOUNDED, Bounds, Log, goes_on, walk
-from handlcp.grasp.limits.kernels.still_walk import LOST as ENDS
+from handlcp.grasp.limits.kernels.still_walk import BOUNDED, LOST as ENDS, UNBOUNDED, Bounds, Log, goes_on, walk
 from handlcp.grasp.limits.kernels.trace import EVENTS, kinds_of, logged, trace
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import CERTIFY

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assembly.contact_form import in_si
+from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Given, Posed, pose
 from handlcp.grasp.path.look.numbers import Laws
 from handlcp.grasp.path.look.tangent import Condensed
