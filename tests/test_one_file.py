@@ -1,4 +1,4 @@
-"""An effect, a friction law and a solver are each one class: those of this file are in use without a line elsewhere."""
+"""An effect, a friction law, a parameter and a solver are each one class: those of this file are in use at once."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp import Effect, FileKey, FrictionLaw, Limit, effect_kinds
+from handlcp.grasp import Effect, FileKey, FrictionLaw, GraspSpec, Limit, Parameter, Trial, effect_kinds
 from handlcp.lcp import Proposal
 from handlcp.scene import read
 from tests.support.registry import definitions_of_a_test
 from tests.support.scene_texts import TWO_CONTACTS
 
-MU, SQUEEZE, SOFTNESS = 0.5, 2e-3, 1e-4
+MU, SQUEEZE, SOFTNESS, THICK = 0.5, 2e-3, 1e-4, 2e-3
 
 PINCH = f"""{TWO_CONTACTS}
 [grasp]
@@ -74,7 +74,31 @@ def own() -> Iterator[Any]:
             def with_mu(self, mu: float) -> Ribbed:
                 return Ribbed(mu)
 
-        yield SimpleNamespace(PairBound=PairBound, Ribbed=Ribbed)
+        class RubberThickness(Parameter):
+            """(1,) [m] of the rubber on the jaws, to which their flexibility is proportional."""
+
+            name, unit, said = "rubber_thickness", "m", "how thick the rubber on the jaws is"
+            spread, step = "rubber_thickness", 1e-8
+
+            def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+                return (1,)
+
+            def values(self, spec: GraspSpec) -> Any:
+                return np.array([THICK])
+
+            def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+                return spec.replace(flexibility=spec.flexibility * (1.0 + step / THICK))
+
+            def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
+                yield "thinner rubber", self.scaled(spec, 1.0 - share)
+
+            def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
+                for factor in (0.5, 0.25, 0.1) if why == "forces" else ():
+                    made = self.scaled(spec, factor)
+                    assert made is not None
+                    yield Trial("rubber", factor, f"rubber {factor:g} × as thick", made)
+
+        yield SimpleNamespace(PairBound=PairBound, Ribbed=Ribbed, RubberThickness=RubberThickness)
 
 
 class TryAll:
@@ -169,6 +193,31 @@ def test_a_scene_file_writes_a_law_of_this_file_with_its_keys(own: Any) -> None:
     grasp = read(PINCH.replace("FRICTION", "{mu_of_ribs = 0.5}")).build()
     assert [c.friction for c in grasp.contacts] == [own.Ribbed(0.5)] * 2
     assert grasp.required_friction().value < 0.5
+
+
+def test_derivatives_by_a_parameter_of_this_file_are_those_of_its_closed_form(own: Any) -> None:
+    """r_N = squeeze / softness, and the softness is proportional to the thickness: dr_N / dt = -r_N / t."""
+    s = pinch(hl.Coulomb(MU)).solve().sensitivity()
+    assert "rubber_thickness" in s.parameters
+    expected = np.full(2, -SQUEEZE / SOFTNESS / THICK)
+    np.testing.assert_allclose(s.forces_by_rubber_thickness[:, 2, 0], expected, rtol=1e-7)
+
+
+def test_a_parameter_of_this_file_varies_in_reliability(own: Any) -> None:
+    """The pinch holds up to 2 μ squeeze / softness = 20 N: under 19 N a rubber 5.3 % thicker drops it."""
+    found = hl.reliability(pinch(hl.Coulomb(MU)).replace(wrench=(0, 0, -19, 0, 0, 0)), {"rubber_thickness": 0.05}, 256)
+    factors = found.values[:, 0]
+    np.testing.assert_array_equal(found.codes == 0, factors <= 20.0 / 19.0)
+    assert 0.8 < found.chance_held.value < 0.9
+
+
+def test_a_parameter_of_this_file_is_tried_by_best_change_and_by_advice(own: Any) -> None:
+    grasp = pinch(hl.Coulomb(MU))
+    found = next(t for t in grasp.best_change(share=0.1).tried if t.what == "thinner rubber")
+    assert found.gain == pytest.approx(1.0 / 0.9 - 1.0, rel=1e-6)
+    said = [r for r in grasp.replace(wrench=(0, 0, -30, 0, 0, 0)).check().reasons if r.values.get("change") == "rubber"]
+    assert [r.values["value"] for r in said] == [0.5]  # 40 N instead of 20 N
+    assert said[0].sentence == "rubber 0.5 × as thick would hold it"
 
 
 def test_a_solver_of_this_file_solves_problems_and_grasps() -> None:

@@ -73,27 +73,28 @@ class Questions(ABC):
         """The least factor on the stiffness of all joints (of the fingers, where no joints are known) with which the
         object moves by no more than `motion` [m], its reference point from the end of the squeeze to the whole load.
 
-        Pads stay as they are. What the hand is commanded stays, too. tolerance : relative. Raises InputError.
+        Pads stay as they are. A grip force stays the force that it is; a squeeze stays as deep, and a joint offset as
+        large, so that stiffer joints press harder. tolerance : relative. Raises InputError.
         """
         from handlcp.grasp.design.stiffness import required_stiffness
-        from handlcp.grasp.verdict.trials import stiffened
 
-        return required_stiffness(self.spec, self._section(faces), motion, tolerance, stiffened)
+        return required_stiffness(self.spec, self._section(faces), motion, tolerance)
 
     def best_change(
         self, wrench: Any = None, share: float = 0.1, *, geometry: str | None = None,
         faces: int | str | Pyramid = "cone",
     ) -> BestChange:  # fmt: skip
         """Which single change buys most load: preload, friction or stiffness (of a hand: grip, friction, stiffness or
-        torque limits), each changed by the same share, more and less where both can help.
+        torque limits), each changed by the same share, more and less where both can help. A grip force stays the force
+        that it is where joints are made stiffer or softer.
 
         wrench : (6,) the load that grows, beside the weight, as in `load_limit`; None: the grasp's own, or where it has
         none, its weight once more. The load limit is found anew with each change, and `check()` judges the best one.
         Raises InputError, Unsupported (known forces).
         """
-        from handlcp.grasp.design.best_change import best_change, means_of_fingers
+        from handlcp.grasp.design.best_change import best_change
 
-        return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_fingers)
+        return best_change(self.spec, self._section(faces), wrench, share, geometry)
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more.

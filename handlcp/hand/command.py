@@ -56,6 +56,11 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
     return spec.replace(effects=(*spec.effects, effect)) if says_something else spec
 
 
+def gripped(spec: GraspSpec, force: Array) -> GraspSpec:
+    """The grasp with normal forces (k,) [N] commanded at the fingertips, in place of its own command."""
+    return commanded(spec, None, np.asarray(force), None)
+
+
 def standing_off(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Array | None = None) -> HandMechanism:
     """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
     `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`. inside : (k,) [m] what counts

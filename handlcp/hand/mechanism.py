@@ -17,6 +17,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
+from handlcp.grasp.assembly.asked import again
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.mechanism import Mechanism
@@ -24,7 +25,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
-from handlcp.hand.elasticity.stiffness import tip_flexibility
+from handlcp.hand.elasticity.stiffness import JointStiffness, tip_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.joint_limits import TorqueLimits
@@ -212,10 +213,43 @@ class HandMechanism(Varied, Mechanism):
         hand = self.posture.hand.stiffer(factor)
         return replace(self, root=hand.stiffness.root, posture=type(self.posture)(hand, self.posture.q))
 
-    def limited(self, torques: TorqueLimits) -> Self:
-        """The same hand in the same posture, with other torque limits."""
-        hand = self.posture.hand.limited(torques)
-        return replace(self, limits=torques.limits, posture=type(self.posture)(hand, self.posture.q))
+    @property
+    def springs_by_joint(self) -> bool:
+        """Not of a transmission."""
+        return type(self.posture.hand.stiffness) is JointStiffness
+
+    def limited(self, spec: GraspSpec, limits: Array) -> GraspSpec:
+        """Of the same hand in the same posture; all limits count as known."""
+        hand = self.posture.hand.limited(TorqueLimits(read_only(limits), (True,) * len(self.names), self.names))
+        made = replace(self, limits=hand.torques.limits, posture=type(self.posture)(hand, self.posture.q))
+        asked = None if spec.asked is None else again(spec.asked, {"state": made.posture})
+        return spec.replace(mechanism=made, asked=asked)
+
+    def commands(self, spec: GraspSpec) -> bool:
+        """By a squeeze, a grip force or a joint offset."""
+        return any(isinstance(e, JointOffset) for e in spec.effects)
+
+    def gripping_again(self, spec: GraspSpec) -> GraspSpec:
+        """A grip force stays the force that it is."""
+        from handlcp.hand.command import gripped
+
+        reach = next((e.reach for e in spec.effects if isinstance(e, JointOffset)), None)
+        return spec if reach is None or reach.unit != "N" else gripped(spec, reach.asked)
+
+    @property
+    def object_mass(self) -> float:
+        """As it was given."""
+        return 0.0 if self.target is None else self.target.mass
+
+    def weighing(self, mass: float) -> Self:
+        """Held in the same way."""
+        return self if self.target is None else replace(self, target=self.target.weighing(mass))
+
+    def loaded(self, spec: GraspSpec, load: Array) -> GraspSpec:
+        """As `replace(load=…)` makes it."""
+        from handlcp.hand.asked.change import hand_remade
+
+        return hand_remade(spec, {"load": load})
 
     def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
         """Of a posture, with the object there; None: not known."""
@@ -254,6 +288,12 @@ class HandMechanism(Varied, Mechanism):
         if yielded.any():  # NaN without an answer
             yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
         return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding)
+
+
+def hand_of(spec: GraspSpec) -> HandMechanism:
+    """The hand of a hand's grasp."""
+    assert isinstance(spec.mechanism, HandMechanism)
+    return spec.mechanism
 
 
 def mechanism_of(

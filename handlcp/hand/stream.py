@@ -20,8 +20,9 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement, cross_rows
 from handlcp.grasp.model.spec import wrench_about
-from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind, pack, start_from
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind, start_from
 from handlcp.grasp.solve.compiled_solve import solve_scenes
+from handlcp.grasp.solve.scene_row import views, write_row
 from handlcp.hand.command import read_joint_offset
 from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.mechanism import HandMechanism
@@ -116,13 +117,12 @@ class GraspStream:
         self._kind, self._start = compiled_kind(scene, self._section), start_from(start, scene)
         self._anew = self._start
         self._numbers = np.empty((1, self._kind.scene_width))
-        pack(scene, self._section, self._numbers[0])
+        write_row(scene, self._section, self._numbers[0])
         self._scene = read_only(self._numbers.view())
         n, k = spec.n, spec.of_fingers
-        ends = np.cumsum([3 * n, 9 * n, 9 * n * n, 3 * n, 3 * n, 3, 3]).tolist()
-        p, R, E, d, _, f, m = np.split(self._numbers[0], ends)[:7]  # views: what is written there is what is solved
-        self._positions, self._frames = p.reshape(n, 3), R.reshape(n, 3, 3)
-        self._flexibility, self._offset, self._force, self._moment = E.reshape(3 * n, 3 * n), d, f, m
+        g, _ = views(self._numbers[0], n, 0, scene.dof)  # views: what is written there is what is solved
+        self._positions, self._frames, self._flexibility, self._offset = g.positions, g.frames, g.flexibility, g.offset
+        self._force, self._moment = g.force, g.moment
         self._tips, self._axes = self._positions[:k], self._frames[:k]
         # Without what the effects add
         self._own, self._given = spec.flexibility.copy(), spec.offset.copy()

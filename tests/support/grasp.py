@@ -16,10 +16,11 @@ from handlcp.grasp.answer.diagnosis import Sentences
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
-from handlcp.grasp.batch.first_stage import pack_all
+from handlcp.grasp.batch.first_stage import rows_of
 from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solve import compiled_answer as _first
+from handlcp.grasp.solve.scene_row import write_row
 from handlcp.grasp.solve.solve_spec import force_dependent, missed
 from handlcp.grasp.verify.judge import judge
 from handlcp.lcp.kernels.projection import nearest as _nearest
@@ -164,8 +165,8 @@ def packed(grasps: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
     kind = _first.compiled_kind(scenes[0], cut)
     rows = np.empty((len(scenes), kind.scene_width))
     for scene, row in zip(scenes, rows, strict=True):
-        _first.pack(scene, cut, row)
-    return rows, pack_all(scenes, kind, cut)
+        write_row(scene, cut, row)
+    return rows, rows_of(scenes, kind, cut)
 
 
 # ---------------------------------------------------------------- the certifier

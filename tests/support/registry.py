@@ -1,4 +1,4 @@
-"""Effects and friction laws that a test defines, and that nobody else should meet."""
+"""Effects, friction laws and parameters that a test defines, and that nobody else should meet."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 from handlcp.grasp.friction import law as _law
 from handlcp.grasp.model import effect as _effect
+from handlcp.grasp.parameter import parameter as _parameter
 
 __all__ = ["definitions_of_a_test"]
 
@@ -14,7 +15,7 @@ __all__ = ["definitions_of_a_test"]
 @contextmanager
 def definitions_of_a_test() -> Iterator[None]:
     """What is defined inside is forgotten behind."""
-    kept = [(known, dict(known)) for known in (_effect._KINDS, _law._LAWS)]
+    kept = [(known, dict(known)) for known in (_effect._KINDS, _law._LAWS, _parameter._KINDS)]
     try:
         yield
     finally:

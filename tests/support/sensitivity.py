@@ -19,7 +19,7 @@ HANDS_OF_LIBRARY = tuple([name for name in library.HANDS if name != "planar_ring
 # Fourth-order differences over these leave about 1e-10 of truncation and of the solver's rounding
 STEPS = {
     "wrench": 1e-4, "squeeze": 1e-6, "joint_offset": 1e-5, "stiffness": 1e-3, "pads": 1e-7, "friction": 1e-4,
-    "torque_limits": 1e-5, "positions": 1e-6, "normals": 1e-5, "posture": 3e-6, "lengths": 3e-7,
+    "torque_limits": 1e-5, "positions": 1e-6, "normals": 1e-5, "posture": 3e-6, "lengths": 3e-7, "mass": 1e-4,
 }  # fmt: skip
 
 
@@ -29,6 +29,8 @@ def varied(grasp, parameter, index, step):
     if parameter == "wrench":
         load = np.eye(6)[i] * step
         return grasp_of(spec.replace(wrench=spec.wrench + load, asked=spec.asked))
+    if parameter == "mass":
+        return grasp.replace(mass=grasp.target.mass + step)
     if parameter == "squeeze":
         offset = spec.offset.copy()
         offset[i, 2] -= step

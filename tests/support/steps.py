@@ -22,6 +22,7 @@ from handlcp.grasp.model.unknowns import System
 from handlcp.grasp.solve import (
     compiled_answer as _first,  # its kernels are looked up there, where a clock may have been put around them
 )
+from handlcp.grasp.solve.scene_row import write_row
 from handlcp.grasp.solve.stages import answered
 from handlcp.lcp import NSNGRK, ContactProblem, Units, certify, proposals
 from handlcp.lcp.certify import certify_contact
@@ -58,7 +59,7 @@ class OneCall:
 
     def pack(self) -> None:
         """The scene as a row of numbers."""
-        _first.pack(self.grasp.scene, self.section, self.numbers[0])
+        write_row(self.grasp.scene, self.section, self.numbers[0])
 
     def answer(self) -> None:
         """Units, stamps, solver, certificate, states: one compiled call."""

@@ -19,8 +19,6 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Status
 from handlcp.lcp.solve import AnySolver
 
-MOST = 0.2  # of the grasp's size: no hand squeezes farther than that for a better hold
-
 
 def solve_with_advice(
     spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None,
@@ -42,6 +40,7 @@ def _squeeze(spec: GraspSpec, section: Section) -> float | None:
     digits, as it is said, where that holds, too.
     """
     from handlcp.grasp.analysis.required import required_preload
+    from handlcp.grasp.parameter.squeeze import MOST
 
     least = required_preload(spec, section, limit=MOST * build(spec).units.length, test=_bears, sure=_bears).value
     if not least:

@@ -20,6 +20,7 @@ from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.friction import with_friction
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import BRIEF
 from handlcp.grasp.verify.capacity import overload
@@ -200,13 +201,6 @@ def smallest(
         low, high, step = max(start, low - step), low, 2.0 * step
     low, high = between(low, high, sure)
     return found(high, low)
-
-
-def with_friction(spec: GraspSpec, mu: float) -> GraspSpec:
-    """The same grasp with the coefficient `mu` at every contact that has friction; a law with several keeps their
-    ratios, and `mu` is the one it calls so.
-    """
-    return spec.with_laws(tuple([c.friction.with_mu(mu) if c.mu > 0 else c.friction for c in spec.contacts]))
 
 
 def _escapes(spec: GraspSpec, section: Section) -> bool:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledKind, compiled_kind
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
+from handlcp.grasp.solve.scene_row import write_rows
 from handlcp.lcp import Status, as_chain
 from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.solve import AnySolver
@@ -62,30 +64,23 @@ def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySol
 # ----------------------------------------------------------------
 # Many scenes of one kind as one matrix, and the same matrix in fewer numbers where it travels to another process.
 
+
 _READ = attrgetter("positions", "frames", "flexibility", "offset", "prescribed", "force", "moment", "mu")
 _SPATIAL = np.eye(6)
 
 
-def pack_all(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
-    """(m, width) read-only: the row of each scene as `compiled_answer.pack` writes it, field by field for all at once,
-    in a third of the time.
-    """
+def rows_of(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
+    """(m, width) read-only: the rows of scenes of one kind, field by field for all at once, in a third of the time."""
+    m, soft = len(scenes), kind.kind.soft
     positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ, scenes), strict=True)
-    none, soft = np.zeros(kind.kind.components), kind.kind.soft
-    fields = [positions, frames, E, offset, [none if a is None else a for a in known]]
-    if soft:
-        fields.append([s.given.spin for s in scenes])
-    fields += [force, moment, [s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL] * len(scenes)]
-    fields.append([s.limits(section) for s in scenes] if soft else mu)
-    out, at = np.empty((len(scenes), kind.scene_width)), 0
-    for own in fields:
-        first, end = own[0], at + own[0].size
-        shared = all([a is first for a in own])  # as after `replace`
-        out[:, at:end] = first.reshape(-1) if shared else np.concatenate(own).reshape(len(own), -1)
-        at = end
-    if not soft:
-        out[:, -kind.kind.n :] *= section.share
-    return read_only(out)
+    none = np.zeros(kind.kind.components)
+    return write_rows(
+        m, kind.scene_width, positions=positions, frames=frames, flexibility=E, offset=offset,
+        prescribed=[none if a is None else a for a in known],
+        spin=[s.given.spin for s in scenes] if soft else np.zeros((m, 0)), force=force, moment=moment,
+        freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL] * m,
+        limits=[s.limits(section) for s in scenes] if soft else np.array(mu) * section.share,
+    )  # fmt: skip
 
 
 def answer_rows(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Array:
@@ -141,6 +136,8 @@ def solve_parcel(parcel: Parcel) -> Array:
 
 STATUSES = tuple(Status)
 
+P = TypeVar("P")
+R = TypeVar("R")
 _CHUNK = 256  # grasps that a thread takes at a time: long beside the handing over, short beside the whole
 
 
@@ -224,7 +221,22 @@ def answers_in_threads(batch: Batch, kinds: list[Members], workers: int) -> Iter
         kind = shard.kind
         return Answers(*shard, answer_rows(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed))
 
-    parts = list(shards(kinds, _CHUNK))
+    yield from _in_threads(list(shards(kinds, _CHUNK)), solved, workers)
+
+
+def solved_rows(numbers: Array, kind: CompiledKind, workers: int | None) -> Array:
+    """(m, width) the first stage's answers to the rows of scenes of one kind, as `solve_many` has them."""
+    chain = as_chain(None)
+    assert chain is not None
+
+    def solved(part: Array) -> Array:
+        return answer_rows(part, kind.pattern, kind.answer_width, chain.seed)
+
+    parts = [numbers[at : at + _CHUNK] for at in range(0, len(numbers), _CHUNK)]
+    return np.concatenate(list(_in_threads(parts, solved, workers or os.cpu_count() or 1)))
+
+
+def _in_threads(parts: Sequence[P], solved: Callable[[P], R], workers: int) -> Iterator[R]:
     if workers == 1 or len(parts) <= 1:
         yield from map(solved, parts)
         return
@@ -242,7 +254,7 @@ def parcel(batch: Batch, shard: Members) -> Parcel:
 
 def _numbers(batch: Batch, shard: Members) -> Array:
     scenes = [batch.grasps[k].scene for k in shard.at.tolist()]
-    return pack_all(scenes, shard.kind, batch.section(int(shard.at[0])))
+    return rows_of(scenes, shard.kind, batch.section(int(shard.at[0])))
 
 
 def settled(found: Answers, proof: bool) -> tuple[Answers, dict[int, Array]]:

@@ -6,14 +6,12 @@ load between the old limit and the new one: with the change that is held, withou
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from handlcp import words
-from handlcp.check import Array, number, read_only
+from handlcp.check import Array, number
 from handlcp.errors import InputError
 from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
@@ -23,18 +21,9 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.verdict.trials import stiffened
+from handlcp.grasp.parameter import by_effort
+from handlcp.grasp.parameter.wrench import beside_weight, loaded
 from handlcp.text_table import TextTable, wrapped
-
-
-class Means(NamedTuple):
-    """changes : (what, the changed grasp) for a share such as 0.1. loaded : the grasp under a load (6,) beside the
-    weight. own : (6,) its own.
-    """
-
-    changes: Callable[[GraspSpec, float], Iterable[tuple[str, GraspSpec | None]]]
-    loaded: Callable[[GraspSpec, Array], GraspSpec]
-    own: Callable[[GraspSpec], Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,19 +111,19 @@ class BestChange(Data):
 
 
 def best_change(
-    spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any, means: Means
+    spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any
 ) -> BestChange:  # fmt: skip
     """See `Grasp.best_change`."""
     part = number("share", share, above=0.0)
     if part >= 1.0:
         raise InputError("share", "a share below 1, such as 0.1", share)
-    asked = means.own(spec) if wrench is None else wrench
+    asked = beside_weight(spec) if wrench is None else wrench
     of_weight = wrench is None and not asked.any()
     load = spec.wrench if of_weight else asked
     before = load_limit(spec, section, load, geometry, None, None)
     if np.isinf(before.factor):
         return BestChange(before.wrench, part, before, (), np.nan, ("", ""), of_weight)
-    made = {what: other for what, other in means.changes(spec, part) if other is not None}
+    made = {what: other for p in by_effort() for what, other in p.shares(spec, part) if other is not None}
     found = {what: load_limit(other, section, load, geometry, None, None) for what, other in made.items()}
     base = before.factor or np.nan
     tried = [TriedChange(what, limit.factor, limit.factor / base - 1.0, limit) for what, limit in found.items()]
@@ -143,42 +132,12 @@ def best_change(
     if tried and tried[0].factor > before.factor:
         most = min(tried[0].factor, 2.0 * before.factor or 1.0)
         between = 0.5 * (before.factor + most)
-        ends = [means.loaded(s, between * before.wrench) for s in (made[tried[0].what], spec)]
+        ends = [loaded(s, between * before.wrench) for s in (made[tried[0].what], spec)]
         verdicts = (word(ends[0], section), word(ends[1], section))
     return BestChange(before.wrench, part, before, tuple(tried), between, verdicts, of_weight)
 
 
-# ---------------------------------------------------------------- the changes
-def _of_fingers(spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
-    much = words.percent(share)
-    for way, factor in (("more", 1.0 + share), ("less", 1.0 - share)):
-        yield f"{much} {way} preload", _preloaded(spec, factor)
-    yield f"{much} more friction", rougher(spec, 1.0 + share)
-    for way, factor in (("stiffer", 1.0 + share), ("softer", 1.0 - share)):
-        yield f"fingers {much} {way}", stiffened(spec, factor)
-
-
-def _preloaded(spec: GraspSpec, factor: float) -> GraspSpec | None:
-    """With its fingers' preloads times a factor; None: it has none."""
-    offset, k = spec.offset.copy(), spec.of_fingers
-    pressed = offset[:k, 2] < 0.0
-    offset[:k][pressed] *= factor
-    return spec.replace(offset=read_only(offset)) if pressed.any() else None
-
-
-def rougher(spec: GraspSpec, factor: float) -> GraspSpec | None:
-    """With every coefficient of friction times a factor; None: it has no friction."""
-    laws = tuple([c.friction.with_mu(factor * c.mu) if c.mu > 0.0 else c.friction for c in spec.contacts])
-    return spec.with_laws(laws) if any(c.mu > 0.0 for c in spec.contacts) else None
-
-
-def _under(spec: GraspSpec, load: Array) -> GraspSpec:
-    return spec.replace(wrench=read_only(np.array(load)))
-
-
-means_of_fingers = Means(_of_fingers, _under, lambda spec: spec.wrench)
-
-
+# ---------------------------------------------------------------- words
 def _times(factor: float) -> str:
     return f"{factor:.4g}" if np.isfinite(factor) else "∞"
 

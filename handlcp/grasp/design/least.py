@@ -9,12 +9,13 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported
-from handlcp.grasp.analysis.required import Required, required_friction, required_preload, with_friction
+from handlcp.grasp.analysis.required import Required, required_friction, required_preload
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.friction import with_friction
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.check import STEPS, judged

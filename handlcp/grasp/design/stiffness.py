@@ -6,7 +6,6 @@ alone let the object move.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -25,10 +24,10 @@ from handlcp.grasp.design.least import ORDER, Changed, closed_in, without_slip, 
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter import named
 from handlcp.grasp.path.follow import Loading
 from handlcp.text_table import wrapped
 
-Stiffened = Callable[[GraspSpec, float], GraspSpec | None]
 _MOST = 256.0
 
 
@@ -72,14 +71,12 @@ class RequiredStiffness(Data):
         return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it{called}", "  ")
 
 
-def required_stiffness(
-    spec: GraspSpec, section: Section, motion: Any, tolerance: Any, stiffened: Stiffened
-) -> RequiredStiffness:
-    """See `Grasp.required_stiffness`. stiffened : the grasp with joints so many times as stiff; None: it cannot be."""
+def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance: Any) -> RequiredStiffness:
+    """See `Grasp.required_stiffness`."""
     allowed, near = number("motion", motion, above=0.0), tolerance_of(tolerance)
 
     def made(factor: float) -> GraspSpec:
-        if (found := stiffened(spec, factor)) is None:
+        if (found := named("stiffness").scaled(spec, factor)) is None:
             raise InputError("flexibility", "that of joints, whose stiffness can be changed", "one that is not theirs")
         return found
 

@@ -76,8 +76,8 @@ class Mechanism:
         return False
 
     def varied(self, spec: Any, what: str, k: int, step: float, inside: Array | None = None) -> Any:
-        """The grasp made again, as it was asked for, with the k-th "posture" [rad, m], "lengths" [m], "stiffness" or
-        "torque_limits" [N·m] larger by a step. Contacts with an object are detected anew; those that were given stay.
+        """The grasp made again, as it was asked for, with the k-th "posture" [rad, m], "lengths" [m] or "stiffness"
+        [N·m/rad] larger by a step. Contacts with an object are detected anew; those that were given stay.
         inside : (k,) [m] how far fingertips count as inside the object, in place of what is detected.
         """
         raise NotImplementedError
@@ -131,6 +131,19 @@ class Mechanism:
         """
         return read_only(np.zeros(6))
 
+    @property
+    def object_mass(self) -> float:
+        """Of the object [kg]; 0 where it is not known."""
+        return 0.0
+
+    def weighing(self, mass: float) -> Self:
+        """The same with an object of another mass [kg]."""
+        raise NotImplementedError
+
+    def loaded(self, spec: Any, load: Array) -> Any:
+        """The grasp under a load (6,) beside the object's weight, about the reference [N, N·m]."""
+        return spec.replace(wrench=read_only(self.weight_of_object(spec.reference) + load))
+
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
         """(title, equation, whether it is on, why) of what else it is made of, for `explain()`."""
         return ()
@@ -151,6 +164,14 @@ class Mechanism:
         """The grasp with this share of its squeeze."""
         return spec
 
+    def commands(self, spec: Any) -> bool:
+        """Whether the joints of a grasp are commanded beyond their posture."""
+        return False
+
+    def gripping_again(self, spec: Any) -> Any:
+        """A grasp whose springs have changed with its command worked out anew, where that is to press with a force."""
+        return spec
+
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterable[Any]:
         """The same of the end of a loading: torques (nv,), how far joints yield (nv,), and `at_end`."""
         return ()
@@ -164,6 +185,15 @@ class Mechanism:
         reach the object.
         """
         return None
+
+    @property
+    def springs_by_joint(self) -> bool:
+        """Whether each joint has a spring that can change on its own."""
+        return True
+
+    def limited(self, spec: Any, limits: Array) -> Any:
+        """The grasp with other torque limits (nv,) [N·m], inf for none."""
+        return spec.replace(mechanism=replace(self, limits=limits))
 
     def stiffer(self, factor: float) -> Self:
         """The same with joints that are so many times as stiff."""

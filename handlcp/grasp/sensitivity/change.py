@@ -167,6 +167,13 @@ def no_change(answer: Answer, p: int) -> Change:
     return _of([np.zeros((size, p)) for size in sizes])
 
 
+def in_plane(answer: Answer, change: Change) -> Change:
+    """In a planar scene nothing moves across the plane."""
+    if answer.spec.planar:
+        change.motion[1 : 3 * answer.scene.n : 3] = 0.0
+    return change
+
+
 class Rates(NamedTuple):
     """What p parameters do to an answer, SI, each (…, p). forces (c, p) in contact axes, moments of soft contacts last;
     motion (6, p) of the object about the reference; slip (c, p) of v, contact axes. NaN where it is not determined.

@@ -18,7 +18,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.sensitivity.by.vary import STEPS, TOGETHER, shape_of, sizes_of, vary, vary_all
+from handlcp.grasp.parameter import named, parameters
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
 
@@ -91,7 +91,7 @@ class PathSensitivity:
     """
 
     def __init__(self, spec: GraspSpec, end: Callable[[GraspSpec], dict[str, Array]], coarser: float = 1.0) -> None:
-        """End : the quantities at the end of the path of a grasp. coarser : times the steps of `STEPS`."""
+        """End : the quantities at the end of the path of a grasp. coarser : times the steps of the parameters."""
         self._spec, self._end, self._coarser = spec, end, coarser
         self._here = end(spec)
         self._found: dict[str, dict[str, Sides]] = {}
@@ -99,8 +99,8 @@ class PathSensitivity:
     @property
     def parameters(self) -> tuple[str, ...]:
         """What there are derivatives by."""
-        each = [name for name in STEPS if np.prod(shape_of(self._spec, name)) > 0]
-        return (*each, *(_ALL + name for name in TOGETHER if name in each))
+        each = [p for p in parameters() if np.prod(p.shape(self._spec)) > 0]
+        return (*(p.name for p in each), *(_ALL + p.name for p in each if p.together))
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -141,25 +141,27 @@ class PathSensitivity:
         """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
         where they are all zero.
         """
-        sizes = sizes_of(self._spec, parameter)
+        of = named(parameter)
+        sizes = of.values(self._spec)
         largest = float(abs(sizes).max(initial=0.0))
         if largest == 0.0:
             return {}
-        h = STEPS[parameter] * self._coarser
-        ahead, behind = (self._end(vary_all(self._spec, parameter, way * h * sizes / largest)) for way in (1, -1))
+        h = of.step * self._coarser
+        ahead, behind = (self._end(of.varied_all(self._spec, way * h * sizes / largest)) for way in (1, -1))
         rates = {name: self._sides(name, ahead, behind, h).derivative for name in self._here}
         return {name: share * largest * rate for name, rate in rates.items()}
 
     def _differences(self, parameter: str) -> dict[str, Sides]:
         if parameter.startswith(_ALL):
-            name = parameter.removeprefix(_ALL)
-            h, ones = STEPS[name] * self._coarser, np.ones(shape_of(self._spec, name))
-            ahead, behind = (self._end(vary_all(self._spec, name, way * h * ones)) for way in (1, -1))
+            every = named(parameter.removeprefix(_ALL))
+            h, ones = every.step * self._coarser, np.ones(every.shape(self._spec))
+            ahead, behind = (self._end(every.varied_all(self._spec, way * h * ones)) for way in (1, -1))
             return {of: self._sides(of, ahead, behind, h) for of in self._here}
-        shape, h = shape_of(self._spec, parameter), STEPS[parameter] * self._coarser
+        one = named(parameter)
+        shape, h = one.shape(self._spec), one.step * self._coarser
         columns: dict[str, list[Sides]] = {name: [] for name in self._here}
         for k in range(int(np.prod(shape))):
-            ahead, behind = (self._end(vary(self._spec, parameter, k, step)) for step in (h, -h))
+            ahead, behind = (self._end(one.varied(self._spec, k, step)) for step in (h, -h))
             for of, pairs in columns.items():
                 pairs.append(self._sides(of, ahead, behind, h))
         return {of: Sides(*[_stacked(list(one), shape) for one in zip(*pairs, strict=True)])

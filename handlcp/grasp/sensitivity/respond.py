@@ -23,8 +23,8 @@ from handlcp.tolerances import RANK
 # The derivatives that are asked for most, together and compiled, of an answer in its ordinary case.
 #
 # That is: nothing is left free, no contact is at a kink, no limit gives way, and neither a soft palm nor turning levers
-# take part. The equations are those of `by/parameters.py` and `by/contacts.py`, which serve every other case; a test
-# holds both against each other.
+# take part. The equations are those of the parameters (`grasp/parameter`), which serve every other case; a test holds
+# both against each other.
 
 ORDINARY = ("wrench", "squeeze", "pads", "friction", "positions", "joint_offset", "stiffness")  # in this order
 

@@ -9,15 +9,17 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.parameter import named, parameters
+from handlcp.grasp.parameter.posture import by_depth
 from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.by.parameters import PARAMETERS
-from handlcp.grasp.sensitivity.by.places import touching_kinks
 from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
 from handlcp.grasp.sensitivity.respond import Response
 from handlcp.grasp.sensitivity.table import QUANTITIES, what_matters
 from handlcp.tolerances import ACTIVE
 from handlcp.views import view
+
+_MADE_AGAIN = "posture", "lengths"  # by these the grasp is made again as it was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +64,8 @@ class Sensitivity:
     @property
     def parameters(self) -> tuple[str, ...]:
         """What there are derivatives by."""
-        hand = self._answer.spec.mechanism is not None
-        return tuple([name for name, p in PARAMETERS.items() if hand or not p.joints])
+        spec = self._answer.spec
+        return tuple([p.name for p in parameters() if not p.of_joints or np.prod(p.shape(spec)) > 0])
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -80,7 +82,7 @@ class Sensitivity:
     @property
     def kinks(self) -> tuple[Kink, ...]:
         """Where a derivative has two sides; () where nothing does."""
-        return (*self._response.kinks, *touching_kinks(self._answer))
+        return (*self._response.kinks, *_touching_kinks(self._answer))
 
     @property
     def free(self) -> int:
@@ -95,14 +97,14 @@ class Sensitivity:
             raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
         rates, change = self._by(parameter)
         found = QUANTITIES[quantity].rate(self._answer, rates, change.ahead)
-        return read_only(found.reshape(*found.shape[:-1], *PARAMETERS[parameter].shape(self._answer)))
+        return read_only(found.reshape(*found.shape[:-1], *self._shape(parameter)))
 
     def along(self, parameter: str, direction: Any) -> Along:
         """The derivatives along a direction, an array in the parameter's shape, on both sides. Raises UnknownName,
         InputError.
         """
         _, change = self._by(parameter)
-        way = array("direction", direction, PARAMETERS[parameter].shape(self._answer)).reshape(-1)
+        way = array("direction", direction, self._shape(parameter)).reshape(-1)
         ahead, behind = self._one_side(change.toward(way)), self._one_side(change.toward(-way))
         return Along(ahead, {name: read_only(-rate) for name, rate in behind.items()})
 
@@ -110,13 +112,16 @@ class Sensitivity:
         rates = self._response.to(change)
         return {name: read_only(QUANTITIES[name].rate(self._answer, rates, change)[..., 0]) for name in self.quantities}
 
+    def _shape(self, parameter: str) -> tuple[int, ...]:
+        return named(parameter).shape(self._answer.spec)
+
     def _by(self, parameter: str) -> tuple[Rates, Change]:
         if (known := self._rates.get(parameter)) is not None:
             return known
         if parameter not in self.parameters:
             raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
         if (known := self._response.ordinary.get(parameter)) is None:
-            change = PARAMETERS[parameter].change(self._answer)
+            change = named(parameter).change(self._answer)
             known = self._response.to(change.ahead), change
         self._rates[parameter] = known
         return known
@@ -132,7 +137,7 @@ class Sensitivity:
         both named by their numbers, such as "0.2". Raises UnknownName, and Unsupported without pandas.
         """
         value = self.of(quantity, parameter)
-        of = PARAMETERS[parameter].shape(self._answer)
+        of = self._shape(parameter)
         rows, columns = value.shape[: value.ndim - len(of)], [".".join(map(str, k)) for k in np.ndindex(*of)]
         flat = value.reshape(-1, len(columns))
         index = [".".join(map(str, k)) for k in np.ndindex(*rows)]
@@ -147,7 +152,7 @@ class Sensitivity:
     def __getattr__(self, name: str) -> Array:
         """`<quantity>_by_<parameter>`."""
         quantity, by, parameter = name.partition("_by_")
-        if not by or quantity not in QUANTITIES or parameter not in PARAMETERS:
+        if not by or quantity not in QUANTITIES or all(p.name != parameter for p in parameters()):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
         value = self.of(quantity, parameter)
         self.__dict__[name] = value
@@ -155,6 +160,16 @@ class Sensitivity:
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
+
+
+def _touching_kinks(answer: Answer) -> tuple[Kink, ...]:
+    """Fingertips that just touch, where that gives derivatives by posture and lengths two sides."""
+    deeper, mechanism = by_depth(answer), answer.spec.mechanism
+    found = None if mechanism is None else mechanism.inside(answer.spec)
+    if deeper is None or found is None:
+        return ()
+    some = [int(i) for i in deeper.contacts if found[1][i]]
+    return tuple([Kink(answer.spec.names[i], "just touches where it was detected", i, _MADE_AGAIN) for i in some])
 
 
 def _plain(value: Array) -> Any:

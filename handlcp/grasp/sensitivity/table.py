@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.grasp.parameter import named
 from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.by.vary import sizes_of
 from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
@@ -136,7 +136,7 @@ def _changes(s: Any, answer: Answer) -> list[tuple[str, str, list[tuple[str, Arr
     """(words, parameter, directions by where they are) of each row."""
     spec, n, hand = answer.spec, answer.scene.n, "torques" in s.quantities
     out = [("load +10 %", "wrench", [("", _SHARE * spec.wrench)])]
-    squeeze, commanded = _SHARE * sizes_of(spec, "squeeze"), hand and bool(answer.command.any())
+    squeeze, commanded = _SHARE * named("squeeze").values(spec), hand and bool(answer.command.any())
     if squeeze.any() and not (commanded and _is_nothing(s, answer, squeeze)):
         words = "overlap left +10 %" if commanded else "squeeze +10 %"
         out.append((words, "squeeze", [("all fingers", squeeze)]))
@@ -146,7 +146,7 @@ def _changes(s: Any, answer: Answer) -> list[tuple[str, str, list[tuple[str, Arr
         C = np.diagonal(answer.compliance)
         stiffer = _SHARE / np.where(C > 0.0, C, np.inf)
         out.append(("stiffness +10 %", "stiffness", [("all joints", stiffer)]))
-    pads = sizes_of(spec, "pads")
+    pads = named("pads").values(spec)
     if pads.any():
         out.append((f"{'pads' if hand else 'flexibility'} 10 % softer", "pads", [("all fingers", _SHARE * pads)]))
     mu, one = np.array([c.mu for c in spec.contacts]), np.eye(n)

@@ -14,6 +14,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
+from handlcp.grasp.solve.scene_row import width, write_row
 from handlcp.grasp.verify.contact_laws import Misses
 from handlcp.grasp.verify.contact_states import names_of
 from handlcp.grasp.verify.judge import Residuals
@@ -33,7 +34,7 @@ class CompiledKind:
         kind, self.design = scene.kind, design(scene, section, ())
         where, roles = self.design.layout, self.design.pattern
         self.kind: Kind = kind
-        self.scene_width = sum([a.size for a in scene.given]) + kind.n
+        self.scene_width = width(scene)
         self.answer_width = HEAD + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
             kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
@@ -56,16 +57,11 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
     return known
 
 
-def pack(scene: Scene, section: Section, row: Array) -> None:
-    """Write the scene's numbers into a row, as `solve_scenes` reads them."""
-    np.concatenate((*scene.given, scene.limits(section)), axis=None, out=row)
-
-
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
     """The first stage's answer, certified or not; start as in `start_from`."""
     kind = compiled_kind(scene, section)
     numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
-    pack(scene, section, numbers[0])
+    write_row(scene, section, numbers[0])
     solve_scenes(read_only(numbers), kind.pattern, start, seed, rows)
     return CompiledAnswer(kind, rows[0])
 

@@ -16,6 +16,7 @@ from handlcp.grasp.answer.active_conditions import active_system
 from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
+from handlcp.grasp.solve.scene_row import read_scene
 from handlcp.grasp.verify.contact_laws import Friction, examine
 from handlcp.grasp.verify.contact_states import ESCAPES, RESTING, States, find_escape, find_states
 from handlcp.lcp.kernels.contact_rows import in_order
@@ -100,22 +101,6 @@ def write_answer(row: Array, p: ScenePattern, g: Given, limits: Array, posed: Po
         row[11] = UNIQUE if one else UNKNOWN
         for i in range(n):
             row[end + i] = states.kind[i]
-
-
-@kernel
-def read_scene(scene: Array, n: int, soft: int, dof: int) -> tuple[Given, Array]:
-    """The arrays of a scene, and its limits (n,), as views of its row."""
-    c = 3 * n + soft
-    a = 12 * n
-    b = a + c * c
-    d = b + 2 * c
-    e = d + 3 * soft + 6
-    f = e + 6 * dof
-    return Given(
-        scene[: 3 * n].reshape(n, 3), scene[3 * n : a].reshape(n, 3, 3), scene[a:b].reshape(c, c), scene[b : b + c],
-        scene[b + c : d], scene[d : e - 6].reshape(3, soft), scene[e - 6 : e - 3], scene[e - 3 : e],
-        scene[e:f].reshape(dof, 6),
-    ), scene[f:]  # fmt: skip
 
 
 @kernel

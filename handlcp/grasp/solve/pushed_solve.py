@@ -18,11 +18,11 @@ from handlcp.grasp.model.grasp_matrix import Blocks, pose
 from handlcp.grasp.solve.compiled_solve import (
     ScenePattern,
     begin,
-    read_scene,
     solved,
     stamped_rows,
     write_answer,
 )
+from handlcp.grasp.solve.scene_row import read_scene
 from handlcp.lcp.kernels.dense import kernel
 
 

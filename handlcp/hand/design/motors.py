@@ -16,9 +16,10 @@ from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.asked.load import weight_of
-from handlcp.hand.design.changed import hand_of, with_limits
+from handlcp.hand.mechanism import hand_of
 from handlcp.text_table import TextTable, wrapped
 
 # ----------------------------------------------------------------

@@ -10,8 +10,6 @@ from handlcp.grasp.grasp import Grasp
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.required import Required
-    from handlcp.grasp.design.best_change import BestChange
-    from handlcp.grasp.design.stiffness import RequiredStiffness
     from handlcp.hand.design.motors import RequiredTorque
 
 
@@ -60,26 +58,3 @@ class HandQuestions(Grasp):
         from handlcp.hand.design.required_torque import required_squeeze
 
         return required_squeeze(self.spec, self._section(faces), tolerance)
-
-    def required_stiffness(
-        self, motion: float, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3
-    ) -> RequiredStiffness:
-        """As `Grasp.required_stiffness`. A grip force stays the force that it is; a squeeze stays as deep, and a joint
-        offset as large, so that stiffer joints press harder.
-        """
-        from handlcp.grasp.design.stiffness import required_stiffness
-        from handlcp.hand.design.changed import hand_stiffened
-
-        return required_stiffness(self.spec, self._section(faces), motion, tolerance, hand_stiffened)
-
-    def best_change(
-        self, wrench: Any = None, share: float = 0.1, *, geometry: str | None = None,
-        faces: int | str | Pyramid = "cone",
-    ) -> BestChange:  # fmt: skip
-        """As `Grasp.best_change`: of grip, friction, stiffness of the joints and torque limits. A grip force stays the
-        force that it is where joints are made stiffer or softer.
-        """
-        from handlcp.grasp.design.best_change import best_change
-        from handlcp.hand.design.changed import means_of_hand
-
-        return best_change(self.spec, self._section(faces), wrench, share, geometry, means_of_hand)

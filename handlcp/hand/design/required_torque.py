@@ -21,11 +21,12 @@ from handlcp.grasp.design.least import ORDER, Changed, least_value, verdict_on, 
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.grasp.verdict.check import followed_to
-from handlcp.hand.command import commanded
-from handlcp.hand.design.changed import gripped, hand_of, with_limits
+from handlcp.hand.command import commanded, gripped
 from handlcp.hand.design.motors import Case, RequiredTorque, cases
 from handlcp.hand.design.trials import Trial, Trials, least
+from handlcp.hand.mechanism import hand_of
 
 # ----------------------------------------------------------------
 # Contact forces where nothing slips and nothing opens: linear in the grip and in the load.

@@ -12,7 +12,7 @@ from handlcp.grasp.design.least import ORDER, closed_in
 from handlcp.grasp.friction import Section
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.verdict.check import STEPS
-from handlcp.hand.design.changed import gripped
+from handlcp.hand.command import gripped
 from handlcp.hand.design.motors import Case
 
 # ----------------------------------------------------------------

@@ -57,9 +57,9 @@ class Posture:
         return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.root, pads))
 
     def jacobian_at(self, points: Array, tips: tuple[int, ...]) -> Array:
-        """(m, 3, nv) Jacobian v + ω × p of points (m, 3) that move with the tips numbered `tips`, world axes."""
+        """(…, m, 3, nv) Jacobian v + ω × p of points (…, m, 3) that move with the tips numbered `tips`, world axes."""
         J = np.dot(points, self._spread[1:]) + self._spread[0]
-        return self._independent(J.reshape(len(points), 3, -1), tips)
+        return self._independent(J.reshape(*points.shape[:-1], 3, -1), tips)
 
     def turning(self, tips: tuple[int, ...]) -> Array:
         """(m, 3, nv) angular Jacobian of the tips numbered `tips`, world axes [rad/rad]."""

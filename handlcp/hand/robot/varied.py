@@ -50,15 +50,6 @@ def _sprung(hand: HandModel, k: int, step: float) -> HandModel:
     return made
 
 
-def _stronger(hand: HandModel, k: int, step: float) -> HandModel:
-    """With a larger torque limit of joint k."""
-    made, limits = copy(hand), hand.torques.limits.copy()
-    limits[k] += step
-    made.__dict__["torques"] = replace(hand.torques, limits=read_only(limits))
-    made.__dict__["torque_limits"] = read_only(limits)
-    return made
-
-
 class Varied:
     """The part of a hand's `Mechanism` that makes its grasp again. posture, tips, jacobian : as in `HandMechanism`."""
 
@@ -85,8 +76,6 @@ class Varied:
             q[k] += step
         elif what == "stiffness":
             hand = _sprung(hand, k, step)
-        elif what == "torque_limits":
-            hand = _stronger(hand, k, step)
         else:
             hand = longer(hand, k, step)
         posture = type(self.posture)(hand, read_only(q))

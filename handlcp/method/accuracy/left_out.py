@@ -9,10 +9,10 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp import Effect, Grasp, GraspSolution
-from handlcp.grasp.analysis.required import with_friction
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model import validate
+from handlcp.grasp.parameter.friction import with_friction
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
 from handlcp.method.accuracy.measure import Errors

@@ -1,4 +1,4 @@
-"""What a sample's grasp does: held or not, and how far contacts slide over edges."""
+"""What becomes of samples: held or not, within the torque limits or not, and by how much."""
 
 from __future__ import annotations
 
@@ -12,104 +12,15 @@ from handlcp.check import Array, Bools, Ints
 from handlcp.grasp import GraspSolution, Solutions, solve_many
 from handlcp.grasp.answer.reasons import friction_margin
 from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
+from handlcp.grasp.batch.first_stage import STATUSES, Answers, solved_rows
 from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.solve.compiled_answer import compiled_kind
 from handlcp.grasp.verdict.check import judged
-from handlcp.hand.objects.object import BOX, CYLINDER, Object, touched
 from handlcp.lcp import Status
-from handlcp.study.reliability.spread import Dimension
-
-# ----------------------------------------------------------------
-# The values of many samples as arrays, parameter by parameter.
-
-
-@dataclass(frozen=True, slots=True)
-class Values:
-    """rows (m, d) : of m samples, in the order of the dimensions."""
-
-    dimensions: Sequence[Dimension]
-    rows: Array
-
-    def one(self, parameter: str) -> list[float | None]:
-        """(m,) of a parameter with one value; None where it does not vary."""
-        for d, column in zip(self.dimensions, self.rows.T, strict=True):
-            if d.parameter == parameter:
-                return list(column.tolist())
-        return [None] * len(self.rows)
-
-    def each(self, parameter: str, count: int, default: Array | float) -> Array | None:
-        """(m, count) of a parameter with a value for each contact, joint or tip; None where it does not vary."""
-        out: Array | None = None
-        for d, column in zip(self.dimensions, self.rows.T, strict=True):
-            if d.parameter == parameter:
-                if out is None:
-                    out = np.broadcast_to(default, (len(self.rows), count)).astype(float)
-                out[:, list(d.at) if d.at else slice(None)] = column[:, None]
-        return out
-
-    def shifts(self, count: int) -> Array | None:
-        """(m, count, 2) of contacts along their tangents [m]; None where none moves."""
-        out: Array | None = None
-        for d, column in zip(self.dimensions, self.rows.T, strict=True):
-            if d.parameter == "positions":
-                out = np.zeros((len(self.rows), count, 2)) if out is None else out
-                out[:, d.at[0], d.at[1]] = column
-        return out
-
-
-# ----------------------------------------------------------------
-# Contacts slid along the object's surface, many at once.
-#
-# Past an edge of a box or a rim of a cylinder a contact has no normal: it is on two faces, and a fingertip rolls around
-# the edge. Such a contact keeps its axes, and is named as one that is past an edge.
-
-_TURNED = 1e-6  # of a normal that has one direction on a whole face: more is another face
-
-
-def slid(positions: Array, frames: Array, shifts: Array, obj: Object | None) -> tuple[Array, Array, Bools]:
-    """Positions (m, k, 3) and frames (m, k, 3, 3) of k contacts after m shifts (m, k, 2) [m] along their tangents, and
-    which of them (m, k) are past an edge.
-
-    On a ball, a box, a cylinder or an ellipsoid a contact stays on the surface, and its normal turns with that. On
-    anything else, or without an object (None), it moves in its tangent plane, and keeps its normal.
-    """
-    m, k = len(shifts), len(positions)
-    goal = positions + np.einsum("kab,mkb->mka", frames[:, :, :2], shifts)
-    if obj is None or obj.known is None:
-        return goal, np.broadcast_to(frames, (m, k, 3, 3)), np.zeros((m, k), bool)
-    on, inward = _nearest(np.concatenate([positions, goal.reshape(-1, 3)]), obj)
-    moved = positions + (on[k:].reshape(m, k, 3) - on[:k])
-    turned = inward[k:].reshape(m, k, 3) - inward[:k]
-    past = _past_an_edge(turned, obj)
-    z = frames[:, :, 2] + np.where(past[..., None], 0.0, turned)
-    z = z / np.sqrt((z * z).sum(axis=-1, keepdims=True))
-    x = frames[:, :, 0] - z * (z * frames[:, :, 0]).sum(axis=-1, keepdims=True)
-    x = x / np.sqrt((x * x).sum(axis=-1, keepdims=True))
-    made = np.stack([x, np.cross(z, x), z], axis=-1)
-    stays = (turned == 0.0).all(axis=-1) | past
-    return moved, np.where(stays[..., None, None], frames, made), past
-
-
-def _past_an_edge(turned: Array, obj: Object) -> Bools:
-    """(m, k) from how normals (m, k, 3) have turned: on a box not at all; on a cylinder not towards its axis."""
-    assert obj.known is not None
-    kind, (R, _) = obj.known[0], obj.frame
-    if kind == BOX:
-        return np.asarray((abs(turned) > _TURNED).any(axis=-1))
-    if kind == CYLINDER:
-        return np.asarray(abs(turned @ R[:, 2]) > _TURNED)
-    return np.zeros(turned.shape[:-1], bool)
-
-
-def _nearest(points: Array, obj: Object) -> tuple[Array, Array]:
-    """(n, 3) nearest points of the surface, and (n, 3) the normals into the object there."""
-    assert obj.known is not None
-    (kind, sizes), (R, p) = obj.known, obj.frame
-    on, inward = np.empty_like(points), np.empty_like(points)
-    touched(kind, sizes, R, p, points, np.zeros(len(points)), on, inward, np.empty(len(points)))
-    return on, inward
-
+from handlcp.study.reliability.arrays import Arrays
+from handlcp.study.reliability.place import Placer
 
 # ----------------------------------------------------------------
 # What becomes of many samples: held, over a torque limit, not held, or undecided; and by how much.
@@ -151,17 +62,58 @@ def among(found: Outcomes, placed: Bools) -> Outcomes:
     return Outcomes(codes, margin, again, ~placed)
 
 
-def solved(grasps: Sequence[Grasp], faces: int | str | Pyramid, workers: int | None, decide: int) -> Outcomes:
-    """By one certified solve each. decide : how many of those that the first stage leaves are solved in full."""
-    found = solve_many(grasps, faces, workers=workers, proof=False)
-    codes, margin = _codes(found), _margins(grasps, found)
-    again = np.zeros(len(grasps), bool)
-    chosen = np.flatnonzero(codes == WORDS.index(UNDECIDED))[:decide]
-    if len(chosen):
-        some = [grasps[k] for k in chosen.tolist()]
-        fully = solve_many(some, faces, workers=workers)
-        codes[chosen], margin[chosen], again[chosen] = _codes(fully), _margins(some, fully), True
-    return Outcomes(codes, margin, again, np.zeros(len(grasps), bool))
+def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: int | None, decide: int) -> Outcomes:
+    """Of samples with values (m, d), by one certified solve each. decide : how many of those that the first stage
+    leaves are solved in full.
+    """
+    samples = placer.samples(values)
+    arrays = placer.arrays(samples)
+    placed: Bools = np.asarray(~arrays.past.any(axis=1))
+    as_rows = placer.in_rows and not samples.remade and ((arrays.mu > 0.0) == (placer.grasp.scene.mu > 0.0)).all()
+    if as_rows:
+        codes, margin, look = _first_stage(placer, arrays, faces, workers)
+    else:
+        codes, margin, look = np.zeros(len(values), np.int64), np.full(len(values), np.nan), np.ones(len(values), bool)
+    codes[~placed], margin[~placed], again = WORDS.index(UNDECIDED), np.nan, np.zeros(len(values), bool)
+    if (some := np.flatnonzero(look & placed)).size:
+        codes[some], margin[some] = _grasp_by_grasp(placer, values[some], faces, workers, proof=False)
+    chosen = np.flatnonzero((codes == WORDS.index(UNDECIDED)) & placed)[:decide]
+    if chosen.size:
+        codes[chosen], margin[chosen] = _grasp_by_grasp(placer, values[chosen], faces, workers, proof=True)
+        again[chosen] = True
+    return Outcomes(codes, margin, again, ~placed)
+
+
+def _first_stage(
+    placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int | None
+) -> tuple[Ints, Array, Bools]:
+    """Codes (m,) and margins (m,) by the solver's first stage, of scenes as rows; and which samples have to be looked
+    at as grasps, since an answer leaves something free.
+    """
+    scene = placer.grasp.scene
+    section = as_section(faces, planar=scene.kind.planar)
+    kind, m, n = compiled_kind(scene, section), len(arrays.mu), scene.n
+    rows = solved_rows(placer.rows(arrays, kind, section.share), kind, workers)
+    found = Answers(kind, np.arange(m), rows)
+    held = found.passing
+    forces = found.moves(found.at)[0][:, : 3 * n]
+    codes = np.where(found.status == STATUSES.index(Status.UNDECIDED), WORDS.index(UNDECIDED), WORDS.index(NOT_HELD))
+    most = np.zeros(m)
+    if arrays.joints is not None and (mechanism := placer.spec.mechanism) is not None:
+        torque = (forces[:, None] @ arrays.joints.jacobian)[:, 0] + arrays.joints.weight
+        most = np.nan_to_num(abs(torque) / mechanism.limits).max(axis=1, initial=0.0)
+    codes[held] = np.where(exceeded(most[held]), WORDS.index(OVER_LIMIT), WORDS.index(HELD))
+    margin = np.where(held, 1.0 - np.maximum(_used(arrays.mu, forces.reshape(m, n, 3)), most), np.nan)
+    return codes, margin, held & ~found.unique
+
+
+def _grasp_by_grasp(
+    placer: Placer, values: Array, faces: int | str | Pyramid, workers: int | None, proof: bool
+) -> tuple[Ints, Array]:
+    """Codes and margins of samples that are made one by one."""
+    grasps = [one.grasp for one in placer.placed(values)]
+    found = solve_many(grasps, faces, workers=workers, proof=proof)
+    return _codes(found), _margins(grasps, found)
 
 
 def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
@@ -217,7 +169,11 @@ def _margins(grasps: Sequence[Grasp], found: Solutions) -> Array:
     if any(g.scene.scale is not None for g in grasps):  # forces in coordinates of their own: one by one
         return np.array([margin_of(s) if s.held else np.nan for s in found])
     forces, mu = found.forces, np.array([g.scene.mu for g in grasps])
+    return np.where(found.held, 1.0 - np.maximum(_used(mu, forces), _most_used(found)), np.nan)
+
+
+def _used(mu: Array, forces: Array) -> Array:
+    """(m,) the share of all friction that forces (m, n, 3) use, with coefficients (m, n)."""
     limit = (mu * forces[:, :, 2]).sum(axis=1)
     tangential = (np.hypot(forces[:, :, 0], forces[:, :, 1]) * (mu > 0.0)).sum(axis=1)
-    used = np.divide(tangential, limit, out=np.zeros(len(grasps)), where=limit > 0.0)
-    return np.where(found.held, 1.0 - np.maximum(used, _most_used(found)), np.nan)
+    return np.asarray(np.divide(tangential, limit, out=np.zeros(len(mu)), where=limit > 0.0))

@@ -1,9 +1,4 @@
-"""The grasps of samples: the nominal grasp with other values of what varies.
-
-What was commanded stays, in metres and radians of the joints: softer springs press less. Contacts stay where they are
-on the object unless their positions vary. A joint that stands off by δq carries its fingertip along, by J δq, and its
-command with it: the object lies -J δq off the tip, as a gap or as more squeeze, and J is that of the posture q + δq.
-"""
+"""The grasps of samples: as rows of numbers, which are solved many at once, and as grasps where one is looked at."""
 
 from __future__ import annotations
 
@@ -16,19 +11,21 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.friction import FrictionLaw
+from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.asked.load import weight_of
+from handlcp.grasp.parameter.samples import Samples
+from handlcp.grasp.solve.compiled_answer import CompiledKind
+from handlcp.grasp.solve.scene_row import write_rows
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.stiffness import JointStiffness, Pads
-from handlcp.hand.mechanism import HandMechanism, finger_flexibility, mechanism_of
+from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.robot.posture import Posture
-from handlcp.study.reliability.outcome import Values, slid
-from handlcp.study.reliability.spread import Dimension
+from handlcp.study.reliability.arrays import Arrays, Joints, arrays_of, nominal_of
+from handlcp.study.reliability.spread import Dimension, varying
 
-_HAND = {"stiffness", "pads", "posture", "positions"}  # what changes the Jacobian or the flexibility of a hand
+_IN_ROWS = (JointOffset, FingerWeight)  # effects that `Placer.rows` adds to offsets itself
 
 
 class Placed(NamedTuple):
@@ -39,154 +36,140 @@ class Placed(NamedTuple):
 
 
 class Placer:
-    """Makes the grasps of samples.
-
-    own : whether the flexibility is the hand's own. Where it was given, or there is no hand, a factor on the stiffness
-    is one on all of it.
-    """
+    """Makes samples of a grasp from values (m, d) of the dimensions that vary."""
 
     def __init__(self, grasp: Grasp, dimensions: Sequence[Dimension]) -> None:
         self.grasp, self.spec, self.dimensions = grasp, grasp.spec, tuple(dimensions)
-        self._varies = {d.parameter for d in dimensions}
-        mechanism, self._k = self.spec.mechanism, self.spec.of_fingers
-        self._hand = mechanism if isinstance(mechanism, HandMechanism) else None
-        self.own = self._hand is not None and self._is_own(self._hand)
-        self._weight = np.zeros(6)
-        if self._hand is not None:
-            self._weight = weight_of(self._hand.target, self._hand.gravity, self.spec.reference)
+        self._nominal = nominal_of(self.spec)
 
-    def _is_own(self, hand: HandMechanism) -> bool:
-        c = 3 * self._k
-        made = finger_flexibility(replace(hand, jacobian=hand.jacobian[:c]))
-        return bool(np.allclose(self.spec.flexibility[:c, :c], made, rtol=1e-12, atol=0.0))
+    def samples(self, values: Array) -> Samples:
+        """What the parameters write."""
+        made, known = Samples(self.spec, len(values)), varying()
+        for d, column in zip(self.dimensions, values.T, strict=True):
+            known[d.parameter].write(made, d.at, column)
+        return made
 
-    def placed(self, rows: Array) -> list[Placed]:
-        """One for each row of values (m, d) of the dimensions."""
-        spec, values, m = self.spec, Values(self.dimensions, rows), len(rows)
-        laws = values.each("friction", spec.n, np.array([c.mu for c in spec.contacts]))
-        places, past = self._places(values.shifts(self._k), m)
-        masses, loads, squeezes = (values.one(name) for name in ("mass", "load", "squeeze"))
-        hands: list[Any] = [self._hand] * m
-        if self._hand is not None and self._varies & (_HAND | {"mass"}):
-            hands = self._hands(self._hand, values, masses, places)
-        deltas = None if self._hand is None else values.each("posture", len(self._hand.names), 0.0)
-        factors = [None] * m if self.own else values.one("stiffness")
-        out = []
-        for k in range(m):
-            changes = self._loaded(masses[k], loads[k])
-            if places is not None:
-                changes |= {"positions": places[0][k], "frames": places[1][k]}
-            if laws is not None or places is not None:
-                changes["contacts"] = self._contacts(None if laws is None else laws[k].tolist(), places, k)
-            if hands[k] is not self._hand:
-                changes |= self._of_hand(hands[k], None if deltas is None else deltas[k])
-            if (factor := factors[k]) is not None:
-                changes["flexibility"] = self._softened(factor)
-            made = spec.replace(**changes)
-            share = squeezes[k]
-            why = self._why_not(past[k])
-            out.append(Placed(type(self.grasp)(made if share is None else _eased(made, share)), why))
-        return out
+    def arrays(self, samples: Samples) -> Arrays:
+        """The same as arrays."""
+        return arrays_of(self._nominal, samples)
 
-    def _why_not(self, past: Bools) -> str | None:
+    # ---- as rows
+    @property
+    def in_rows(self) -> bool:
+        """Whether scenes follow from arrays alone: Coulomb's friction, and no effect but a command and a weight."""
+        plain = self.grasp.scene.scale is None and all(c.plain for c in self.spec.contacts)
+        return plain and all(isinstance(e, _IN_ROWS) for e in self.spec.effects)
+
+    def rows(self, arrays: Arrays, kind: CompiledKind, share: float) -> Array:
+        """(m, width) the scenes of samples whose kind is that of the grasp; share : of `Section`."""
+        spec, scene, m = self.spec, self.grasp.scene, len(arrays.mu)
+        force, offset = arrays.wrench[:, :3], arrays.offset.reshape(m, -1)
+        if arrays.joints is not None and spec.effects:
+            offset = offset + self._added(arrays, arrays.joints)
+        return write_rows(
+            m, kind.scene_width, positions=arrays.positions, frames=arrays.frames, flexibility=arrays.flexibility,
+            offset=offset, prescribed=[scene.given.prescribed] * m, spin=np.zeros((m, 0)), force=force,
+            moment=arrays.wrench[:, 3:] + np.cross(spec.reference, force), freedom=[scene.freedom] * m,
+            limits=arrays.mu * share,
+        )  # fmt: skip
+
+    def _added(self, arrays: Arrays, joints: Joints) -> Array:
+        """(m, 3n) what commands and the fingers' weight add to the offsets: -J δq and J K⁻¹ g."""
+        moved = np.zeros(joints.weight.shape)
+        for e in self.spec.effects:
+            if isinstance(e, JointOffset):
+                moved -= arrays.squeeze[:, None] * e.command
+            elif isinstance(e, FingerWeight) and e.sags:
+                moved += (joints.root @ (joints.root.swapaxes(1, 2) @ joints.weight[:, :, None]))[:, :, 0]
+        added = (joints.jacobian @ moved[:, :, None])[:, :, 0]
+        if self.spec.planar:  # nothing opens across the plane
+            added[:, 1::3] = 0.0
+        return np.asarray(added)
+
+    def why_not(self, past: Bools) -> str | None:
         """What is wrong with a sample, some of whose fingers (k,) are past an edge."""
         if not past.any():
             return None
         names = [self.spec.names[i] for i in np.flatnonzero(past)]
         return f"{words.listed(names)} would be past an edge of the object, where a contact has no normal"
 
-    def _places(self, shifts: Array | None, m: int) -> tuple[tuple[Array, Array] | None, Bools]:
-        """(m, n, 3) positions and (m, n, 3, 3) frames, read-only, the fingers' contacts slid, None: they stay; and
-        which fingers (m, k) are past an edge.
-        """
-        if shifts is None:
-            return None, np.zeros((m, self._k), bool)
-        spec, k = self.spec, self._k
-        target = None if self._hand is None or spec.planar else self._hand.target
-        positions, frames = np.tile(spec.positions, (m, 1, 1)), np.tile(spec.frames, (m, 1, 1, 1))
-        positions[:, :k], frames[:, :k], past = slid(spec.positions[:k], spec.frames[:k], shifts, target)
-        return (read_only(positions), read_only(frames)), past
+    # ---- as grasps
+    def placed(self, values: Array) -> list[Placed]:
+        """One for each row of values."""
+        samples = self.samples(values)
+        arrays = self.arrays(samples)
+        made = [self._grasp(arrays, samples, k) for k in range(samples.count)]
+        for remade, factors in samples.remade:
+            made = [remade(spec, float(x)) for spec, x in zip(made, factors, strict=True)]
+        kind = type(self.grasp)
+        return [Placed(kind(spec), self.why_not(past)) for spec, past in zip(made, arrays.past, strict=True)]
 
-    def _contacts(self, mu: list[float] | None, places: tuple[Array, Array] | None, k: int) -> tuple[Contact, ...]:
-        made: dict[tuple[int, float], FrictionLaw] = {}
-        out = []
+    def _grasp(self, arrays: Arrays, samples: Samples, k: int) -> GraspSpec:
+        spec, written = self.spec, samples.written.keys()
+        changes: dict[str, Any] = {}
+        if "friction" in written or "slides" in written:
+            changes["contacts"] = self._contacts(arrays, k, "slides" in written)
+        if "slides" in written:
+            changes |= {
+                "positions": read_only(arrays.positions[k].copy()),
+                "frames": read_only(arrays.frames[k].copy()),
+            }
+        if written & {"mass", "load"}:
+            changes["wrench"] = read_only(arrays.wrench[k].copy())
+        if written & {"joints", "squeeze"}:
+            changes["offset"] = read_only(arrays.offset[k].copy())
+        if written & {"slides", "joints", "springs", "pads"}:
+            changes["flexibility"] = read_only(arrays.flexibility[k].copy())
+        if arrays.joints is not None and written & {"slides", "joints", "springs", "pads", "mass"}:
+            hand = self._nominal.hand
+            assert hand is not None
+            changes["mechanism"] = _hand_of(hand, arrays, arrays.joints, k)
+        if spec.effects and written & {"joints", "squeeze"}:
+            changes["effects"] = self._effects(arrays, k)
+        return spec.replace(**changes)
+
+    def _effects(self, arrays: Arrays, k: int) -> tuple[Any, ...]:
+        """With commands eased, and the fingers' weight of the sample's posture."""
+        found: list[Any] = []
+        for e in self.spec.effects:
+            if isinstance(e, JointOffset) and arrays.squeeze[k] != 1.0:
+                found.append(JointOffset(read_only(arrays.squeeze[k] * e.command)))
+            elif isinstance(e, FingerWeight) and arrays.joints is not None:
+                found.append(replace(e, torque=read_only(arrays.joints.weight[k].copy())))
+            else:
+                found.append(e)
+        return tuple(found)
+
+    def _contacts(self, arrays: Arrays, k: int, slid: bool) -> tuple[Contact, ...]:
+        out, laws = [], dict[tuple[int, float], Any]()
         for i, c in enumerate(self.spec.contacts):
-            law = c.friction
-            if mu is not None and mu[i] != c.mu:
-                key = id(law), mu[i]  # one law for all contacts that share it
-                law = made[key] if key in made else made.setdefault(key, law.with_mu(mu[i]))
-            p, R = (c.position, c.rotation) if places is None else (places[0][k, i], places[1][k, i])
+            mu, law = float(arrays.mu[k, i]), c.friction
+            if mu != c.mu:  # one law for all contacts that share it
+                law = laws.setdefault((id(law), mu), law.with_mu(mu))
+            p, R = (c.position, c.rotation)
+            if slid:
+                p, R = read_only(arrays.positions[k, i].copy()), read_only(arrays.frames[k, i].copy())
             out.append(Contact.placed(p, R, law, c.planar, c.name))
         return tuple(out)
 
-    def _loaded(self, mass: float | None, load: float | None) -> dict[str, Any]:
-        """The wrench, where mass or load vary."""
-        if mass is None and load is None:
-            return {}
-        weight, share = self._weight, 1.0
-        if mass is not None and self._hand is not None and self._hand.target is not None:
-            share = mass / self._hand.target.mass
-        return {"wrench": read_only(share * weight + (1.0 if load is None else load) * (self.spec.wrench - weight))}
 
-    def _hands(
-        self, old: HandMechanism, values: Values, masses: list[float | None], places: tuple[Array, Array] | None
-    ) -> list[HandMechanism]:
-        """The mechanism of each sample."""
-        m, hand, k = len(values.rows), old.posture.hand, self._k
-        springs = values.each("stiffness", hand.nv, 1.0) if self.own else None
-        pads, deltas = values.each("pads", k, 1.0), values.each("posture", hand.nv, 0.0)
-        still, target = self.spec.n - k, old.target
-        out = []
-        for i in range(m):
-            mass = masses[i]
-            here = target if mass is None or target is None else target.weighing(mass)
-            if not self._varies & _HAND:
-                out.append(replace(old, target=here))
-                continue
-            posture = old.posture
-            if springs is not None or pads is not None or deltas is not None:
-                parts: dict[str, Any] = {}
-                if springs is not None:
-                    parts["stiffness"] = _stiffer(hand.stiffness, springs[i])
-                if pads is not None:
-                    blocks = hand.pads.blocks.copy()
-                    blocks[list(old.tips)] *= pads[i][:, None, None]
-                    parts["pads"] = Pads(blocks)
-                posture = _standing(posture, hand.with_parts(**parts), None if deltas is None else deltas[i])
-            p, R = (old.positions, old.frames) if places is None else (places[0][i, :k], places[1][i, :k])
-            out.append(mechanism_of(posture, old.tips, p, R, here, old.gravity, old.stand_off).beside(still))
-        return out
-
-    def _of_hand(self, hand: HandMechanism, delta: Array | None) -> dict[str, Any]:
-        """What a mechanism of `_hands` changes in the specification. delta : (nv,) how far its joints are off."""
-        spec, k = self.spec, self._k
-        changes: dict[str, Any] = {"mechanism": hand}
-        if delta is not None:
-            away = (hand.jacobian[: 3 * k] @ delta).reshape(-1, 3)
-            if spec.planar:
-                away[:, 1] = 0.0
-            offset = spec.offset.copy()
-            offset[:k] -= away
-            weight = read_only(hand.posture.gravity_torque(hand.gravity))
-            effects = [replace(e, torque=weight) if isinstance(e, FingerWeight) else e for e in spec.effects]
-            changes = {
-                "mechanism": replace(hand, stand_off=read_only(hand.stand_off - away)), "offset": read_only(offset),
-                "effects": tuple(effects),
-            }  # fmt: skip
-        if self.own and self._varies & _HAND:
-            E = finger_flexibility(replace(hand, jacobian=hand.jacobian[: 3 * k]) if spec.n > k else hand)
-            if spec.n > k:
-                whole = spec.flexibility.copy()
-                whole[: 3 * k, : 3 * k] = E
-                E = read_only(whole)
-            changes["flexibility"] = E
-        return changes
-
-    def _softened(self, factor: float) -> Array:
-        """The flexibility that was given, of fingers so many times as stiff."""
-        c, out = 3 * self._k, self.spec.flexibility.copy()
-        out[:c, :c] /= factor
-        return read_only(out)
+def _hand_of(hand: HandMechanism, arrays: Arrays, joints: Joints, k: int) -> HandMechanism:
+    """The mechanism of a sample."""
+    model, posture, few, parts = hand.posture.hand, joints.postures[k], len(hand.tips), dict[str, Any]()
+    if joints.springs is not None:
+        parts["stiffness"] = _stiffer(model.stiffness, joints.springs[k])
+    if joints.pads is not None:
+        blocks = model.pads.blocks.copy()
+        blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
+        parts["pads"] = Pads(blocks)
+    if parts:
+        posture = _with_parts(posture, model.with_parts(**parts))
+    target = hand.target if hand.target is None else hand.target.weighing(float(arrays.mass[k]) * hand.target.mass)
+    return replace(
+        hand, posture=posture, jacobian=read_only(joints.jacobian[k].copy()), root=posture.hand.stiffness.root,
+        positions=read_only(arrays.positions[k, :few].copy()), frames=read_only(arrays.frames[k, :few].copy()),
+        target=target, stand_off=read_only(joints.stand_off[k].copy()),
+    )  # fmt: skip
 
 
 def _stiffer(springs: Elasticity, factors: Array) -> Elasticity:
@@ -194,21 +177,9 @@ def _stiffer(springs: Elasticity, factors: Array) -> Elasticity:
     return springs.by_joint(factors) if type(springs) is JointStiffness else springs.stiffer(float(factors[0]))
 
 
-def _standing(old: Posture, hand: Any, delta: Array | None) -> Posture:
-    """The posture of a hand that differs in springs and pads alone, its joints off by delta (nv,)."""
-    if delta is not None:
-        return type(old)(hand, old.q + delta)
+def _with_parts(old: Posture, hand: Any) -> Posture:
+    """The posture of a hand that differs in springs and pads alone."""
     made = object.__new__(type(old))
     made.__dict__.update(old.__dict__, hand=hand)
     made.__dict__.pop("flexibility", None)  # of the other springs
     return made
-
-
-def _eased(spec: GraspSpec, share: float) -> GraspSpec:
-    """With this share of the squeeze: preloads, and commands of the joints."""
-    if spec.mechanism is not None:
-        eased: GraspSpec = spec.mechanism.eased(spec, share)
-        return eased
-    offset, k = spec.offset.copy(), spec.of_fingers
-    offset[:k] *= np.where(offset[:k, 2:] < 0.0, share, 1.0)
-    return spec.replace(offset=read_only(offset))

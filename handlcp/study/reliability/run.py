@@ -195,12 +195,11 @@ def _slice(placer: Placer, points: Array, method: Method, quota: int) -> Outcome
 
 def _judged(placer: Placer, rows: Array, method: Method, quota: int, by: str | None = None) -> Outcomes:
     """Of samples with values (m, d). by : another way to judge them."""
+    if (method.by if by is None else by) == SOLVE:
+        return solved(placer, rows, method.faces, method.workers, quota)
     every = placer.placed(rows)
     placed = np.array([one.why_not is None for one in every])
-    grasps = [one.grasp for one in every if one.why_not is None]
-    if (method.by if by is None else by) == SOLVE:
-        return among(solved(grasps, method.faces, method.workers, quota), placed)
-    return among(checked(grasps, method.faces), placed)
+    return among(checked([one.grasp for one in every if one.why_not is None], method.faces), placed)
 
 
 def values_at(dimensions: Sequence[Dimension], points: Array) -> Array:

@@ -11,26 +11,24 @@
 | positions | [m] | displacements of a contact on the object's surface | each contact, along both tangents |
 | posture | [rad, m] | how far a joint stands from where it is said to be | each joint |
 
-A mapping by name in place of the number or distribution varies each of its own: contacts for friction and positions,
-joints for stiffness and posture, fingertips for pads.
+Each is a file of `grasp/parameter`. A mapping by name in place of the number or distribution varies each of its own:
+contacts for friction and positions, joints for stiffness and posture, fingertips for pads.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy import stats
 
-from handlcp.check import Array, number, per_name
+from handlcp.check import Array, number
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.elasticity.stiffness import JointStiffness
-from handlcp.hand.mechanism import HandMechanism
+from handlcp.grasp.parameter import Parameter, parameters
 
 # ----------------------------------------------------------------
 # How one number of a grasp varies: a distribution, from what users pass.
@@ -104,13 +102,11 @@ def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least
 
 # ----------------------------------------------------------------
 
-PARAMETERS = ("friction", "stiffness", "pads", "mass", "load", "squeeze", "positions", "posture")
-
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """One number that varies. name : for tables. parameter : of `PARAMETERS`. at : which contact, joint or tip, and for
-    positions which tangent; () for all together. law : its distribution. unit : of its values.
+    """One number that varies. name : for tables. parameter : what `reliability` calls it. at : which contact, joint or
+    tip, and for positions which tangent; () for all together. law : its distribution. unit : of its values.
     """
 
     name: str
@@ -125,113 +121,18 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
     if not isinstance(spread, Mapping):
         expected = "a mapping of what varies, such as {'friction': 0.1}"
         raise InputError("spread", expected, repr(spread)[:80])
-    if unknown := [str(key) for key in spread if key not in PARAMETERS]:
-        raise UnknownName("spread", "a parameter", unknown, PARAMETERS)
+    known = varying()
+    if unknown := [str(key) for key in spread if key not in known]:
+        raise UnknownName("spread", "a parameter", unknown, tuple(known))
     if not spread:
         raise InputError("spread", "at least one parameter that varies", "none")
-    spec = grasp.spec
-    found = [d for key in PARAMETERS if key in spread for d in _READ[key](spec, f"spread[{key!r}]", spread[key])]
-    return tuple(found)
+    return tuple([
+        Dimension(e.name, key, e.at, law_of(e.argument, e.given, e.mean, e.least), e.unit)
+        for key, p in known.items() if key in spread
+        for e in p.entries(grasp.spec, f"spread[{key!r}]", spread[key])
+    ])  # fmt: skip
 
 
-def _friction(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    mu = [c.mu for c in spec.contacts]
-    if isinstance(value, Mapping):
-        named = per_name(argument, value, spec.names, "a contact")
-        return [
-            Dimension(f"friction {name}", "friction", _places(spec.names, name),
-                      law_of(f"{argument}[{name!r}]", own, mu[spec.names.index(name)], 0.0), "")
-            for name, own in named.items()
-        ]  # fmt: skip
-    fingers = tuple(range(spec.of_fingers))
-    coefficients = {mu[i] for i in fingers}
-    if len(coefficients) > 1:
-        raise InputError(argument, "a mapping by contact name, of contacts with different friction", repr(value)[:80])
-    return [Dimension("friction", "friction", fingers, law_of(argument, value, coefficients.pop(), 0.0), "")]
-
-
-def _stiffness(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    if not spec.flexibility[: 3 * spec.of_fingers].any():
-        raise InputError(argument, "nothing: the fingers of this grasp are rigid", repr(value)[:80])
-    if not isinstance(value, Mapping):
-        return [Dimension("stiffness", "stiffness", (), _positive(argument, value), "×")]
-    hand = _hand(spec, argument, value).posture.hand
-    if type(hand.stiffness) is not JointStiffness:  # a subclass is a transmission
-        raise InputError(argument, "one number or distribution for a hand with tendons or synergies", "a mapping")
-    return _by_name("stiffness", argument, value, hand.joint_names, "a joint")
-
-
-def _pads(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    mechanism = _hand(spec, argument, value)
-    if not mechanism.posture.hand.pads.blocks.any():
-        raise InputError(argument, "nothing: the fingertips of this hand are rigid", repr(value)[:80])
-    if isinstance(value, Mapping):
-        return _by_name("pads", argument, value, mechanism.fingertips, "a fingertip of this grasp")
-    return [Dimension("pads", "pads", (), _positive(argument, value), "×")]
-
-
-def _mass(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    target = getattr(spec.mechanism, "target", None)
-    if target is None or target.mass == 0.0 or not spec.mechanism.gravity.any():  # type: ignore[union-attr]
-        expected = "a grasp of an object with a mass, under gravity; vary 'load' otherwise"
-        raise InputError(argument, expected, "none")
-    return [Dimension("mass", "mass", (), law_of(argument, value, target.mass, 0.0), "kg")]
-
-
-def _load(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    return [Dimension("load", "load", (), law_of(argument, value, 1.0, -np.inf), "×")]
-
-
-def _squeeze(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    return [Dimension("squeeze", "squeeze", (), _positive(argument, value), "×")]
-
-
-def _positions(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    names = spec.names[: spec.of_fingers]
-    named = per_name(argument, value, names, "a finger") if isinstance(value, Mapping) else dict.fromkeys(names, value)
-    axes = (0,) if spec.planar else (0, 1)  # a contact of a plane stays in it
-    return [
-        Dimension(f"position {name} {'xy'[a]}", "positions", (i, a),
-                  law_of(f"{argument}[{name!r}]", named[name], None, -np.inf), "m")
-        for i, name in enumerate(names) if name in named for a in axes
-    ]  # fmt: skip
-
-
-def _posture(spec: GraspSpec, argument: str, value: Any) -> list[Dimension]:
-    joints = _hand(spec, argument, value).names
-    named = per_name(argument, value, joints, "a joint") if isinstance(value, Mapping) else dict.fromkeys(joints, value)
-    return [
-        Dimension(f"posture {name}", "posture", (joints.index(name),),
-                  law_of(f"{argument}[{name!r}]", own, None, -np.inf), "rad")
-        for name, own in named.items()
-    ]  # fmt: skip
-
-
-_READ = {
-    "friction": _friction, "stiffness": _stiffness, "pads": _pads, "mass": _mass, "load": _load, "squeeze": _squeeze,
-    "positions": _positions, "posture": _posture,
-}  # fmt: skip
-
-
-def _hand(spec: GraspSpec, argument: str, value: Any) -> HandMechanism:
-    if not isinstance(spec.mechanism, HandMechanism):
-        raise InputError(argument, "the grasp of a hand, made by hand.at(q).grasp(...)", "a grasp without one")
-    return spec.mechanism
-
-
-def _by_name(
-    parameter: str, argument: str, value: Mapping[Any, Any], names: Sequence[str], kind: str
-) -> list[Dimension]:
-    named = per_name(argument, value, names, kind)
-    return [
-        Dimension(f"{parameter} {name}", parameter, _places(names, name), _positive(f"{argument}[{name!r}]", own), "×")
-        for name, own in named.items()
-    ]
-
-
-def _positive(argument: str, value: Any) -> Law:
-    return law_of(argument, value, 1.0, 0.0)
-
-
-def _places(names: Sequence[str], name: str) -> tuple[int, ...]:
-    return tuple([i for i, other in enumerate(names) if other == name])
+def varying() -> dict[str, Parameter]:
+    """The parameters that can vary, by what they are called here."""
+    return {p.spread: p for p in parameters() if p.spread}

@@ -1,4 +1,4 @@
-"""What moved and turned contacts change in the laws of a grasp, in closed form.
+"""Where the contacts are and how their axes lie, and what moving and turning them changes in the laws, in closed form.
 
 A contact point moves by δp, its axes turn by δθ with it; the object stays, and so do the joints, their commands, and
 offsets and pads in the axes of fingertip and contact. With the twist (u, ω) of a body about a point a, the force f on
@@ -8,14 +8,18 @@ it in world axes, and R the contact axes:
     by δθ    δ(Gᵀu) = -θ × Rᵀ(u + ω × (p - a))    δ(G r) = (R (θ × r), (p - a) × R (θ × r))
 
 The object is one body, and a soft wrist (`SoftWrist`) another that moves by C W r. The joints move the fingertips by
-J (δ - δq), which changes in the same way with their angular velocities Ω, and J changes what the joints feel.
+J (δ - δq), which changes in the same way with their angular velocities Ω, and J changes what the joints feel. Geometric
+stiffness changes with the contacts in no closed form that is known here: beside it the laws are differenced.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, per_name, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.contact_compliance import ContactCompliance
@@ -23,22 +27,88 @@ from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.soft_wrist import SoftWrist
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.parameter import Entry, Parameter, larger
+from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.sensitivity.answer import Answer
 from handlcp.grasp.sensitivity.change import Change, no_change
 
 _KNOWN = (ContactCompliance, FingerWeight, GeometricStiffness, JointOffset, SoftWrist)
 
 
-def by_positions(answer: Answer) -> Change:
-    """Of the contact points (n, 3), world axes [1/m]; of a planar scene in its plane."""
-    return _by(answer, turns=False)
+class _OfContacts(Parameter):
+    """(n, 3) of contacts that move or turn, the rest of the grasp following."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (spec.n, 3)
+
+    def values(self, spec: GraspSpec) -> Array:
+        return np.zeros((spec.n, 3))
 
 
-def by_normals(answer: Answer) -> Change:
-    """Of turns (n, 3) of the contact axes about themselves [1/rad]: x and y tilt the normal, z turns the tangents."""
-    return _by(answer, turns=True)
+class Positions(_OfContacts):
+    """[m], world axes; derivatives [1/m], in a planar scene those in its plane. In samples, slides along the object's
+    surface.
+    """
+
+    name, unit, said = "positions", "m", "the point of a contact, world axes"
+    order, step, spread = 90, 1e-7, "positions"
+
+    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+        return _placed(spec, larger(spec.positions, k, step), spec.frames)
+
+    def change(self, answer: Answer) -> Change:
+        return _by(answer, turns=False) if answer.bent is None else super().change(answer)
+
+    def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
+        """Along both tangents of each finger, or of those that a mapping names."""
+        names = spec.names[: spec.of_fingers]
+        named = (
+            per_name(argument, given, names, "a finger") if isinstance(given, Mapping) else dict.fromkeys(names, given)
+        )
+        axes = (0,) if spec.planar else (0, 1)  # a contact of a plane stays in it
+        return [
+            Entry(f"position {name} {'xy'[a]}", (i, a), None, -np.inf, "m", named[name], f"{argument}[{name!r}]")
+            for i, name in enumerate(names) if name in named for a in axes
+        ]  # fmt: skip
+
+    def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
+        samples.array("slides", 0.0, samples.spec.of_fingers, 2)[:, at[0], at[1]] = values
 
 
+class Normals(_OfContacts):
+    """Turns [rad] of the contact axes about themselves; derivatives [1/rad]: x and y tilt the normal, z turns the
+    tangents.
+    """
+
+    name, unit, said = "normals", "rad", "a turn of a contact's axes about themselves"
+    order, step = 100, 1e-6
+
+    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+        i, a = divmod(k, 3)
+        x, y = (a + 1) % 3, (a + 2) % 3
+        frames = spec.frames.copy()
+        frames[i, :, x] = np.cos(step) * spec.frames[i, :, x] + np.sin(step) * spec.frames[i, :, y]
+        frames[i, :, y] = np.cos(step) * spec.frames[i, :, y] - np.sin(step) * spec.frames[i, :, x]
+        return _placed(spec, spec.positions, read_only(frames))
+
+    def change(self, answer: Answer) -> Change:
+        return _by(answer, turns=True) if answer.bent is None else super().change(answer)
+
+
+def _placed(spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
+    """The grasp with its contacts at positions (n, 3) with frames (n, 3, 3)."""
+    if spec.mechanism is not None:
+        made: GraspSpec = spec.mechanism.replaced(spec, positions, frames)
+        return made
+    contacts = tuple([
+        c.placed(p, read_only(R @ before.T @ c.rotation), c.friction, c.planar, c.name)  # its own axes turn along
+        for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True)
+    ])  # fmt: skip
+    return spec.replace(contacts=contacts, positions=positions, frames=frames)
+
+
+# ---------------------------------------------------------------- closed forms
 def _by(answer: Answer, turns: bool) -> Change:
     spec = answer.spec
     if strange := [type(e).__name__ for e in spec.effects if _follows_contacts(e)]:

@@ -1,0 +1,16 @@
+"""The numbers that a grasp is made of, one a file.
+
+A parameter is found by its class (`parameter.py`): the files of this folder are imported, whatever their names, and
+each says everything about its parameter. Sensitivities, reliability, best change, advice and required values take
+parameters from here by name. Adding one is adding a file.
+"""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from handlcp.grasp.parameter.parameter import Parameter, by_effort, named, parameters
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")
+
+__all__ = ["Parameter", "by_effort", "named", "parameters"]

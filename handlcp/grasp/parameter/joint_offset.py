@@ -1,0 +1,42 @@
+"""How far the joints are commanded beyond the posture: δv = J (C K_g - 1) δq, C = (K + K_g)⁻¹."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.parameter import Parameter, larger
+from handlcp.grasp.sensitivity.answer import Answer
+from handlcp.grasp.sensitivity.change import Change, in_plane, no_change
+
+
+class JointCommand(Parameter):
+    """(nv,) δq [rad, m]."""
+
+    name, unit, said = "joint_offset", "rad", "how far a joint is commanded beyond the posture"
+    order, effort, of_joints = 70, 0, True
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+
+    def values(self, spec: GraspSpec) -> Array:
+        command: Any = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
+        return np.zeros(self.shape(spec)) if command is None else np.asarray(command)
+
+    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+        others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
+        return spec.replace(effects=(*others, JointOffset(larger(self.values(spec), k, step))))
+
+    def change(self, answer: Answer) -> Change:
+        J = answer.rows
+        nv = J.shape[1]
+        change, follows = no_change(answer, nv), np.eye(nv)
+        if answer.bent is not None:
+            follows = follows - answer.compliance @ answer.bent
+            change.torque[:] = answer.bent @ follows
+        change.motion[:] = -answer.scale[:, None] * (J @ follows)
+        return in_plane(answer, change)

@@ -1,0 +1,218 @@
+"""What a parameter is: its name, unit, shape and nominal values, and how a grasp changes with it.
+
+A parameter is one class in one file of this folder, found by its class: no other file lists it. It says
+
+    what it is                          `shape`, `values`, `without`
+    the same grasp with other values    `varied`, `scaled`
+    what it changes in the laws         `change`, in closed form; unless it says so, by differences of the laws
+    what of it may be uncertain         `entries`, and in many samples at once `write`
+    what a designer can do with it      `shares`, by a share of it; `trials`, what may make a grasp hold
+
+Only `shape`, `values` and `varied` must be said.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, Bools, per_name, read_only
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.parameter.samples import Samples
+
+if TYPE_CHECKING:
+    from handlcp.grasp.sensitivity.answer import Answer
+    from handlcp.grasp.sensitivity.change import Change
+
+
+class Entry(NamedTuple):
+    """One number that may be uncertain on its own.
+
+    name : for tables. at : which entry it is, such as a contact; () : all of them together. mean : nominal value, of
+    which a standard deviation is a share; None: it is about 0, and has one in its own unit. least : the least possible
+    value. unit : of its values, "×" for a factor. given : what was asked for it. argument : what that was called.
+    """
+
+    name: str
+    at: tuple[int, ...]
+    mean: float | None
+    least: float
+    unit: str
+    given: Any
+    argument: str
+
+
+class Trial(NamedTuple):
+    """A changed grasp that may hold. change : what was changed. value : of that. text : the change in words."""
+
+    change: str
+    value: float
+    text: str
+    spec: GraspSpec
+
+
+# Why a grasp does not hold, and so what may help it
+BALANCE = "balance"  # no forces within friction and limits balance the load
+FORCES = "forces"  # such forces exist, but nothing creates them
+TORQUE = "torque"  # it holds, but joints are over their torque limits
+
+_KINDS: dict[tuple[str, str], type[Parameter]] = {}
+
+
+class Parameter(ABC):
+    """One parameter; subclasses override what they need.
+
+    name : of `<quantity>_by_<name>`. unit : of its values. said : what one entry is, in words. order : place in lists.
+    effort : how much it takes to change: 0 a command, 1 a surface, 2 a part, 3 a motor; advice tries the least first.
+    step : [SI] that leaves central differences about as much rounding as truncation.
+    of_joints : whether only a hand has it. together : whether a common change of all entries has a meaning.
+    spread : what `reliability` calls it; "" : it does not vary there.
+    """
+
+    name: ClassVar[str] = ""
+    unit: ClassVar[str]
+    said: ClassVar[str]
+    order: ClassVar[int] = 1000
+    effort: ClassVar[int] = 2
+    step: ClassVar[float] = 1e-6
+    of_joints: ClassVar[bool] = False
+    together: ClassVar[bool] = False
+    spread: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        if vars(cls).get("name"):  # what has no name of its own is a base of others
+            _KINDS[cls.__module__, cls.__qualname__] = cls
+            _instance.cache_clear()
+
+    # ---- what it is
+    @abstractmethod
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        """Of its entries; (0,) where a grasp has none."""
+
+    @abstractmethod
+    def values(self, spec: GraspSpec) -> Array:
+        """Nominal values in its shape, SI; 0 where a size has no meaning, such as of a position."""
+
+    def without(self, spec: GraspSpec) -> Bools:
+        """(entries,) which are no number to change, such as the coefficient of a contact without friction; () none."""
+        return np.zeros(0, bool)
+
+    # ---- the same grasp with other values
+    @abstractmethod
+    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+        """The grasp with the k-th entry larger by a step; contacts, commands and offsets stay unless it says so."""
+
+    def varied_all(self, spec: GraspSpec, steps: Array) -> GraspSpec:
+        """The grasp with each entry larger by a step of its own, steps in its shape; `without` stay as they are."""
+        keeps = self.without(spec)
+        for k, step in enumerate(steps.reshape(-1)):
+            if step != 0.0 and not (len(keeps) and keeps[k]):
+                spec = self.varied(spec, k, float(step))
+        return spec
+
+    def scaled(self, spec: GraspSpec, factor: float) -> GraspSpec | None:
+        """The grasp with all of it times a factor; None: there is nothing of it."""
+        values = self.values(spec)
+        return self.varied_all(spec, (factor - 1.0) * values) if values.any() else None
+
+    # ---- what it changes in the laws of an answer
+    def change(self, answer: Answer) -> Change:
+        """What each entry changes in the laws that an answer satisfies; here by central differences of these laws."""
+        from handlcp.grasp.parameter.differences import differences
+
+        spec = answer.spec
+        count = int(np.prod(self.shape(spec)))
+        return differences(answer, count, self.step, lambda k, h: self.varied(spec, k, h))
+
+    # ---- what of it may be uncertain
+    def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
+        """What varies for a number or distribution of all together, or for a mapping by the names of entries; here
+        factors about 1. Raises InputError, UnknownName.
+        """
+        return factors(self.spread, argument, given, spec.names, "a contact")
+
+    def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
+        """Write the values (m,) of one entry into m samples; here by making each sample's grasp anew."""
+        nominal = self.values(samples.spec).reshape(-1)
+        some = np.zeros(len(nominal), bool)
+        some[list(at) if at else slice(None)] = True
+
+        def made(spec: GraspSpec, factor: float) -> GraspSpec:
+            steps = np.where(some, (factor - 1.0) * nominal, 0.0)
+            return self.varied_all(spec, steps.reshape(self.shape(spec)))
+
+        samples.remade.append((made, values))
+
+    # ---- what a designer can do with it
+    def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
+        """(the change in words, the changed grasp) of a share such as 0.1 more or less of it; None: it has none."""
+        return iter(())
+
+    def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
+        """Changes that may make a grasp hold that does not, the smallest first; why : `BALANCE`, `FORCES`, `TORQUE`."""
+        return iter(())
+
+
+def parameters() -> tuple[Parameter, ...]:
+    """All there are, in order."""
+    return tuple(sorted([_instance(kind) for kind in _KINDS.values()], key=lambda p: p.order))
+
+
+def by_effort() -> tuple[Parameter, ...]:
+    """The same, those first that take the least effort to change."""
+    return tuple(sorted(parameters(), key=lambda p: p.effort))
+
+
+def named(name: str) -> Parameter:
+    """The one of this name."""
+    return next(p for p in parameters() if p.name == name)
+
+
+@cache
+def _instance(kind: type[Parameter]) -> Parameter:
+    return kind()
+
+
+# ---------------------------------------------------------------- for subclasses
+def factors(of: str, argument: str, given: Any, names: Sequence[str], kind: str) -> Sequence[Entry]:
+    """Factors about 1, never negative: one for all entries, or for a mapping one for each that it names; kind : of
+    these names, such as "a joint".
+    """
+    if not isinstance(given, Mapping):
+        return (Entry(of, (), 1.0, 0.0, "×", given, argument),)
+    named = per_name(argument, given, names, kind)
+    return [
+        Entry(f"{of} {name}", places(names, name), 1.0, 0.0, "×", own, f"{argument}[{name!r}]")
+        for name, own in named.items()
+    ]
+
+
+def places(names: Sequence[str], name: str) -> tuple[int, ...]:
+    """All entries of this name."""
+    return tuple([i for i, other in enumerate(names) if other == name])
+
+
+def more_and_less(
+    scaled: Callable[[float], GraspSpec | None], share: float, what: tuple[str, str]
+) -> Iterator[tuple[str, GraspSpec | None]]:
+    """`shares` of a share more and of one less; what : the words for both, with the share as {}."""
+    for text, factor in zip(what, (1.0 + share, 1.0 - share), strict=True):
+        yield text.format(words.percent(share)), scaled(factor)
+
+
+def larger(values: Array, k: int, step: float) -> Array:
+    """A copy with its k-th entry larger."""
+    out = values.copy()
+    out.reshape(-1)[k] += step
+    return read_only(out)
+
+
+def two_digits(x: float) -> float:
+    """Rounded as it is said."""
+    return float(f"{x:.2g}")
