@@ -115,10 +115,8 @@ class Sensitivity:
             return known
         if parameter not in self.parameters:
             raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
-        if (known := self._response.ordinary.get(parameter)) is None:
-            change = PARAMETERS[parameter].change(self._answer)
-            known = self._response.to(change.ahead), change
-        self._rates[parameter] = known
+        change = PARAMETERS[parameter].change(self._answer)
+        known = self._rates[parameter] = self._response.to(change.ahead), change
         return known
 
     def to_dict(self) -> dict[str, Any]:
