@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,7 @@ from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.squeeze import by_tip, gripping, joint_by_joint, motions_of, overlaps, squeezing
+from handlcp.hand.squeeze import by_tip, gripping, motions_of, squeezing
 
 
 def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
@@ -38,8 +36,7 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
     if len(given) > 1:
         expected = "at most one of squeeze, grip_force and joint_offset"
         raise InputError(given[1], expected, f"{' and '.join(given)}")
-    mechanism = spec.mechanism
-    assert isinstance(mechanism, HandMechanism)
+    mechanism: Any = spec.mechanism  # a hand's
     spec = spec.replace(effects=tuple([e for e in spec.effects if not isinstance(e, JointOffset)]))
     if joint_offset is not None:
         effect = JointOffset(read_joint_offset(joint_offset, mechanism.names))
@@ -61,19 +58,7 @@ def gripped(spec: GraspSpec, force: Array) -> GraspSpec:
     return commanded(spec, None, np.asarray(force), None)
 
 
-def standing_off(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Array | None = None) -> HandMechanism:
-    """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
-    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`. inside : (k,) [m] what counts
-    as overlap; None: all but what is left of touching.
-    """
-    offset = np.outer(gaps, (0.0, 0.0, 1.0))
-    if (inside := overlaps(gaps) if inside is None else inside).any():
-        tips = joint_by_joint(mechanism, planar)
-        offset[:, :2] -= tips.made(tips.deeper(inside))[:, :2]
-    return replace(mechanism, stand_off=read_only(offset))
-
-
-def _of_fingers(spec: GraspSpec, mechanism: HandMechanism) -> tuple[Array, Array]:
+def _of_fingers(spec: GraspSpec, mechanism: Any) -> tuple[Array, Array]:
     """(3k, 3k) flexibility of the fingers with what effects add to it, as far as forces don't change that; and (3k,)
     how far they stand off, gaps and the sag under their weight together.
     """

@@ -17,13 +17,13 @@ import pinocchio as pin
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.asked import again
+from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.asked.load import weight_of
+from handlcp.hand.asked.load import load_of, weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.stiffness import JointStiffness, tip_flexibility
 from handlcp.hand.objects.detect import touching
@@ -247,9 +247,9 @@ class HandMechanism(Varied, Mechanism):
 
     def loaded(self, spec: GraspSpec, load: Array) -> GraspSpec:
         """As `replace(load=…)` makes it."""
-        from handlcp.hand.asked.change import hand_remade
-
-        return hand_remade(spec, {"load": load})
+        whole = load_of(load, spec.reference, self.target, self.gravity, spec.positions, spec.plane)
+        asked = None if spec.asked is None else again(spec.asked, {"load": None, "wrench": load})
+        return under(spec, whole, asked)
 
     def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
         """Of a posture, with the object there; None: not known."""

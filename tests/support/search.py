@@ -12,9 +12,8 @@ import numpy as np
 import handlcp as hl
 from handlcp.grasp.analysis.equilibria import seeded
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.grasp.search.mode_table import mode_table
-from handlcp.grasp.search.mode_walk import first_certified, only_limits_move
-from handlcp.grasp.search.nonexistence import EquilibriumSearch, OverModes
+from handlcp.grasp.search.nonexistence import EquilibriumSearch, over_modes
+from handlcp.grasp.search.over_modes import OverModes, first_certified, only_limits_move
 from handlcp.grasp.verify.capacity import overload as _overload
 from handlcp.grasp.verify.holdable import is_escape as _is_escape, jammed as _jammed, least_total as _least_total
 from handlcp.lcp.search import search
@@ -45,7 +44,8 @@ def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any
     problem = contact_problem(grasp, faces, (*grasp.effects, *more))
     if not only_limits_move(problem):
         raise ValueError(EquilibriumSearch(problem).run(work).words)
-    found = (EquilibriumSearch if problem.faces and problem.scene.soft else OverModes)(problem).run(work)
+    on_active_sets = problem.faces and problem.scene.soft
+    found = EquilibriumSearch(problem).run(work) if on_active_sets else over_modes(OverModes(problem), work)
     if found.candidate is not None:
         assert residuals(grasp, faces, found.candidate, *more).passes
     outcome = found.words.rpartition(" ")[2]
@@ -66,12 +66,12 @@ def active_sets(grasp: hl.Grasp, faces: Any, work: float) -> str:
 
 def choices_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> float:
     """How many choices of contact modes there are, with these effects alone beside those that the data call for."""
-    return mode_table(contact_problem(grasp, faces, asked)).choices
+    return OverModes(contact_problem(grasp, faces, asked)).search.choices
 
 
 def members_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> list[Any]:
-    """A candidate for each choice that has one, all choices visited one by one; None for one that has no member."""
-    return list(mode_table(contact_problem(grasp, faces, asked)).visit()[0])
+    """A candidate for each choice of modes that has one."""
+    return list(OverModes(contact_problem(grasp, faces, asked)).every(1e10))
 
 
 def from_seeds(grasp: hl.Grasp, faces: Any, count: int, seed: int = 1) -> Iterator[Any]:

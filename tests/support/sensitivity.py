@@ -12,7 +12,7 @@ from handlcp.hand import library
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.hand.robot.varied import longer
 
-__all__ = ["HANDS_OF_LIBRARY", "STEPS", "differences", "in_general", "misses", "quantities", "varied"]
+__all__ = ["HANDS_OF_LIBRARY", "STEPS", "differences", "misses", "quantities", "varied"]
 
 HANDS_OF_LIBRARY = tuple([name for name in library.HANDS if name != "planar_ring"])  # the ring lies in a plane
 
@@ -95,13 +95,6 @@ def quantities(solution):
         margin = solution.torque_margin
         found["torque_margin"] = np.where(np.isfinite(margin), margin, np.nan)
     return found
-
-
-def in_general(solution):
-    """Its derivatives, made without the compiled ones of the ordinary case."""
-    made = solution.sensitivity()
-    made._response.__dict__["ordinary"] = {}
-    return made
 
 
 def differences(grasp, solution, faces, parameter, index):

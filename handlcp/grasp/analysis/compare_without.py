@@ -31,7 +31,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.mode_walk import passes
+from handlcp.grasp.search.over_modes import passes
 from handlcp.grasp.solve.compiled_answer import solve_scene, start_from
 from handlcp.grasp.solve.solve_spec import force_dependent, under_forces
 from handlcp.lcp import proposals

@@ -1,9 +1,9 @@
 """All the equilibria of a grasp, as far as they can be found: with Coulomb friction there may be several.
 
 Without friction there are no others (`Uniqueness`). On a pyramid, and in a plane, every choice of contact modes, and of
-limits that give way, is solved where that is affordable. The exact cone has a continuum of modes: there, and beyond
-what is affordable, Newton's method starts from all equilibria of coarser pyramids and from other seeds, which proves
-nothing.
+limits that give way, is solved or proven to have no answer, where that is affordable. The exact cone has a continuum of
+modes: there, and beyond what is affordable, Newton's method starts from all equilibria of coarser pyramids and from
+other seeds, which proves nothing.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.mode_table import PER_SECOND, Table, coarse, mode_table
-from handlcp.grasp.search.mode_walk import first_certified, only_limits_move, passes
+from handlcp.grasp.search.over_modes import PER_SECOND, OverModes, coarse, first_certified, only_limits_move, passes
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.judge import judge
@@ -54,7 +53,7 @@ def starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
     for k, faces in enumerate([m for m in _COARSER if m != problem.faces] if several else ()):
         left = end - time.monotonic()
         near = coarse(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
-        yield from (c for c in (until(end, near) if k else near) if c is not None)
+        yield from until(end, near) if k else near
     yield from until(end, seeded(problem, RUNS))
 
 
@@ -175,18 +174,15 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
         return run.result(False, "contact modes know no moments about normals")
     if first.held and not len(run.problem.blocks):
         return run.result(True, "without friction the laws are monotone")
-    table = mode_table(run.problem) if only_limits_move(run.problem) else None
-    complete, why, end = False, _open(run.problem, table), run.start + seconds
-    if table is not None and table.choices <= PER_SECOND * seconds:
-        candidates, every = table.visit()
-        end = time.monotonic() + seconds - table.choices / PER_SECOND  # whatever was compiled before
-        tried = [first_certified(run.problem, [c]) for c in until(end, candidates) if c is not None]
+    modes = OverModes(run.problem) if only_limits_move(run.problem) and run.problem.faces else None
+    complete, why, end = False, _open(run.problem), run.start + seconds
+    if modes is not None:
+        candidates = list(modes.every(PER_SECOND * seconds))
+        end = time.monotonic() + seconds  # whatever was compiled before
+        tried = [first_certified(run.problem, [c]) for c in until(end, iter(candidates))]
         late, known = time.monotonic() > end, [c for c in tried if c is not None]
-        complete = every and not late and len(known) == len(tried) and run.has_the_first(known)
-        why = f"all {table.choices:,.0f} choices of contact modes were solved"
-        if not complete:
-            why = "the time was too short" if late else "some are degenerate"
         run.add(known)
+        complete, why = run.judged(modes, known, len(tried), late)
     if not complete:
         run.add(c for start in starts(run.problem, end) if (c := first_certified(run.problem, [start])) is not None)
     return run.result(complete, why)
@@ -214,6 +210,19 @@ class _Listing:
         if not self.found or not _determined(self.found[0]):
             return True
         return any(self._close(self._forces(c), self.found[0].forces) for c in candidates)
+
+    def judged(self, modes: OverModes, known: list[Candidate], tried: int, late: bool) -> tuple[bool, str]:
+        """(complete, why) after a search over contact modes; known : what was certified of those tried."""
+        choices = f"{modes.search.choices:,.0f}"
+        if not modes.search.exhausted:
+            return False, f"{modes.search.choices:.2g} choices of contact modes are too many for the time"
+        if late:
+            return False, "the time was too short"
+        if not all(map(_determined, self.found)):
+            return False, "forces of rigid fingers are not determined where they stick"
+        if len(known) < tried or not self.has_the_first(known):
+            return False, "some are degenerate"
+        return True, f"all {choices} choices of contact modes were solved"
 
     def add(self, candidates: Iterable[Candidate]) -> None:
         """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
@@ -256,12 +265,8 @@ def _determined(s: GraspSolution) -> bool:
     return s.uniqueness is None or s.uniqueness.forces_determined
 
 
-def _open(problem: GraspContactProblem, table: Table | None) -> str:
+def _open(problem: GraspContactProblem) -> str:
     """Why contact modes prove nothing, where they don't."""
     if not only_limits_move(problem):
         return "an effect moves the contacts, so their modes do not describe them"
-    if not problem.faces:
-        return "the exact cone has a continuum of slip directions"
-    if table is None:
-        return "forces of rigid fingers are not determined where they stick"
-    return f"{table.choices:.2g} choices of contact modes are too many for the time"
+    return "the exact cone has a continuum of slip directions"

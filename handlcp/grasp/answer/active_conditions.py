@@ -1,16 +1,9 @@
 """The changes of forces and object motion that keep every active condition of a solution.
 
-Around a solution with given contact states the model is linear in the changes Δr, Δu, with Δv = GᵀΔu + EΔr:
-
-    balance     G Δr = 0                        sticking    Δv = 0
-    separated   Δr = 0                          gliding     Δr_T = 0, Δv_N = 0
-    sliding     nᵀΔr_T = μ_m Δr_N for each face n that it slides against, Δv_N = 0, Δv_T in the span of those n
-
-(on a round set a sliding contact's slip and friction turn together: P Δv_T = -|v_T|/|r_T| P Δr_T, P across the force)
-
-The system is square; what its null space spans stays free. A contact that rests, touching without
-force, may either begin to push or open: each choice is a branch of its own, with one-sided changes. So is each choice
-for an effect's limit that is just reached; one that gives way adds Δv = AᵀΔs and the row A Δr = 0.
+Around a solution with given contact states the model is linear in the changes Δr, Δu (`grasp/tangent/active_set`). The
+system is square; what its null space spans stays free. A contact that rests, touching without force, may either begin
+to push or open: each choice is a branch of its own, with one-sided changes. So is each choice for an effect's limit
+that is just reached; one that gives way adds Δv = AᵀΔs and the row A Δr = 0.
 """
 
 from __future__ import annotations
@@ -25,9 +18,10 @@ from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.friction import Section, limit_set
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States, complement
+from handlcp.grasp.tangent.active_set import active_rows, rank_of
+from handlcp.grasp.tangent.solutions import laws_of, smallest
+from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
 from handlcp.grasp.verify.judge import limits_at_answer
-from handlcp.lcp.kernels.dense import kernel, solve_ranked
 from handlcp.tolerances import RANK
 
 _MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
@@ -51,18 +45,15 @@ def free_branches(
     scene: Scene, effects: tuple[Effect, ...], section: Section, states: States, candidate: Candidate
 ) -> tuple[Branch, ...]:
     """The branches that leave something free; none when the solution is locally unique (decided by elimination)."""
-    limits, limited = scene.limits(section), limits_at_answer(scene, effects, candidate)
-    contacts, softness, out = scene.kind.contact_components, scene.units.force / scene.units.motion, []
+    limited, out, moves = limits_at_answer(scene, effects, candidate), [], scene.components + scene.dof
     for kind, active in itertools.product(_choices(scene, states.kind), limited.choices()):
-        A, rank = active_system(
-            scene.natural.every, scene.flexibility, softness, contacts, states._replace(kind=kind), limits,
-            limited.rows[active],
-        )  # fmt: skip
-        if rank == len(A):
+        laws = laws_of(scene, scene.limits(section), limited.rows, active)
+        A, _ = active_rows(laws, states._replace(kind=kind))
+        if rank_of(A) == len(A):
             continue
-        _, sv, Vt = np.linalg.svd(A)
+        _, free = smallest(A, np.zeros((len(A), 0)), RANK)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
-        basis, multipliers = _orthonormal(Vt[sv <= RANK * sv[0]].T, scene.components + scene.dof)
+        basis, multipliers = _orthonormal(np.vstack([free[:moves], free[moves:][active]]), moves)
         resting = np.flatnonzero(states.kind == RESTING)
         if (len(resting) or limited.resting.any()) and basis.shape[1]:
             nothing = np.zeros(scene.components)
@@ -142,64 +133,3 @@ def inequalities(
             rows.append(against @ move[t])
             now.append(against @ motion[t])
     return np.concatenate(rows), np.concatenate(now)
-
-
-@kernel
-def active_system(
-    G: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array, coupling: Array
-) -> tuple[Array, int]:
-    """The square system of the module's docstring and its rank; columns Δr (c), Δu (dof), multipliers of couplings.
-
-    G (dof, c) natural, E (c, c) SI and softness: what makes it natural. contacts (n, 4) : as in `contact_laws`.
-    coupling (m, c) : natural rows of the limits that give way.
-    """
-    dof, c, extra = G.shape[0], G.shape[1], len(coupling)
-    k = c + dof + extra
-    # The contacts' rows come first: a finger's meet few columns but its own, so that elimination finds many zeros
-    A, V = np.zeros((k, k)), np.empty((c, k))
-    for i in range(c):
-        for j in range(c):
-            V[i, j] = E[i, j] * softness
-        for j in range(dof):
-            V[i, c + j] = A[c + j, i] = G[j, i]
-    for e in range(extra):
-        V[:, c + dof + e] = coupling[e]
-        A[dof + c + e, :c] = coupling[e]
-    across = np.zeros((3, 3))
-    for i in range(len(contacts)):
-        z, d, kind = 3 * i + 2, 0, states.kind[i]
-        A[z - 2, z - 2] = A[z - 1, z - 1] = 1.0  # what is no tangent carries nothing
-        while d < 3 and contacts[i, d + 1] >= 0:
-            d += 1
-        held = contacts[i, 0] < 0 or kind == SEPARATED
-        if held:
-            A[z, z] = 1.0
-        else:
-            A[z] = V[z]
-        count = states.against[i] if kind == SLIDING else 0
-        if kind == SLIDING:
-            complement(states.faces[i], count, d, across)
-        for a in range(d):
-            j = contacts[i, a + 1]
-            if held or kind == GLIDING:
-                A[j, j] = 1.0
-            elif kind == STICKING:
-                A[j] = V[j]
-            elif a < count:
-                A[j, z] = -limits[i]
-                for b in range(d):
-                    A[j, contacts[i, b + 1]] = states.faces[i, a, b]
-            else:
-                A[j, j] = 0.0
-                for b in range(d):
-                    A[j] += across[a - count, b] * V[contacts[i, b + 1]]
-                for b in range(d):
-                    A[j, contacts[i, b + 1]] += states.turn[i] * softness * across[a - count, b]
-    for row in A:
-        largest = 0.0
-        for value in row:
-            largest = max(largest, abs(value))
-        if largest > 0.0:
-            for j in range(k):
-                row[j] /= largest
-    return A, solve_ranked(A.copy(), np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)

@@ -20,12 +20,13 @@ from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.cause.judge import MOTION, OBJECT, Cause, limits_of, over
 from handlcp.grasp.cause.wording import needs_more, said
-from handlcp.grasp.design.least import ORDER, Changed, closed_in, without_slip, word
+from handlcp.grasp.design.least import ORDER, Changed, closed_in, word
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import named
 from handlcp.grasp.path.follow import Loading
+from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.text_table import wrapped
 
 _MOST = 256.0

@@ -30,8 +30,8 @@ from handlcp.grasp.effects.soft_wrist import SoftWrist
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Entry, Parameter, larger
 from handlcp.grasp.parameter.samples import Samples
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 _KNOWN = (ContactCompliance, FingerWeight, GeometricStiffness, JointOffset, SoftWrist)
 

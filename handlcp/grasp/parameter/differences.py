@@ -18,8 +18,8 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.grasp_matrix import wrench_map
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 
 def differences(answer: Answer, count: int, h: float, made: Callable[[int, float], GraspSpec]) -> Change:

@@ -13,8 +13,8 @@ from handlcp.errors import InputError
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Entry, Parameter, Trial, places
 from handlcp.grasp.parameter.samples import Samples
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 _TRIED = (0.3, 0.5, 0.8, 1.0, 1.2)  # hardly anything grips better
 

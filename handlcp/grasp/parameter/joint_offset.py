@@ -10,8 +10,8 @@ from handlcp.check import Array
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Parameter, larger
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, in_plane, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, in_plane, no_change
 
 
 class JointCommand(Parameter):

@@ -12,8 +12,8 @@ from handlcp.errors import InputError
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Entry, Parameter
 from handlcp.grasp.parameter.samples import Samples
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 
 class Mass(Parameter):

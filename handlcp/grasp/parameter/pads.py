@@ -13,8 +13,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Entry, Parameter, factors, larger
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.parameter.stiffness import hand
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, in_plane, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, in_plane, no_change
 
 _NO_PAD = 1e-9  # of the flexibility: a pad softer by less is rounding
 

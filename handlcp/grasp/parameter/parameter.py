@@ -26,8 +26,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.samples import Samples
 
 if TYPE_CHECKING:
-    from handlcp.grasp.sensitivity.answer import Answer
-    from handlcp.grasp.sensitivity.change import Change
+    from handlcp.grasp.tangent.answer import Answer
+    from handlcp.grasp.tangent.change import Change
 
 
 class Entry(NamedTuple):

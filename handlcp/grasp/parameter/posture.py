@@ -20,8 +20,8 @@ from handlcp.grasp.parameter.differences import differences
 from handlcp.grasp.parameter.parameter import Entry, Parameter
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.parameter.stiffness import hand
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, Deeper, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, Deeper, no_change
 
 _DEPTH = 1e-6  # [m]: what is differenced is linear in the depth
 _NOTHING = 1e-6  # of a depth: a sideways motion that is rounding

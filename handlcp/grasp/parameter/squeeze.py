@@ -24,8 +24,8 @@ from handlcp.grasp.parameter.parameter import (
     two_digits,
 )
 from handlcp.grasp.parameter.samples import Samples
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 MOST = 0.2  # of the grasp's size: no hand squeezes farther than that for a better hold
 _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried

@@ -17,8 +17,8 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import FORCES, Entry, Parameter, Trial, factors, more_and_less
 from handlcp.grasp.parameter.samples import Samples
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, in_plane, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, in_plane, no_change
 from handlcp.tolerances import SEMIDEFINITE
 
 _TRIED = (2.0, 5.0, 10.0)  # times as stiff

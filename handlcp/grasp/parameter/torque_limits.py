@@ -10,8 +10,8 @@ from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Parameter, larger
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 
 class TorqueLimit(Parameter):

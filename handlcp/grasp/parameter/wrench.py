@@ -11,8 +11,8 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Entry, Parameter, larger
 from handlcp.grasp.parameter.samples import Samples
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, no_change
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, no_change
 
 
 class Wrench(Parameter):

@@ -21,9 +21,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.grasp.friction import limit_set
-from handlcp.grasp.sensitivity.change import Stand, solved
+from handlcp.grasp.sensitivity.stand import Stand
+from handlcp.grasp.tangent.solutions import smallest
 from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
 from handlcp.tolerances import RANK
 
@@ -133,11 +134,11 @@ class Kink:
 def kinks_at(at: Stand) -> tuple[Kink, ...]:
     """Of contacts, then of limits in the order in which they are reached."""
     reached = at.answer.yielding
-    if not (at.edge.any() or (at.states.against > 1).any() or len(reached.at)):
+    if not (at.found.edge.any() or (at.states.against > 1).any() or len(reached.at)):
         return ()
     names, found = at.answer.spec.names, []
     for i in range(at.answer.scene.n):
-        if at.edge[i] or (at.states.kind[i] == SLIDING and _grazes(at, i)):
+        if at.found.edge[i] or (at.states.kind[i] == SLIDING and _grazes(at, i)):
             rests = at.states.kind[i] == RESTING
             found.append(Kink(names[i], "touches without force" if rests else "is at the limit of its friction", i))
     of_limits = [limit.name for limit in reached.every for _ in range(len(limit.room))]
@@ -158,9 +159,9 @@ def _grazes(at: Stand, i: int) -> bool:
 
 
 def one_sided(at: Stand, kinks: tuple[Kink, ...], b: Array) -> tuple[Array, Array]:
-    """(x (c + dof + m,), N (c + dof + m, j)): the changes in natural units for right-hand sides b (c + dof + n + m,) as
-    `Stand` has them, with all m limits that are reached, and what spans the changes that no law of the next states
-    resists. NaN where no next state is consistent: nothing near is an answer on that side.
+    """(x (k,), N (k, j)): the changes in natural units for right-hand sides b (k + n,) as `Stand` has them, and what
+    spans the changes that no law of the next states resists. NaN where no next state is consistent: nothing near is an
+    answer on that side.
     """
     reached, contacts = at.answer.yielding, [k.contact for k in kinks if k.contact is not None]
     every = [next_states(at, i) for i in contacts]
@@ -168,25 +169,23 @@ def one_sided(at: Stand, kinks: tuple[Kink, ...], b: Array) -> tuple[Array, Arra
     ways = itertools.product(*every, *([(False, True)] * resting))
     for way in itertools.islice(ways, _MOST):
         picked: list[Any] = list(way[: len(contacts)])
-        yields = np.array((True,) * reached.active + way[len(contacts) :], bool)
-        found = _rates(at, contacts, picked, yields, b)
+        gives = np.array((True,) * reached.active + way[len(contacts) :], bool)
+        found = _rates(at, contacts, picked, gives, b)
         if found is not None:
             return found
-    size = at.answer.scene.components + at.answer.scene.dof + len(reached.at)
+    size = len(at.found.inverse)
     return np.full(size, np.nan), np.zeros((size, 0))
 
 
-def _rates(at: Stand, contacts: list[int], picked: list[Next], yields: Array, b: Array) -> tuple[Array, Array] | None:
+def _rates(at: Stand, contacts: list[int], picked: list[Next], gives: Bools, b: Array) -> tuple[Array, Array] | None:
     """The changes with these next states where they keep every sign; None where they do not."""
-    s, rows = at.answer.scene, at.answer.yielding.rows
-    free = [k for k, p in enumerate(picked) if p.follows]
-    keep = np.concatenate([np.ones(len(b) - len(rows), bool), yields])
+    c, free = at.answer.scene.components, [k for k, p in enumerate(picked) if p.follows]
     for _ in range(_ROUNDS if free else 1):
-        A, B = at.equations(_with(at.states, contacts, picked), rows[yields])
-        x, N = solved(A, (B @ b[keep])[:, None], RANK)
+        A, B = at.equations(_with(at.states, contacts, picked), gives)
+        x, N = smallest(A, (B @ b)[:, None], RANK)
         if np.isnan(x).any():
             return None
-        dv = at.moved(x, rows[yields])[:, 0] + b[: s.components] * at.answer.sizes[1]
+        dv = at.moved(x)[:, 0] + b[:c] * at.answer.sizes[1]
         change = 0.0
         for k in free:
             slip = dv[_tangents(at, contacts[k])]
@@ -196,11 +195,8 @@ def _rates(at: Stand, contacts: list[int], picked: list[Next], yields: Array, b:
                 picked[k] = new
         if change <= 1e-14:
             break
-    used = np.concatenate([np.ones(s.components + s.dof, bool), yields])
-    whole, left = np.zeros(len(used)), np.zeros((len(used), N.shape[1]))
-    whole[used], left[used] = x[:, 0], N
-    fits = all(_keeps(at, i, p, whole, dv, b) for i, p in zip(contacts, picked, strict=True))
-    return (whole, left) if fits and _limits_keep(at, whole, yields, b) else None
+    fits = all(_keeps(at, i, p, x[:, 0], dv, b) for i, p in zip(contacts, picked, strict=True))
+    return (x[:, 0], N) if fits and _limits_keep(at, x[:, 0], gives, b) else None
 
 
 def _keeps(at: Stand, i: int, state: Next, x: Array, dv: Array, b: Array) -> bool:
@@ -214,7 +210,7 @@ def _keeps(at: Stand, i: int, state: Next, x: Array, dv: Array, b: Array) -> boo
         return False
     if state.kind == GLIDING:
         return True
-    room = answer.friction.limits[i] * force[3 * i + 2] + b[answer.scene.components + answer.scene.dof + i]
+    room = answer.friction.limits[i] * force[3 * i + 2] + b[len(x) + i]
     if state.kind == STICKING and not len(reached := normals_reached(at, i)):  # a cone at rest
         return bool(np.sqrt(force[t] @ force[t]) <= room + small)
     if state.kind == STICKING:
@@ -230,14 +226,13 @@ def _keeps(at: Stand, i: int, state: Next, x: Array, dv: Array, b: Array) -> boo
     return inside and bool((more[now <= answer.slow] >= -slow).all())
 
 
-def _limits_keep(at: Stand, x: Array, yields: Array, b: Array) -> bool:
+def _limits_keep(at: Stand, x: Array, gives: Bools, b: Array) -> bool:
     """Whether limits that are just reached hold, or yield outwards."""
-    reached, c = at.answer.yielding, at.answer.scene.components
-    new = np.arange(len(reached.at)) >= reached.active
-    room = b[len(b) - len(reached.at) :] - reached.rows @ x[:c]
-    ways = x[len(x) - len(reached.at) :]
+    reached, scene = at.answer.yielding, at.answer.scene
+    new, own = np.arange(len(reached.at)) >= reached.active, slice(scene.components + scene.dof, len(x))
+    room = -b[own] - reached.rows @ x[: scene.components]
     small = _SMALL * float(abs(x).max(initial=0.0))
-    return bool((np.where(yields, ways, room)[new] >= -small).all())
+    return bool((np.where(gives, x[own], room)[new] >= -small).all())
 
 
 def _tangents(at: Stand, i: int) -> list[int]:

@@ -11,11 +11,11 @@ from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.parameter import named, parameters
 from handlcp.grasp.parameter.posture import by_depth
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
 from handlcp.grasp.sensitivity.respond import Response
 from handlcp.grasp.sensitivity.table import QUANTITIES, what_matters
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, Rates
 from handlcp.tolerances import ACTIVE
 from handlcp.views import view
 
@@ -120,10 +120,8 @@ class Sensitivity:
             return known
         if parameter not in self.parameters:
             raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
-        if (known := self._response.ordinary.get(parameter)) is None:
-            change = named(parameter).change(self._answer)
-            known = self._response.to(change.ahead), change
-        self._rates[parameter] = known
+        change = named(parameter).change(self._answer)
+        known = self._rates[parameter] = self._response.to(change.ahead), change
         return known
 
     def to_dict(self) -> dict[str, Any]:

@@ -10,8 +10,8 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.parameter import named
-from handlcp.grasp.sensitivity.answer import Answer
-from handlcp.grasp.sensitivity.change import Change, Rates
+from handlcp.grasp.tangent.answer import Answer
+from handlcp.grasp.tangent.change import Change, Rates
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
 

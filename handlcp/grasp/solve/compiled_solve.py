@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.answer.active_conditions import active_system
 from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.unknowns import add_at, couple
 from handlcp.grasp.solve.scene_row import read_scene
+from handlcp.grasp.tangent.active_set import Laws, active_rows, rank_of, saddle
 from handlcp.grasp.verify.contact_laws import Friction, examine
 from handlcp.grasp.verify.contact_states import ESCAPES, RESTING, States, find_escape, find_states
 from handlcp.lcp.kernels.contact_rows import in_order
@@ -176,8 +176,10 @@ def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: Sta
     for k in states.kind:
         if k == RESTING:
             return False
-    A, rank = active_system(every, E, softness, contacts, states, limits, np.empty((0, every.shape[1])))
-    return bool(rank == len(A))
+    K = saddle(E * softness, every, np.empty((0, every.shape[1])))
+    kept = np.arange(len(K)) >= len(E)
+    A, _ = active_rows(Laws(K, kept, contacts, limits, softness), states)
+    return bool(rank_of(A) == len(A))
 
 
 @kernel

@@ -113,30 +113,6 @@ def _active(friction: Friction, tangents: int, reach: float, r: Array, weak: flo
     return found
 
 
-@kernel
-def complement(normals: Array, count: int, d: int, across: Array) -> None:
-    """Write an orthonormal basis of what is across the first `count` rows of normals (3, d) into the rows of across."""
-    basis = np.zeros((3, 3))
-    for q in range(d):
-        best, length = np.zeros(3), 0.0
-        for a in range(d if q >= count else 1):  # the unit vector that is farthest from the span, or the next normal
-            v = np.zeros(3)
-            if q < count:
-                v[:d] = normals[q, :d]
-            else:
-                v[a] = 1.0
-            for p in range(q):
-                v -= (basis[p] @ v) * basis[p]
-            size = float(np.sqrt(v @ v))
-            if size > length:
-                best, length = v, size
-        basis[q] = best
-        if length > 0.0:
-            basis[q] /= length
-        if q >= count:
-            across[q - count] = basis[q]
-
-
 # ----------------------------------------------------------------
 # Holdability in one compiled call: the forces within friction that balance a load, or the motion in which it escapes.
 #

@@ -19,7 +19,7 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, point_of
-from handlcp.hand.command import commanded, standing_off
+from handlcp.hand.command import commanded
 from handlcp.hand.mechanism import finger_flexibility, mechanism_of
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
@@ -27,6 +27,7 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres, far_from
 from handlcp.hand.objects.table import surrounding
 from handlcp.hand.robot.posture import GRAVITY, Posture
+from handlcp.hand.squeeze import joint_by_joint, overlaps
 
 # ----------------------------------------------------------------
 # Which fingertips take part, and where they touch: detected on an object, or given.
@@ -133,7 +134,7 @@ class HandAsked:
         if self.found is not None:
             mechanism = replace(mechanism, stand_off=self.found[1])
         elif obj is not None:
-            mechanism = standing_off(mechanism, gaps, planar, self.inside)
+            mechanism = _standing_off(mechanism, gaps, planar, self.inside)
         d = offset_beside(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset).copy()
         d[:k] += mechanism.stand_off
         if around is not None:
@@ -170,3 +171,15 @@ def _weight_given(value: Any) -> bool | str:
 def _weight(state: Posture, weighed: bool | str, gravity: Array) -> tuple[Effect, ...]:
     """The fingers' own weight, where it was asked for."""
     return (FingerWeight(read_only(state.gravity_torque(gravity)), weighed is True),) if weighed else ()
+
+
+def _standing_off(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Array | None) -> HandMechanism:
+    """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
+    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.deeper`. inside : (k,) [m] what counts
+    as overlap; None: all but what is left of touching.
+    """
+    offset = np.outer(gaps, (0.0, 0.0, 1.0))
+    if (inside := overlaps(gaps) if inside is None else inside).any():
+        tips = joint_by_joint(mechanism, planar)
+        offset[:, :2] -= tips.made(tips.deeper(inside))[:, :2]
+    return replace(mechanism, stand_off=read_only(offset))

@@ -17,11 +17,12 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.analysis.required import Required, tolerance_of
 from handlcp.grasp.answer.verdict import HELD, Verdict
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.design.least import ORDER, Changed, least_value, verdict_on, without_slip
+from handlcp.grasp.design.least import ORDER, Changed, least_value, verdict_on
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
+from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.grasp.verdict.check import followed_to
 from handlcp.hand.command import commanded, gripped
 from handlcp.hand.design.motors import Case, RequiredTorque, cases

@@ -53,9 +53,10 @@ def product(A: Array, B: Array) -> Array:
 
 
 @kernel
-def solve_wide(A: Array) -> bool:
-    """Solve L X = B in place: A (k, k + m) is [L, B] before, and X is in its last m columns after; False where L has no
-    inverse or is not finite. Unknowns are eliminated from the last to the first, zeros of L cost nothing.
+def solve_wide(A: Array, least: float) -> bool:
+    """Solve L X = B in place: A (k, k + m) is [L, B] before, and X is in its last m columns after; False where a pivot
+    of L is no larger than `least`, or is not finite. Unknowns are eliminated from the last to the first, zeros of L
+    cost nothing.
     """
     k, wide = A.shape
     for s in range(k - 1, -1, -1):
@@ -63,7 +64,7 @@ def solve_wide(A: Array) -> bool:
         for i in range(s):
             if abs(A[i, s]) > abs(A[p, s]):
                 p = i
-        if not abs(A[p, s]) > 0.0:
+        if not abs(A[p, s]) > least:
             return False
         if p != s:
             for j in range(wide):

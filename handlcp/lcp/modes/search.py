@@ -25,7 +25,7 @@ from handlcp.tolerances import RANK
 
 _PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
 _A_CALL = 1e5  # multiply-adds that take as long as a call of other kernels where they run as plain Python
-_MOST_REFUSED = 8  # candidates at the end of their branch; then the search gives up
+_MOST_REFUSED = 100  # candidates at the end of their branch; then the search gives up
 _EARLY = 12  # candidates further up that are handed out: where they help, the first ones do
 
 
@@ -42,10 +42,15 @@ class ModeSearch:
         friction = {int(b[0]): (b[b >= 0], float(mu)) for b, mu in zip(problem.blocks, problem.limits, strict=True)}
         own = [friction.get(i, (np.array([i]), 0.0)) for i in np.flatnonzero(problem.role == 1).tolist()]
         self._own, self._free = [places for places, _ in own], np.flatnonzero(problem.role == 0)
-        self._U, size, self._V = np.linalg.svd(problem.M[:, self._free])
+        # A pair's y is told in units of its q where that is large: nothing looks small beside a bound out of reach
+        alone = np.array([places[0] for places in self._own if len(places) == 1], dtype=np.int64)
+        self._unit = np.ones(problem.n)
+        self._unit[alone] = np.maximum(abs(problem.q[alone]), 1.0)
+        self._M, self._q, most_y = problem.M / self._unit[:, None], problem.q / self._unit, most_y / self._unit
+        self._U, size, self._V = np.linalg.svd(self._M[:, self._free])
         self._size = size[size > RANK * size.max(initial=0.0)]
         N = self._U[:, len(self._size) :]
-        R, MN = N.shape[1], N.T @ problem.M
+        R, MN = N.shape[1], N.T @ self._M
         columns = np.zeros((R, len(own), 2, 4))
         for i, places in enumerate(self._own):
             columns[:, i, 0, : len(places)] = MN[:, places]
@@ -58,7 +63,7 @@ class ModeSearch:
         most = np.column_stack([most_x[first], most_y[first]])
         # What N leaves of the free unknowns' columns, by rounding, with unknowns as large as any bound
         self._claim = Claim(most, RANK * float(size.max(initial=0.0) * most.max(initial=0.0)))
-        self._b, self._tree = -N.T @ problem.q, new_tree(self._cones)
+        self._b, self._tree = -N.T @ self._q, new_tree(self._cones)
         self._early = 0
         self._node = new_node(self._cones)
 
@@ -82,25 +87,44 @@ class ModeSearch:
         """Whether it is proven that there is no answer within the bounds, unless one was accepted."""
         return self.exhausted and not self.refused
 
+    @property
+    def choices(self) -> float:
+        """How many choices of modes there are; inf where friction is round, and contacts slide in any direction."""
+        faces = float(self._cones.faces) if self._cones.faces > 2 else math.inf
+        each = [2.0 if t == 0 else 4.0 if t == 1 else 2.0 + 2.0 * faces for t in self._cones.tangents.tolist()]
+        return math.prod(each)
+
     def candidates(self, work: float, end: float = math.inf) -> Iterator[Array]:
         """(n,) each, natural units: what may be an answer, or near one, until so many multiply-adds were spent in all.
 
         end : of `time.monotonic`, if earlier.
         """
+        visits = self._visits(work, end)
+        while not self.ended and (last := next(visits, None)) is not None:
+            if last or self._early < _EARLY:
+                self._early += not last
+                yield self._unknowns()
+
+    def every(self, work: float) -> Iterator[Array]:
+        """(n,) each, natural units: one answer of each choice of modes that has any, until so many multiply-adds were
+        spent in all. Where `exhausted`, the other choices are proven to have none within the bounds.
+        """
+        return (self._unknowns() for last in self._visits(work, math.inf) if last)
+
+    def _visits(self, work: float, end: float) -> Iterator[bool]:
+        """At each candidate, whether its branch ends there."""
         counts = self._tree.counts
-        while not self.ended:
+        while not self.exhausted:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
-            ended = int(counts[2])
-            budget = int(min(left, _PAUSE))
+            ended, budget = int(counts[2]), int(min(left, _PAUSE))
             with at_once(work / _A_CALL):
                 what = advance(
                     self._tree, self._cones, self._b, self.problem.sets.normals, self._claim, budget, self._node
                 )  # fmt: skip
             self.exhausted = what == EXHAUSTED
-            if what == CANDIDATE and (counts[2] > ended or self._early < _EARLY):
-                self._early += counts[2] == ended
-                yield self._unknowns()
+            if what == CANDIDATE:
+                yield bool(counts[2] > ended)
 
     def _unknowns(self) -> Array:
         """All unknowns, from forces and motions of the contacts: the free ones fit M x + q = y best."""
@@ -110,5 +134,5 @@ class ModeSearch:
             x[places], y[places] = self._node.x[i, : len(places)], self._node.y[i, : len(places)]
         k = len(self._size)
         with np.errstate(over="ignore", invalid="ignore"):  # the certifier refuses what is not finite
-            x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - p.q - p.M @ x)) / self._size)
+            x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - self._q - self._M @ x)) / self._size)
         return x

@@ -101,9 +101,8 @@ def advance(t: Tree, c: Cones, b: Array, normals: Array, claim: Claim, work: int
             continue
         put_parts(a, node.x, node.y)
         worst, decided = _worst(c, node, normals), True
-        if worst < 0:  # should the answer be refused, there may be another below
-            for i in range(len(codes)):
-                worst = i if codes[i] == ANY else worst
+        if worst < 0:  # there may be another answer below
+            worst = _undecided(c, node)
         else:
             decided = codes[worst] != ANY and node.splits[worst] % 4 == 0 and bool(np.all(codes != ANY))
         if worst >= 0:
@@ -147,6 +146,17 @@ def _worst(c: Cones, node: Node, normals: Array) -> int:
         if miss > most * _MORE:
             worst, most = i, miss
     return worst
+
+
+@kernel
+def _undecided(c: Cones, node: Node) -> int:
+    """A contact whose mode is not decided, or not its face; -1: none. Arcs have no last one."""
+    found = -1
+    for i in range(len(node.codes)):
+        sliding = node.codes[i] == SLIDES and c.faces > 0 and parts(node.corners[i], c.tangents[i], c.faces) > 0
+        if node.codes[i] == ANY or sliding:
+            found = i
+    return found
 
 
 @kernel

@@ -194,7 +194,7 @@ def met(problem: Contacts, y: Array, p: ScenePattern) -> tuple[bool, Array]:
                 most = max(most, abs(A[i, j]))
     for i in range(a):
         A[i, i] += 1e-14 * most  # forces of rigid contacts may not be determined
-    found = solve_wide(A)
+    found = solve_wide(A, 0.0)
     for i in range(dof):
         for j in range(dof):
             out[i, j] = J[place[a + i], place[a + j]]

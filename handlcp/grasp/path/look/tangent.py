@@ -248,7 +248,7 @@ def condensed(
         A[:, size + 1 + c : size + by] = -changes[:, :6]
         if k > 0:
             A[:, size + by :] = np.dot(changes[:, 6 : 6 + nv].copy(), Y)
-        found = solve_wide(A)
+        found = solve_wide(A, 0.0)
         Z = A[:, size:].copy()
         held = Z[: nv + n3].copy()
         if k > 0:

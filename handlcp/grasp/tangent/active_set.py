@@ -1,0 +1,167 @@
+"""The linear equations that changes of an answer obey while every contact stays in its state, compiled.
+
+One matrix holds the laws of a grasp, whatever its contacts do. With forces r, motion u of the object and motions s of
+limits that give way, all in natural units,
+
+    K = [E  Gᵀ Aᵀ]        v = E r + Gᵀ u + Aᵀ s + d
+        [G  0  0 ]        w + G r = 0
+        [A  0  0 ]        A r = room
+
+A row of K x changes by K Δx + b, where b is what a parameter changes in this law while x stays. The active set says
+which rows keep their values, and what other equations the contacts have instead:
+
+    balance    K Δx = -b                          limits    K Δx = -b for those that give way, else Δs = 0
+    separated  Δr = 0                             sticking  K Δx = -b
+    sliding    nᵀΔr_T - μ Δr_N = δμ r_N for each face n that it slides against, K_N Δx = -b_N, and across these faces
+               P K_T Δx + α P Δr_T = -P b_T  (on a round set friction and slip turn together, v_T = -α r_T; else α = 0)
+
+which is friction with maximum dissipation: the slip is against the faces that the force lies on. Without friction
+Δr_T = 0. Source: the implicit function theorem; Robinson, Mathematics of Operations Research 5 (1980), for the
+one-sided case.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Bools, Ints
+from handlcp.grasp.verify.contact_states import RESTING, SEPARATED, SLIDING, STICKING, States
+from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
+from handlcp.tolerances import RANK
+
+
+class Laws(NamedTuple):
+    """K (k, k) : natural units, square. kept (k,) : rows that keep their values whatever contacts do. contacts (n, 4) :
+    the row of each contact's normal component and those of its tangents, padded by -1. What is neither kept nor of a
+    contact is zero and stays so. limits (n,) : μ. softness [N/m] : natural unit of force over that of motion.
+    """
+
+    K: Array
+    kept: Bools
+    contacts: Ints
+    limits: Array
+    softness: float
+
+
+@kernel
+def saddle(E: Array, G: Array, A: Array) -> Array:
+    """K of E (c, c), G (dof, c) and A (m, c), natural units."""
+    c, dof, m = len(E), len(G), len(A)
+    K = np.zeros((c + dof + m, c + dof + m))
+    K[:c, :c] = E
+    for j in range(c):
+        for i in range(dof):
+            K[c + i, j] = K[j, c + i] = G[i, j]
+        for i in range(m):
+            K[c + dof + i, j] = K[j, c + dof + i] = A[i, j]
+    return K
+
+
+@kernel
+def active_rows(laws: Laws, states: States) -> tuple[Array, Array]:
+    """(A (k, k), B (k, k + n)) of A Δx = B b in natural units, b : of the rows of K, then δμ r_N of the contacts.
+
+    states : RESTING counts as separated. Rows are scaled to a largest entry of one.
+    """
+    n, k = len(laws.contacts), len(laws.K)
+    A, B = np.zeros((k, k)), np.zeros((k, k + n))
+    for i in range(k):
+        if laws.kept[i]:
+            _keep(A, B, laws.K, i)
+        else:
+            A[i, i] = 1.0
+    for i in range(n):
+        own, kind = laws.contacts[i], states.kind[i]
+        if own[0] < 0 or kind in (SEPARATED, RESTING):
+            continue
+        _keep(A, B, laws.K, own[0])
+        if kind == SLIDING:
+            _slide(A, B, laws, states, i)
+        elif kind == STICKING:
+            for j in own[1:]:
+                if j >= 0:
+                    _keep(A, B, laws.K, j)
+    for i in range(k):
+        largest = 0.0
+        for value in A[i]:
+            largest = max(largest, abs(value))
+        if largest > 0.0:
+            A[i] /= largest
+            B[i] /= largest
+    return A, B
+
+
+@kernel
+def _keep(A: Array, B: Array, K: Array, i: int) -> None:
+    """Make row i that of K, which keeps its value."""
+    A[i] = K[i]
+    B[i, i] = -1.0
+
+
+@kernel
+def _slide(A: Array, B: Array, laws: Laws, states: States, i: int) -> None:
+    """Write the rows of a contact's tangents: along the faces that it slides against, then across them."""
+    own, count, d, across = laws.contacts[i], states.against[i], 0, np.zeros((3, 3))
+    while d < 3 and own[d + 1] >= 0:
+        d += 1
+    complement(states.faces[i], count, d, across)
+    for a in range(d):
+        j = own[a + 1]
+        A[j, j] = 0.0
+        if a < count:
+            A[j, own[0]] = -laws.limits[i]
+            B[j, len(A) + i] = 1.0
+            for b in range(d):
+                A[j, own[b + 1]] += states.faces[i, a, b]
+        else:
+            for b in range(d):
+                A[j] += across[a - count, b] * laws.K[own[b + 1]]
+                B[j, own[b + 1]] = -across[a - count, b]
+            for b in range(d):
+                A[j, own[b + 1]] += states.turn[i] * laws.softness * across[a - count, b]
+
+
+@kernel
+def complement(normals: Array, count: int, d: int, across: Array) -> None:
+    """Write an orthonormal basis of what is across the first `count` rows of normals (3, d) into the rows of across."""
+    basis = np.zeros((3, 3))
+    for q in range(d):
+        best, length = np.zeros(3), 0.0
+        for a in range(d if q >= count else 1):  # the unit vector that is farthest from the span, or the next normal
+            v = np.zeros(3)
+            if q < count:
+                v[:d] = normals[q, :d]
+            else:
+                v[a] = 1.0
+            for p in range(q):
+                v -= (basis[p] @ v) * basis[p]
+            size = float(np.sqrt(v @ v))
+            if size > length:
+                best, length = v, size
+        basis[q] = best
+        if length > 0.0:
+            basis[q] /= length
+        if q >= count:
+            across[q - count] = basis[q]
+
+
+# ----------------------------------------------------------------
+
+
+@kernel
+def rank_of(A: Array) -> int:
+    """How many of the rows of A (k, k) are independent; rows have a largest entry of one."""
+    k = len(A)
+    return solve_ranked(A.copy(), np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)
+
+
+@kernel
+def inverted(A: Array, B: Array, least: float) -> tuple[Array, bool]:
+    """(A⁻¹ B, whether there is one): A (k, k) has a pivot larger than `least` for every unknown. B (k, p)."""
+    k, p = B.shape
+    wide = np.empty((k, k + p))
+    wide[:, :k], wide[:, k:] = A, B
+    found = solve_wide(wide, least)
+    return wide[:, k:].copy(), found
