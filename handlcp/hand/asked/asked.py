@@ -20,7 +20,7 @@ from handlcp.grasp.model.environment import beside, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, point_of
 from handlcp.hand.command import commanded
-from handlcp.hand.mechanism import finger_flexibility, mechanism_of
+from handlcp.hand.mechanism import HandMechanism, finger_flexibility, mechanism_of
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
 from handlcp.hand.objects.object import Object
