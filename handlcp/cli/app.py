@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import errno
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -19,6 +20,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from handlcp.errors import HandLCPError, InputError, brief
+from handlcp.show.file import checked, checked_page
 from handlcp.study.plain import json_text
 from handlcp.version import VERSION
 
@@ -75,6 +77,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+Scene = Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")]
+Faces = Annotated[str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')]
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 
 
@@ -139,6 +143,23 @@ def sides_of(own: Any, faces: str | None) -> Any:
     if not (faces.isascii() and faces.isdecimal()) or len(faces) > 9 or int(faces) < 3:
         raise InputError("--faces", 'an integer ≥ 3 or "cone"', brief(repr(faces)))
     return int(faces)
+
+
+def check_files(*pictures: Path | None, page: Path | None = None) -> None:
+    """Before a long computation, whether what is asked for can be written. Raises InputError, Unsupported."""
+    for file in pictures:
+        if file is not None:
+            checked(file)
+    if page is not None:
+        checked_page(page)
+
+
+def say_files(out: Console, **written: Sequence[Path | None]) -> None:
+    """Which files there are now, by what they are."""
+    for what, files in written.items():
+        for file in files:
+            if file is not None:
+                out.print(Text(f"{what}: {file}", style="dim"))
 
 
 def say(out: Console, word: str, style: str, sentence: str) -> None:

@@ -17,7 +17,7 @@ from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.command import commanded
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.robot.joint_limits import TorqueLimits
+from handlcp.hand.robot.joints import TorqueLimits
 
 # ----------------------------------------------------------------
 # A hand's grasp with other motors, or with another command of its joints.

@@ -87,7 +87,7 @@ class PathCost(Data):
         """The figure: error against time for each question, its estimate dashed. A matplotlib figure, or the file that
         it was written to. Raises InputError for an unknown format; Unsupported without matplotlib.
         """
-        return drawn(figure, self, path, title)
+        return drawn(path, figure, self, title)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data; None for what is not a number."""

@@ -15,6 +15,7 @@ from scipy import ndimage
 from handlcp.check import Array, Bools
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.camera import Camera, Frame, fill
+from handlcp.show.style import RED, rgb
 
 LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])  # screen axes: from the upper left
 CREASE = np.cos(np.radians(28.0))  # edges of the object sharper than this are drawn
@@ -22,14 +23,15 @@ GLASS = 0.40  # opacity of the object
 CONTOUR = 0.55  # brightness of the lines around solids
 OVER = 2  # samples per pixel and direction
 TINT, STRIPED = 0.22, 0.75  # opacity of the mark on links inside the object, and of its stripes
-MARK = np.array([0xD5, 0x5E, 0x00]) / 255  # the red of `style`
+MARK = np.array(rgb(RED))
 STRIPE = 12 * OVER  # samples from one stripe of hatching to the next
 
 
 def paint(
     ax: Any, camera: Camera, solids: Sequence[Body], glass: Body | None, frame: Frame, dpi: float
 ) -> Callable[[Array], Array]:
-    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch.
+    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch, which
+    the axes end with.
 
     Returns a function that tells of points (n, 3) how far before them the nearest solid is, and how far before them the
     near side of the translucent body [m], (n, 2); -inf where there is none.
@@ -63,6 +65,9 @@ def paint(
         _fade(colour, frame)
     small = colour.reshape(pixels[1], OVER, pixels[0], OVER, 3).mean((1, 3))
     ax.imshow(small, extent=frame.box, origin="lower", interpolation="antialiased", zorder=1, aspect="auto")
+    ax.axis("off")
+    ax.set_xlim(x0, x1)
+    ax.set_ylim(y0, y1)
 
     def before(points: Array) -> Array:
         x, y, z = page(points).T

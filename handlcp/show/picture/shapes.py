@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
 from handlcp.grasp.model.contact import frame
-from handlcp.hand.objects.meshes import triangles_of
+from handlcp.hand.robot.link_surface import triangles_of
 
 _MANY = 4000  # triangles: a surface of fewer is not made coarser
 AROUND = 96  # facets around a round shape
