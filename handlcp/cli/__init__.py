@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from handlcp.cli.app import app
-from handlcp.cli.streams import lost, open_streams
+from handlcp.cli.app import app, lost, open_streams
 
 from handlcp.cli.solve import follow, solve  # isort: skip  commands are listed in this order
 from handlcp.cli.limits import envelope, limits  # isort: skip

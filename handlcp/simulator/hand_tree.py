@@ -15,7 +15,7 @@ from handlcp.errors import Unsupported
 from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.tip_geometry import TipShape
-from handlcp.simulator.settings import SimulatorSettings, add, placed, text
+from handlcp.simulator.settings import SimulatorSettings, add, add_shape, placed, text
 
 _LEAST_MASS = 1e-6  # [kg] of a link without <inertial>
 _LEAST_INERTIA = 1e-9  # [kg·m²]
@@ -94,17 +94,8 @@ def add_tip(
     below = add(body, "body", name=f"{name} pad", gravcomp=1.0, **placed(at.rotation, at.translation))
     add_pad(below, f"{name} pad", hand.pads.blocks[tip], settings)
     shape = shapes[0]
-    words = shape_words(root, name, shape.geometry)
-    add(
-        below,
-        "geom",
-        name=name,
-        contype="0",
-        conaffinity="0",
-        mass=0.0,
-        **placed(shape.rotation, shape.translation),
-        **words,
-    )
+    words = placed(shape.rotation, shape.translation) | shape_words(root, name, shape.geometry)
+    add_shape(below, name=name, **words)
     return name, shape
 
 
@@ -117,15 +108,8 @@ def add_pad(body: ET.Element, name: str, flexibility: Array, settings: Simulator
         vectors = np.eye(3)
     soft = np.flatnonzero(values > _NONE * abs(values).max())
     for count, i in enumerate(soft, 1):
-        add(
-            body,
-            "joint",
-            name=f"{name} {count}",
-            type="slide",
-            axis=vectors[:, i],
-            stiffness=1 / values[i],
-            **settings.damped(1 / values[i]),
-        )
+        k = 1 / values[i]
+        add(body, "joint", name=f"{name} {count}", type="slide", axis=vectors[:, i], stiffness=k, **settings.damped(k))
     add(body, "inertial", pos=np.zeros(3), mass=mass, diaginertia=np.full(3, _INERTIA))
 
 
@@ -144,14 +128,14 @@ def shape_words(root: ET.Element, name: str, geometry: Any) -> dict[str, Any]:
             return {"type": "ellipsoid", "size": np.array(geometry.radii)}
         case coal.ConvexBase():
             assets = root.find("asset")
-            add(add(root, "asset") if assets is None else assets, "mesh", name=name, vertex=convex_points(geometry))
+            add(
+                add(root, "asset") if assets is None else assets,
+                "mesh",
+                name=name,
+                vertex=np.array(geometry.points(), dtype=float),
+            )
             return {"type": "mesh", "mesh": name}
     raise Unsupported(f"the shape {type(geometry).__name__} of {name!r} cannot be written")
-
-
-def convex_points(geometry: Any) -> Array:
-    """(m, 3) corners of a convex hull [m]."""
-    return np.array(geometry.points(), dtype=float).reshape(-1, 3)
 
 
 def round_shape(geometry: Any) -> bool:

@@ -14,7 +14,7 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
 from handlcp.simulator.hand_tree import add_pad, round_shape, shape_words
-from handlcp.simulator.settings import SimulatorSettings, add, placed
+from handlcp.simulator.settings import SimulatorSettings, add, add_shape, placed
 
 OBJECT = "object"  # its body, and its shape
 LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object
@@ -38,7 +38,7 @@ def add_object(
     centre = at.actInv(np.array(obj.center_of_mass))
     add(body, "inertial", pos=centre, mass=moving, diaginertia=np.full(3, moving * inertia))
     words = shape_words(root, OBJECT, obj.geometry)
-    add(body, "geom", name=OBJECT, contype="0", conaffinity="0", mass=0.0, **words)
+    add_shape(body, name=OBJECT, **words)
     loaded = add(body, "body", name=LOADED, pos=at.actInv(np.array(spec.reference)), gravcomp=1.0)
     add(loaded, "inertial", pos=np.zeros(3), mass=_LEAST_MASS, diaginertia=np.full(3, _LEAST_MASS * inertia))
     return body
@@ -122,12 +122,11 @@ def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorS
             "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
         )
     block = add(world, "body", name=place.name, gravcomp=1.0, **placed(place.axes, place.surface))
-    mass = settings.damped(1.0 / float(place.flexibility.max()))[
-        "armature"
-    ]  # contacts are as stiff as bodies are heavy
+    # Contacts are as stiff as bodies are heavy
+    mass = settings.damped(1.0 / float(place.flexibility.max()))["armature"]
     add_pad(block, place.name, place.flexibility, settings, mass)
     words: Any = {"type": "box", "pos": (0, 0, -_BLOCK), "size": np.full(3, _BLOCK)}
-    add(block, "geom", name=place.name, contype="0", conaffinity="0", mass=0.0, **words)
+    add_shape(block, name=place.name, **words)
     return Support(place.name, place.name, "object")
 
 
@@ -138,13 +137,11 @@ def _foot(world: ET.Element, body: ET.Element, place: _Place, obj: Object, setti
     name = f"{place.name} foot"
     foot = add(body, "body", name=name, gravcomp=1.0, **placed(axes, centre))
     add_pad(foot, name, place.flexibility, settings)
-    add(foot, "geom", name=name, type="sphere", size=[_FOOT], contype="0", conaffinity="0", mass=0.0)
+    add_shape(foot, name=name, type="sphere", size=[_FOOT])
     return Support(place.name, _plane(world, place), name)
 
 
 def _plane(world: ET.Element, place: _Place) -> str:
-    add(
-        world, "geom", name=place.name, type="plane", size=(_BLOCK, _BLOCK, 0.01), contype="0", conaffinity="0",
-        **placed(place.axes, place.surface),
-    )  # fmt: skip
+    where = placed(place.axes, place.surface)
+    add_shape(world, name=place.name, type="plane", size=(_BLOCK, _BLOCK, 0.01), **where)
     return place.name

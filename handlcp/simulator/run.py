@@ -13,8 +13,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.path.follow import Loading
-from handlcp.simulator.refusals import of_a_hand
-from handlcp.simulator.settings import SimulatorSettings
+from handlcp.simulator.settings import SimulatorSettings, of_a_hand
 from handlcp.simulator.under_way import PUSH, Record, Run
 
 

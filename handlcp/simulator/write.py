@@ -19,8 +19,7 @@ from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
 from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, add_tip, full_names, round_shape
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
-from handlcp.simulator.refusals import check_writable, friction_words, need_mujoco, of_a_hand
-from handlcp.simulator.settings import SimulatorSettings, add
+from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
 
 # ----------------------------------------------------------------
 # Where a simulation starts, what the hand is told, and what the object carries.

@@ -125,8 +125,6 @@ def _hull(file: Path) -> Object:
 STIFFNESS = 5.0  # [N·m/rad] of each joint
 FRICTION = SoftFinger(0.6, mu_torsion=0.005)  # rubber pads
 
-Say = Callable[[str], None]
-
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -167,18 +165,14 @@ class Shelf:
         return cls(**{**value, "rows": rows})
 
 
-def shelf(
-    model: Model, objects: dict[str, Object], seed: int = 0, say: Say | None = None
-) -> tuple[Shelf, list[tuple[str, Candidate | None]]]:
-    """The rows of one hand, and the best grasp of each object. say : is told the name of each object."""
+def shelf(model: Model, objects: dict[str, Object]) -> tuple[Shelf, list[tuple[str, Candidate | None]]]:
+    """The rows of one hand, and the best grasp of each object."""
     hand = example_hand(model.name, joint_stiffness=STIFFNESS)
     rows, best = [], []
     for name, obj in objects.items():
-        if say is not None:
-            say(name)
         start = time.process_time()
         try:
-            found = find_grasp(hand, obj, friction=FRICTION, seed=seed, throw=False)
+            found = find_grasp(hand, obj, friction=FRICTION, throw=False)
             first, count, why = (found[0] if found else None), len(found), found.why
         except HandLCPError as error:
             first, count, why = None, 0, str(error)

@@ -18,6 +18,7 @@ from handlcp.show.page.content import layers_of, packed, view_of
 from handlcp.show.page.document import Own, document, web_files
 from handlcp.show.page.frames import Frames, of_solution
 from handlcp.show.page.meshes import Meshes, notes_of, parts_of
+from handlcp.show.picture import camera
 from handlcp.show.picture.content import Content
 from handlcp.study.envelope import Envelope, Extreme
 from handlcp.study.envelope.printed import amount, direction
@@ -74,10 +75,7 @@ def _upright(towards: Array, up: Array) -> Array:
     size = float(np.linalg.norm(flat))
     level = flat / size if size > 1e-9 else np.eye(3)[int(abs(up).argmin())]
     angle = np.clip(np.arcsin(np.clip(towards @ up, -1.0, 1.0)), -np.radians(_STEEPEST), np.radians(_STEEPEST))
-    seen = np.cos(angle) * level + np.sin(angle) * up
-    right = np.cross(up, seen)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(seen, right), seen])
+    return camera.facing(np.cos(angle) * level + np.sin(angle) * up, up).axes
 
 
 def _hidden(point: Array, towards: Array, triangles: Array) -> bool:

@@ -37,27 +37,17 @@ class Mark(NamedTuple):
 
 
 class Marks:
-    """Of one figure. told : what happens, in its order."""
+    """Of one figure. told : what happens, in its order. rows : of their list. height : inches that it takes. head :
+    that the numbers take above the first panel, below its title.
+    """
 
     def __init__(self, axis: Axis, told: Sequence[Mark]) -> None:
         self.axis, self.told, self.more = axis, told[:MOST], max(len(told) - MOST, 0)
         self.places = [s.at for s in self.told]
         self.sentences = [textwrap.wrap(s.sentence, LETTERS) for s in self.told]
-
-    @property
-    def rows(self) -> int:
-        """Of the list."""
-        return sum(map(len, self.sentences)) + (self.more > 0)
-
-    @property
-    def head(self) -> float:
-        """Inches that the numbers take above the first panel, below its title."""
-        return LIFT + 0.5 * APART if self.rows or self.axis.lost is not None else 0.0
-
-    @property
-    def height(self) -> float:
-        """Inches that the list takes."""
-        return HEAD + ROW * self.rows if self.rows else 0.05
+        self.rows = sum(map(len, self.sentences)) + (self.more > 0)
+        self.head = LIFT + 0.5 * APART if self.rows or axis.lost is not None else 0.0
+        self.height = HEAD + ROW * self.rows if self.rows else 0.05
 
     def draw_lines(self, ax: Any, first: bool) -> None:
         """Lines through a panel; above the first one, their numbers."""

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from scipy.spatial import ConvexHull, QhullError
 
 from handlcp import words
 from handlcp.check import Array
@@ -71,13 +70,11 @@ def path_of(loading: Loading, first: int) -> dict[str, Any]:
 
 
 def escape_of(drawn: Content) -> dict[str, Any] | None:
-    """The motion in which the object escapes, scaled to be seen; None where none is known."""
-    twist, size, at = drawn.solution.certificate, drawn.size, drawn.acts_at
-    if twist is None or not np.isfinite(twist).all() or not twist.any():
+    """The motion in which the object escapes; None where none is known."""
+    if drawn.way_out is None:
         return None
-    move, turn = twist[:3] + np.cross(twist[3:], at - drawn.grasp.reference), twist[3:]
-    far = max(float(np.linalg.norm(move)), size * float(np.linalg.norm(turn)))
-    return {"at": at, "move": move * size / far, "turn": turn * size / far}
+    move, turn = drawn.way_out
+    return {"at": drawn.acts_at, "move": move, "turn": turn}
 
 
 def _first(frames: Sequence[Any], path: dict[str, Any] | None, escape: dict[str, Any] | None) -> int:
@@ -130,11 +127,8 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
 
 def _hull(triangles: Array) -> Array:
     """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
-    outer = outermost(triangles.reshape(-1, 3), evenly(60, 0.5))
-    try:
-        return np.asarray(outer[ConvexHull(outer).simplices])
-    except QhullError:
-        return triangles
+    made = shapes.hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
+    return triangles if made is None else made
 
 
 def layers_of(parts: Sequence[Part], names: dict[str, str]) -> list[Any]:

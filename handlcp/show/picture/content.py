@@ -104,14 +104,23 @@ class Content:
 
     def _way_out(self) -> tuple[Array, Turn | None]:
         """The arrow and the arc of the motion in which the object escapes, as it is where the load acts."""
-        if self.solution.certificate is None:
+        if self.way_out is None:
             return np.zeros(3), None
-        spin = self.solution.certificate[3:]
-        move = self.solution.certificate[:3] + np.cross(spin, self.acts_at - self.grasp.reference)
-        far, round_ = float(np.linalg.norm(move)), self.size * float(np.linalg.norm(spin))
-        least = _AIM * max(far, round_)
-        arrow = move / max(far, round_) * 1.2 * self.size if far > least else np.zeros(3)
-        return arrow, _turn(self.acts_at, spin, 0.5 * self.size, least / self.size)
+        move, spin = self.way_out
+        arrow = 1.2 * move if np.linalg.norm(move) > _AIM * self.size else np.zeros(3)
+        return arrow, _turn(self.acts_at, spin, 0.5 * self.size, _AIM)
+
+    @cached_property
+    def way_out(self) -> tuple[Array, Array] | None:
+        """Shift [m] and turn [rad] of the object as it escapes, so large that it is seen, where the load acts; None
+        where no such motion is known.
+        """
+        twist, at = self.solution.certificate, self.acts_at
+        if twist is None or not np.isfinite(twist).all() or not twist.any():
+            return None
+        move, turn = twist[:3] + np.cross(twist[3:], at - self.grasp.reference), twist[3:]
+        far = max(float(np.linalg.norm(move)), self.size * float(np.linalg.norm(turn)))
+        return move * self.size / far, turn * self.size / far
 
     def _slips(self) -> tuple[dict[int, Array], float]:
         """Slips of the object on the fingers, magnified."""

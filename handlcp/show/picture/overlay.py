@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
 from handlcp.grasp.model.contact import frame
+from handlcp.hand.objects.table import corners_of
 from handlcp.show.picture.camera import Camera
 from handlcp.show.style import INK
 
@@ -213,8 +213,5 @@ def nice(value: float) -> float:
 
 
 def _outline(points: Array) -> Array:
-    """Convex hull of screen points, in order; the points as they are where they lie on a line."""
-    try:
-        return np.asarray(points[ConvexHull(points).vertices])
-    except QhullError:
-        return points
+    """Convex hull of screen points, in order; of points on a line, its ends."""
+    return np.asarray(points[corners_of(points, range(len(points)), 1e-9 * float(np.ptp(points, axis=0).max()))])
