@@ -114,12 +114,7 @@ class LoadAxis:
         self.unit, self._name = (force, "N") if force > 0.0 else (torque, "N·m")
         self.at: Array = self.unit * limit.path.factors
         self.lost: float | None = self.unit * limit.factor if np.isfinite(limit.factor) else None
-        self.called = "limit"
-
-    @property
-    def end(self) -> float:
-        """Somewhat beyond the last point."""
-        return _BEYOND * float(self.at[-1]) or 1.0
+        self.called, self.end = "limit", _BEYOND * float(self.at[-1]) or 1.0
 
     def text(self, factor: float) -> str:
         """Such as "2.54 N"."""
