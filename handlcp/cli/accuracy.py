@@ -1,4 +1,4 @@
-"""Commands of studies: what accuracy costs, the gallery."""
+"""Commands of studies: the gallery, what accuracy costs, a scene beside MuJoCo."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`handlcp limits`: how much load a grasp holds in each direction, and what gives out there."""
+"""`handlcp limits` and `handlcp envelope`: how much load a grasp holds in each direction, and what gives out there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`handlcp motors`: the torque of each joint and the grip with which every load of a brief holds."""
+"""`handlcp motors` and `handlcp reliability`: which motors hold every load of a brief, and how sure a scene holds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`handlcp solve`: the verdict, contacts, joint torques; warnings and advice."""
+"""`handlcp solve` and `handlcp follow`: the verdict, contacts, joint torques; a scene loaded in steps."""
 
 from __future__ import annotations
 

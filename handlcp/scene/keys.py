@@ -1,4 +1,4 @@
-"""Every key of a scene file, with what it holds and what it means: read off the schema, so that it cannot go stale."""
+"""Every key of a scene file, read off the schema, so that it cannot go stale; and refusals that name these keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The moving links of a hand as MuJoCo bodies: one body a joint, links that are fixed to each other are one."""
+"""The moving links of a hand as MuJoCo bodies, one body a joint; their fingertips and their springs."""
 
 from __future__ import annotations
 

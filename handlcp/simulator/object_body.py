@@ -1,4 +1,4 @@
-"""The object: a free body with its shape and weight, and a mass and a damping with which it moves quasi-statically."""
+"""The object as a free body that moves quasi-statically; and what it touches besides the hand."""
 
 from __future__ import annotations
 

@@ -97,9 +97,6 @@ class SimulatorSettings:
         return {"damping": self.damping * stiffness, "armature": 0.25 * self.damping**2 * stiffness}
 
 
-# ----------------------------------------------------------------
-# What of a grasp MuJoCo cannot have exactly: refused by name, not written as something similar.
-
 # ---------------------------------------------------------------- MuJoCo is an extra: imported when it is needed.
 
 

@@ -73,8 +73,6 @@ class SimulatorState:
 
 
 # ----------------------------------------------------------------
-
-# ----------------------------------------------------------------
 # Where a simulation starts: the fingertips touch, and whatever overlap the posture has is still to be closed.
 
 _TOUCHING = 1e-6  # [m] an overlap up to this is what is left of touching

@@ -1,4 +1,4 @@
-"""The hands and objects of the gallery."""
+"""The gallery: found grasps of every hand at hand, their margins, and a page of them."""
 
 from __future__ import annotations
 
@@ -190,9 +190,6 @@ def _row(name: str, first: Candidate | None, count: int, fingers: int, seconds: 
     joint, word = first.solution.torque_check.binding, first.verdict.word
     return Row(name, word, count, fingers, round(seconds, 2), margin, friction, torque, forces, joint)
 
-
-# ----------------------------------------------------------------
-# The whole gallery: hands in parallel, each written when it is done, so that a run that was cut short goes on.
 
 # ----------------------------------------------------------------
 # The page of the gallery: the text of `gallery.md` around a table for each hand.

@@ -90,8 +90,6 @@ def _laid(arms: Array, weights: Array, draws: Array) -> Array:
 
 
 # ----------------------------------------------------------------
-
-# ----------------------------------------------------------------
 # From places to grasps: touched, held by forces, clear of links, solved; and better ones nearby.
 
 _AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held

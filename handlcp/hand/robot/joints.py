@@ -1,4 +1,4 @@
-"""What a URDF or a Pinocchio model says about each joint, as plain values; limits, coupling and audit start from it."""
+"""What a URDF or a Pinocchio model says about each joint, as plain values; ranges and torque limits that follow."""
 
 from __future__ import annotations
 
@@ -167,9 +167,6 @@ def _vector(text: str) -> tuple[float, float, float]:
         return (math.nan, math.nan, math.nan)
     return (x, y, z)
 
-
-# ----------------------------------------------------------------
-# Torque limits as users pass them, and doubts about what a file says.
 
 # ---------------------------------------------------------------- One doubt about a hand, and how much it weighs.
 

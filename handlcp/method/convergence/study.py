@@ -1,4 +1,4 @@
-"""Runs of one problem: natural units against others, greedy against uniform sampling, seed beside seed."""
+"""Runs of one problem: natural units against others, greedy against uniform sampling, seed beside seed; their rates."""
 
 from __future__ import annotations
 
@@ -17,9 +17,6 @@ from handlcp.lcp.problem import Scaled
 from handlcp.method.nsngrk import RES, SEEDS, STEPS, UniformRows, UnitsOf, in_units
 from handlcp.views import view
 from handlcp.words import distinct
-
-# ----------------------------------------------------------------
-# Runs of the solvers, and the rates at which they converge.
 
 # ----------------------------------------------------------------
 # Linear convergence rates of Kaczmarz methods: bounds from conditioning, and rates measured on a residual history.

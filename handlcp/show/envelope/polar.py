@@ -1,4 +1,4 @@
-"""Polar diagrams of an envelope: what is held in each direction of a plane, coloured by what gives out first."""
+"""Polar diagrams of an envelope, coloured by what gives out first; and the words that all pictures of one have."""
 
 from __future__ import annotations
 

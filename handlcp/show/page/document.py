@@ -1,4 +1,4 @@
-"""The page: one HTML file that needs nothing else, and asks the network for nothing."""
+"""The page: one HTML file that needs nothing else, and asks the network for nothing; what it says in words."""
 
 from __future__ import annotations
 

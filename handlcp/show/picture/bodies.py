@@ -1,4 +1,4 @@
-"""The solids of a picture beside the hand: the object, the environment, rods for unknown fingers."""
+"""The solids of a picture: the hand, the object, the environment, rods for unknown fingers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot as it was read, before anything is said about fingertips, stiffness or torques."""
+"""A robot as it was read, before anything is said about fingertips, stiffness or torques; and reading it."""
 
 from __future__ import annotations
 
@@ -129,9 +129,6 @@ def parts_of(model: Any, geometry: Any) -> tuple[Part, ...]:
         found.append(Part(frame, item.geometry, place.rotation.copy(), place.translation.copy(), colour))
     return tuple(found)
 
-
-# ----------------------------------------------------------------
-# A hand's description read: which kind of file it is, its units, and what it says.
 
 # ----------------------------------------------------------------
 # Numbers that look as if they were in other units than metres and kilograms.
