@@ -1,4 +1,4 @@
-"""A grasp at one moment, or at many: as what the page's viewer reads, numbers to draw and words to print beside them."""
+"""A grasp at one moment, or at many, as the viewer of a page reads it: numbers to draw, words to print beside them."""
 
 from __future__ import annotations
 

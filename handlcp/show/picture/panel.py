@@ -1,4 +1,4 @@
-"""What is written of a picture: title and verdict, the legend, labels of contacts, how near joints are to their limits."""
+"""What is written of a picture: title and verdict, legend, labels of contacts, how near joints are to their limits."""
 
 from __future__ import annotations
 
