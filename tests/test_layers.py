@@ -39,8 +39,8 @@ ORDER = [
 ]
 # Of grasp, as the table of handlcp/README.md has them
 GRASP = [
-    "friction", "model", "effects", "cause", "assembly", "verify", "tangent", "parameter", "sensitivity", "answer", "search",
-    "solve", "analysis", "path", "verdict", "limits", "margins", "design", "questions", "grasp", "batch",
+    "friction", "model", "effects", "cause", "assembly", "verify", "tangent", "parameter", "sensitivity", "answer",
+    "search", "solve", "analysis", "path", "verdict", "limits", "margins", "design", "questions", "grasp", "batch",
 ]  # fmt: skip
 FILES = sorted(p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ORDER)
 MOST = 14  # files of a folder, besides its __init__.py

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 import sys
 
-from handlcp.cli.app import app
-from handlcp.cli.streams import lost, open_streams
+from handlcp.cli.app import app, lost, open_streams
 
-from handlcp.cli.solve import solve  # isort: skip  commands are listed in this order
-from handlcp.cli.follow import follow  # isort: skip
-from handlcp.cli.limits import limits  # isort: skip
-from handlcp.cli.envelope import envelope  # isort: skip
-from handlcp.cli.motors import motors  # isort: skip
-from handlcp.cli.reliability import reliability  # isort: skip
-from handlcp.cli.accuracy import accuracy  # isort: skip
-from handlcp.cli.compare import compare  # isort: skip
-from handlcp.cli.lists import audit, effects, hands, keys, paper  # isort: skip
-from handlcp.cli.accuracy import gallery  # isort: skip
-from handlcp.cli.lists import warm  # isort: skip
+from handlcp.cli.solve import follow, solve  # isort: skip  commands are listed in this order
+from handlcp.cli.limits import envelope, limits  # isort: skip
+from handlcp.cli.motors import motors, reliability  # isort: skip
+from handlcp.cli.accuracy import accuracy, compare, gallery  # isort: skip
+from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
     "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "limits",

@@ -1,17 +1,22 @@
-"""Commands of studies: what accuracy costs, the gallery."""
+"""Commands of studies: the gallery, what accuracy costs, a scene beside MuJoCo."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 from rich.console import Console
+from rich.table import Table
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
+from handlcp import words
+from handlcp.cli.app import Json, app, check_files, print_json, progress_bar, say, say_files, titled
 from handlcp.errors import HandLCPError, InputError, NoSolutionFound, UnknownName
-from handlcp.show.file import checked, writable
+from handlcp.hand import HandGrasp
+from handlcp.show import tables
+from handlcp.show.file import writable
 
 # ----------------------------------------------------------------
 # `handlcp gallery`: find grasps of every hand and write a page of them.
@@ -32,8 +37,8 @@ def gallery(
     Some minutes. Hands that are done are written at once, and a run that was cut short goes on. Exit status 0, 2 bad
     input.
     """
-    from handlcp.show.contact_sheet import contact_sheet
     from handlcp.show.file import new_figure
+    from handlcp.show.picture.figure import contact_sheet
     from handlcp.study.gallery import GALLERY_HANDS, model, page, run
 
     if unknown := [name for name in hand or () if name not in GALLERY_HANDS]:
@@ -87,8 +92,7 @@ def accuracy(
     from handlcp.method.accuracy import accuracy_cost, table as accuracy_table
 
     file = scenes.load(scene)
-    if plot is not None:
-        checked(plot)
+    check_files(plot)
     if csv is not None:
         writable("csv", csv)
     grasp = file.build()
@@ -115,6 +119,105 @@ def accuracy(
     out.print(Text(f"{cost.summary}."))
     for note in cost.notes:
         say(out, "Note", "yellow", note)
-    for path in (csv, plot):
-        if path is not None:
-            out.print(Text(f"Written: {path}", style="dim"))
+    say_files(out, Written=[csv, plot])
+
+
+# ----------------------------------------------------------------
+# `handlcp compare`: a scene followed by handlcp, and the same in MuJoCo.
+
+
+@app.command()
+def compare(
+    scene: Annotated[Path, typer.Argument(help="A scene file (TOML) with a hand.")],
+    json: Json = False,
+    together: Annotated[bool, typer.Option("--together", help="Squeeze, weight and load in proportion.")] = False,
+    seconds: Annotated[float, typer.Option(help="Of each stage in MuJoCo; 8 where contacts slide far.")] = 2.0,
+    steps: Annotated[int, typer.Option(help="Of each stage in handlcp.")] = 40,
+) -> None:
+    """Load a scene in steps, and in MuJoCo: squeeze, then weight and load. Needs MuJoCo: `pip install mujoco`.
+
+    Exit status 0 where both hold the object, 1 where one of them does not, 2 bad input or nothing that MuJoCo can have.
+    """
+    from handlcp import scene as scenes
+    from handlcp.simulator import compare as side_by_side
+
+    file = scenes.load(scene)
+    grasp = file.build()
+    order: Any = "together" if together else ("squeeze", "load")
+    found = side_by_side(grasp, None, order, steps=steps, seconds=seconds)
+    if json:
+        print_json(_record(file.title, found))
+    else:
+        assert isinstance(grasp, HandGrasp)  # MuJoCo had it
+        _print(titled(file.title), grasp, found)
+    raise typer.Exit(0 if found.both_hold else 1)
+
+
+def _record(title: str, found: Any) -> dict[str, Any]:
+    """Everything printed, and more digits."""
+    ours, theirs = found.loading, found.simulation
+    return {
+        "title": title, "both_hold": found.both_hold, "agree": found.agree, "force_error": found.force_error,
+        "torque_error": found.torque_error, "motion_error": found.motion_error, "contacts": theirs.names,
+        "handlcp": {
+            "held": ours.reached, "lost_stage": ours.lost_stage, "lost_at": ours.lost_at, "why": ours.why,
+            "forces_N": ours.solution.forces_world, "torques_Nm": ours.solution.torques,
+            "object_motion": ours.displacement, "seconds": found.seconds,
+        },
+        "mujoco": {
+            "held": theirs.held, "lost_stage": theirs.lost_stage, "lost_at": theirs.lost_at,
+            "forces_N": theirs.forces_world, "torques_Nm": theirs.torques, "object_motion": theirs.displacement,
+            "seconds": theirs.seconds, "simulated_s": theirs.simulated,
+        },
+    }  # fmt: skip
+
+
+def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
+    if found.both_hold:
+        for table in _tables(grasp, found):
+            out.print(table)
+        say(out, "Difference", "bold", _differences(found))
+    for name, held, where in (
+        ("handlcp", found.loading.reached, found.loading.why),
+        ("MuJoCo", found.simulation.held, _where(found.simulation)),
+    ):
+        say(out, f"{name}: HELD" if held else f"{name}: NOT HELD", f"bold {'green' if held else 'red'}", where)
+    ratio = found.simulation.seconds / found.seconds
+    say(out, "Time", "bold", f"handlcp {found.seconds:.3g} s, MuJoCo {found.simulation.seconds:.3g} s, {ratio:.0f} ×")
+
+
+def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
+    """Forces, torques and motions at the end, both and their difference."""
+    ours, theirs = found.loading, found.simulation
+    forces = tables.empty("Forces", "N, on the object, world axes")
+    forces.add_column("contact", no_wrap=True)
+    tables.numbers(forces, "handlcp", "MuJoCo", "apart")
+    for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True):
+        forces.add_row(name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
+    torques = tables.empty("Torques", "N·m (N of prismatic joints)")
+    torques.add_column("joint", overflow="fold")
+    tables.numbers(torques, "handlcp", "MuJoCo", "apart")
+    for name, x, y in zip(grasp.state.hand.joint_names, ours.solution.torques, theirs.torques, strict=True):
+        torques.add_row(name, f"{x:.4f}", f"{y:.4f}", f"{abs(x - y):.5f}")
+    motion = tables.empty("Motion of the object", "since the start, world axes")
+    motion.add_column("")
+    tables.numbers(motion, "handlcp", "MuJoCo", "apart")
+    for what, part, unit in (("mm", slice(0, 3), 1e3), ("mrad", slice(3, 6), 1e3)):
+        a, b = unit * ours.displacement[part], unit * theirs.displacement[part]
+        motion.add_row(what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
+    return [forces, torques, motion]
+
+
+def _vector(values: Any) -> str:
+    return " ".join(f"{x:6.3f}" if abs(x) < 99.0 else f"{x:6.1f}" for x in values)
+
+
+def _differences(found: Any) -> str:
+    forces, torques, motion = (f"{100 * e:.2g} %" for e in (found.force_error, found.torque_error, found.motion_error))
+    return f"forces {forces} of the largest force, torques {torques} of the largest torque, motion {motion}"
+
+
+def _where(simulation: Any) -> str:
+    if simulation.held:
+        return f"at rest after {simulation.simulated:.3g} s"
+    return f"lost in stage {simulation.lost_stage!r} at {words.percent(simulation.lost_at)}"

@@ -1,20 +1,31 @@
-"""`handlcp limits`: how much load a grasp holds in each direction, and what gives out there."""
+"""`handlcp limits` and `handlcp envelope`: how much load a grasp holds in each direction, and what gives out there."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 from rich.text import Text
 
 from handlcp.check import Array
-from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
+from handlcp.cli.app import (
+    Faces,
+    Json,
+    Scene,
+    app,
+    check_files,
+    print_json,
+    progress_bar,
+    say,
+    say_files,
+    sides_of,
+    titled,
+)
 from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
-from handlcp.show.file import checked
 
 _Wrench = tuple[float, float, float, float, float, float]
 _AXES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}
@@ -23,7 +34,7 @@ _WAYS = np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1))
 
 @app.command()
 def limits(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: Scene,
     json: Json = False,
     plot: Annotated[
         Path | None, typer.Option(help="Draw the load that holds least, from nothing to its limit, into this file.")
@@ -36,9 +47,7 @@ def limits(
         float | None, typer.Option(help="How far the load may move the object [mm]; without: any distance.")
     ] = None,
     fixed: Annotated[bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions.")] = False,
-    faces: Annotated[
-        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
-    ] = None,
+    faces: Faces = None,
 ) -> None:
     """How much load does the scene hold beside its weight? Along ±x, ±y, ±z, or as asked; and what gives out there.
 
@@ -46,8 +55,7 @@ def limits(
     """
     from handlcp import scene as scenes
 
-    if plot is not None:
-        checked(plot)
+    check_files(plot)
     loads, most = _loads(wrench, direction), None if motion is None else 1e-3 * motion
     file = scenes.load(scene)
     grasp, sides = file.build(), sides_of(file.solve_with.faces, faces)
@@ -57,7 +65,7 @@ def limits(
     if plot is not None:
         least.plot(plot, title=file.title)
     if json:
-        from handlcp.show.limit.report import record
+        from handlcp.show.limit import record
 
         print_json(record(found, file.title, most))
     else:
@@ -90,7 +98,7 @@ def _direction(text: str) -> Array:
 
 def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | None) -> None:
     """The table, what happens on the way to the least of the limits, and the picture's name."""
-    from handlcp.show.limit.report import limit_table, size, way
+    from handlcp.show.limit import limit_table, size, way
 
     out = titled(title)
     if found[0].factor == 0.0:
@@ -101,5 +109,76 @@ def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | No
         say(out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {said(least.binds)}")
         for line in told(least.events, lambda factor: size(least.wrench, factor)):
             out.print(Text(f"  {line}"))
-    if plot is not None:
-        out.print(Text(f"Picture: {plot}", style="dim"))
+    say_files(out, Picture=[plot])
+
+
+# ----------------------------------------------------------------
+# `handlcp envelope`: how much a scene holds in each direction, and what gives out first.
+
+
+@app.command()
+def envelope(
+    scene: Scene,
+    json: Json = False,
+    of: Annotated[
+        str, typer.Option(help="What it holds: force [N], torque [N·m], or gravity, the object's mass [kg].")
+    ] = "force",
+    directions: Annotated[
+        str,
+        typer.Option(help='At least so many all around; or a plane: xy, yz, xz, also with a number: "xy,72".'),
+    ] = "362",
+    followed: Annotated[
+        bool | None,
+        typer.Option(
+            "--followed/--fixed",
+            help="Follow hand and object as they move, or leave contacts where they are; neither: followed where that "
+            "takes seconds.",
+        ),
+    ] = None,
+    accuracy: Annotated[
+        float | None, typer.Option(help="Relative error of the factors: steps are chosen by it.")
+    ] = None,
+    motion: Annotated[float | None, typer.Option(help="How far the object may move under the load [m].")] = None,
+    turn: Annotated[float | None, typer.Option(help="How far the object may turn under the load [rad].")] = None,
+    adaptive: Annotated[int, typer.Option(help="How often steps between two causes are halved.")] = 2,
+    faces: Faces = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the surface into this file (png, svg, pdf).")] = None,
+    polar: Annotated[Path | None, typer.Option(help="Draw polar diagrams into this file.")] = None,
+    page: Annotated[Path | None, typer.Option(help="Write a page to turn into this HTML file.")] = None,
+) -> None:
+    """How much the scene's grasp holds in each direction, what gives out first, and what compliance gives away.
+
+    The load comes slowly, after squeeze and weight. Exit status 0, 1 if it does not hold without a load, 2 bad input.
+    """
+    from handlcp import scene as scenes
+    from handlcp.study.envelope import envelope as envelope_of
+
+    check_files(plot, polar, page=page)
+    read = scenes.load(scene)
+    sides = sides_of(read.solve_with.faces, faces)
+    with progress_bar() as progress:
+        found = envelope_of(
+            read.build(), _asked(directions), of=of, geometry={None: None, True: "followed", False: "fixed"}[followed],
+            faces=sides, adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
+            progress=lambda done, total: progress(done, total, "directions"),
+        )  # fmt: skip
+    for path, draw in ((plot, found.plot), (polar, found.polar), (page, found.page)):
+        if path is not None:
+            draw(path, title=read.title)
+    if json:
+        print_json({"title": read.title} | {k: v for k, v in found.to_dict().items() if k != "title"})
+    else:
+        out = titled(read.title)
+        typer.echo(str(found))
+        say_files(out, Picture=[plot, polar], Page=[page])
+    raise typer.Exit(0 if found.weakest.factor > 0.0 else 1)
+
+
+def _asked(text: str) -> Any:
+    """A count, a plane, or both. Raises InputError."""
+    plane, _, count = text.partition(",")
+    if not count and not plane.isdecimal():
+        return plane
+    if not (number := count or plane).isascii() or not number.isdecimal() or len(number) > 9:
+        raise InputError("--directions", 'a number, "xy", "yz" or "xz", or both as in "xy,72"', brief(repr(text)))
+    return (plane, int(number)) if count else int(number)

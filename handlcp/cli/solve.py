@@ -1,4 +1,4 @@
-"""`handlcp solve`: the verdict, contacts, joint torques; warnings and advice."""
+"""`handlcp solve` and `handlcp follow`: the verdict, contacts, joint torques; a scene loaded in steps."""
 
 from __future__ import annotations
 
@@ -11,17 +11,28 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
+from handlcp.cli.app import (
+    Faces,
+    Json,
+    Scene,
+    app,
+    check_files,
+    print_json,
+    print_tables,
+    say,
+    say_files,
+    sides_of,
+    titled,
+)
 from handlcp.errors import InputError
-from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
+from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.verdict.check import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
-from handlcp.show.file import checked
+from handlcp.show.file import drawn
 from handlcp.show.loading.report import solution_tables
 from handlcp.show.loading.series import solution_at_end
-from handlcp.show.page.file import checked as checked_page
 from handlcp.show.record import record
 
 _NO_SHARES = "No shares of the time: they are measured at an answer, and there is none."
@@ -30,7 +41,7 @@ _COLOURS = {"HELD": "green", "UNDECIDED": "yellow"}  # the rest is red
 
 @app.command()
 def solve(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: Scene,
     json: Json = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the grasp into this file (png, svg, pdf).")] = None,
     page: Annotated[
@@ -55,10 +66,7 @@ def solve(
     """
     from handlcp import scene as scenes
 
-    if plot is not None:
-        checked(plot)
-    if page is not None:
-        checked_page(page)
+    check_files(plot, page=page)
     file = scenes.load(scene)
     sides = _sides(file.solve_with.faces, faces, accuracy)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
@@ -82,9 +90,7 @@ def solve(
         out = titled(file.title)
         _print(out, solution, judged, shown, ("Advice",) if suggest else ())
         _print_more(out, left_out, explanation if explain else None)
-        for kind, written in (("Picture", plot), ("Page", page)):
-            if written is not None:
-                out.print(Text(f"{kind}: {written}", style="dim"))
+        say_files(out, Picture=[plot], Page=[page])
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short or not judged.ok else 0)
 
@@ -143,3 +149,70 @@ def _print_more(out: Console, left_out: Suggestions | None, explanation: Explana
         out.print(tables.effect_table(explanation))
         if explanation.seconds is None:
             out.print(Text(_NO_SHARES, style="dim"))
+
+
+# ----------------------------------------------------------------
+# `handlcp follow`: a scene loaded in steps, what happens on the way, and what it is like at the end.
+
+
+@app.command()
+def follow(
+    scene: Scene,
+    json: Json = False,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw forces, motion and torques over the load into this file (png, svg, pdf).")
+    ] = None,
+    picture: Annotated[Path | None, typer.Option(help="Draw the hand where it ends into this file.")] = None,
+    page: Annotated[
+        Path | None, typer.Option(help="Write a page to turn, with a slider through the steps, into this HTML file.")
+    ] = None,
+    order: Annotated[
+        str, typer.Option(help="Stages, one after the other: squeeze, load; or together.")
+    ] = "squeeze,load",
+    fixed: Annotated[
+        bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions, as in `handlcp solve`.")
+    ] = False,
+    faces: Faces = None,
+    steps: Annotated[int, typer.Option(help="Steps of a stage, more where something happens.")] = 40,
+) -> None:
+    """Load a scene in steps: the hand squeezes, then weight and load come. Exit status 0 reached, 1 lost, 2 bad input.
+
+    The hand is followed as it moves, contacts are detected anew in every step.
+    """
+    from handlcp import scene as scenes
+
+    check_files(plot, picture, page=page)
+    read = scenes.load(scene)
+    sides = sides_of(read.solve_with.faces, faces)
+    stages = tuple([name.strip() for name in order.split(",")])
+    found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
+    if plot is not None:
+        found.plot(plot, title=read.title)
+    if picture is not None:
+        from handlcp.show.loading import picture as at_end
+
+        drawn(picture, at_end, found, read.title, read.shape())
+    if page is not None:
+        found.page(page, obj=read.shape(), title=read.title)
+    if json:
+        from handlcp.show.loading.report import record
+
+        print_json(record(found, read.title))
+    else:
+        _print_loading(found, read.title, [plot, picture], page)
+    raise typer.Exit(0 if found.reached else 1)
+
+
+def _print_loading(found: Loading, title: str, files: list[Path | None], page: Path | None) -> None:
+    """The outcome, the object's motion, what happens on the way, contacts and joints at the end."""
+    from handlcp.show.loading import report
+
+    out = titled(title)
+    word, style = ("REACHED", "green") if found.reached else ("LOST", "red")
+    say(out, word, f"bold {style}", found.why.removeprefix("reached ").removeprefix("lost "))
+    say(out, "Motion", "bold", report.motion(found))
+    out.print()
+    if (happens := report.event_table(found)) is not None:
+        out.print(happens)
+    print_tables(out, report.end_tables(found))
+    say_files(out, Picture=files, Page=[page])

@@ -76,7 +76,7 @@ class Hand(HandModel):
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
-        from handlcp.hand.robot.source.read import URDF, describe_model, describe_xml
+        from handlcp.hand.robot.source.description import URDF, describe_model, describe_xml
 
         if isinstance(source, pin.Model):
             if base is not None:
@@ -107,7 +107,7 @@ class Hand(HandModel):
 
         Raises Unsupported without MuJoCo (pip install handlcp[mujoco]), and what `from_urdf` raises.
         """
-        from handlcp.hand.robot.source.read import MJCF, describe_xml
+        from handlcp.hand.robot.source.description import MJCF, describe_xml
 
         described = describe_xml("source", source, base, package_dirs, (MJCF,))
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
@@ -129,7 +129,7 @@ class Hand(HandModel):
         Pinocchio does not know mimic joints unless the model has them as joints of their own kind, which are refused:
         every joint is a joint of its own here. Arguments as of `from_urdf`. Raises InputError, URDFError, UnknownName.
         """
-        from handlcp.hand.robot.source.read import describe_model
+        from handlcp.hand.robot.source.description import describe_model
 
         described = describe_model("model", model)
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
@@ -140,7 +140,7 @@ class Hand(HandModel):
     ) -> Self:
         from handlcp.hand.elasticity.stiffness import read_pads, read_stiffness
         from handlcp.hand.robot.fingertips import find_tips
-        from handlcp.hand.robot.joint_limits import read_torque_limits
+        from handlcp.hand.robot.joints import read_torque_limits
         from handlcp.hand.robot.tip_geometry import read_radii
 
         model = pin.Model(described.model)
@@ -172,7 +172,7 @@ class Hand(HandModel):
         """
         from handlcp.hand.elasticity.stiffness import read_pads, read_stiffness
         from handlcp.hand.robot.fingertips import find_tips
-        from handlcp.hand.robot.joint_limits import read_torque_limits
+        from handlcp.hand.robot.joints import read_torque_limits
         from handlcp.hand.robot.tip_geometry import read_radii
 
         joints, facts = self.joint_names, self.description.facts
@@ -218,7 +218,7 @@ class Hand(HandModel):
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
         from handlcp.hand.robot.audit import audit_of
-        from handlcp.hand.robot.joint_limits import Doubt
+        from handlcp.hand.robot.joints import Doubt
 
         doubts = self.doubts
         if self.stiffness.uniform:

@@ -28,7 +28,7 @@ from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.stiffness import JointStiffness, tip_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.joint_limits import TorqueLimits
+from handlcp.hand.robot.joints import TorqueLimits
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.varied import Varied
 from handlcp.hand.solution import HandGraspSolution

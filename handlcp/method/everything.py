@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -31,12 +30,12 @@ def _held() -> HandGrasp:
     return trial.grasp(trial.state(), trial.ball())
 
 
-def _pinch(load: float, mu: float = 0.25, fingers: int = 2, effects: Any = ()) -> Grasp:
+def _pinch(load: float, fingers: int = 2) -> Grasp:
     """Fingers around the z axis with a load along x that pulls the object out from between them."""
     angles = 2 * np.pi * np.arange(fingers) / fingers
     out = [(np.cos(a), np.sin(a), 0.0) for a in angles]
-    contacts = [Contact((x / 100, y / 100, z), (-x, -y, z), Coulomb(mu)) for x, y, z in out]
-    return Grasp(contacts, (0, 0, -load, 0, 0, 0), flexibility=1e-4, preload=1e-3, effects=effects)
+    contacts = [Contact((x / 100, y / 100, z), (-x, -y, z), Coulomb(0.25)) for x, y, z in out]
+    return Grasp(contacts, (0, 0, -load, 0, 0, 0), flexibility=1e-4, preload=1e-3)
 
 
 def _one_solve() -> None:

@@ -17,7 +17,7 @@ from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
 from handlcp.grasp.model.limit import by_finger
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Synergies, Table, Tendons, example_hand
 from handlcp.lcp import Auto
-from handlcp.scene.refusals import refused
+from handlcp.scene.keys import refused
 from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, keyed, known, law_of
 from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, HandTable, MeshTable, SphereTable
 

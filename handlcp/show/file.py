@@ -1,10 +1,13 @@
-"""Pictures as files: where they may go, and what draws them."""
+"""Pictures and pages as files: where they may go, and what draws them."""
 
 from __future__ import annotations
 
 import os
+import re
 import stat
+import zipfile
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +16,7 @@ from handlcp.errors import InputError, Unsupported, writing
 Figure = Any  # matplotlib's, which is imported only when something is drawn
 
 DPI = 160  # dots an inch
-_FORMATS = (".png", ".svg", ".pdf", ".jpg")
+_FORMATS, _PAGES = (".png", ".svg", ".pdf", ".jpg"), (".html", ".htm")
 
 
 def checked(path: Any) -> Path:
@@ -59,16 +62,50 @@ def new_figure(**style: Any) -> Figure:
     return Figure(**style)
 
 
-def write(figure: Figure, file: Path, dpi: int) -> Path:
-    """Write the figure. Raises InputError for a file that cannot be written."""
+def drawn(path: Any, draw: Callable[..., Figure], *what: Any) -> Any:
+    """The figure that `draw` makes of these arguments; or the file that it was written to, where there is a path."""
+    if path is None:
+        return draw(*what)
+    file = checked(path)
     with writing("plot", file):
-        figure.savefig(file, dpi=dpi, facecolor="white")
+        draw(*what).savefig(file, dpi=DPI, facecolor="white")
     return file
 
 
-def drawn(figure: Callable[[Any, str], Any], answer: Any, path: Any, title: str) -> Any:
-    """A figure, or the file that it was written to."""
-    if path is None:
-        return figure(answer, title)
-    file = checked(path)
-    return write(figure(answer, title), file, DPI)
+# ----------------------------------------------------------------
+# Pages, and three.js that draws them, out of the package that bundles it: nothing is downloaded.
+
+_BUNDLE = ("resources", "templates", "viewer.zip")  # within trimesh
+_LIBRARY = re.compile(r"/\*\*\s+\* @license\s+\* Copyright[^*]*Three\.js.*?\"__esModule\",\{value:!0\}\)\}\)\);", re.S)
+
+
+def three_js() -> str:
+    """Its code, with its licence on top. Raises Unsupported where trimesh is not installed, or comes without it."""
+    spec = find_spec("trimesh")
+    if spec is None or not spec.submodule_search_locations:
+        raise Unsupported("pages need trimesh, which brings their viewer: pip install 'handlcp[page]'")
+    file = Path(spec.submodule_search_locations[0]).joinpath(*_BUNDLE)
+    try:
+        with zipfile.ZipFile(file) as bundle:
+            texts = [bundle.read(name).decode("utf-8") for name in bundle.namelist()]
+    except (OSError, zipfile.BadZipFile, UnicodeDecodeError):
+        texts = []
+    found = next((m.group() for text in texts if (m := _LIBRARY.search(text))), "")
+    if not found or "</script" in found.lower():
+        raise Unsupported("pages need three.js as a newer trimesh brings it: pip install --upgrade 'handlcp[page]'")
+    return found
+
+
+def checked_page(path: Any) -> Path:
+    """The page to write, checked before a long computation.
+
+    Raises InputError for another format, or a file that cannot be written; Unsupported without the viewer's package.
+    """
+    three_js()
+    try:
+        file = Path(path)
+    except TypeError:
+        raise InputError("page", "the name of a file that ends in .html", repr(path)[:80]) from None
+    if file.suffix.lower() not in _PAGES:
+        raise InputError("page", "a file name that ends in " + " or ".join(_PAGES), repr(str(path)))
+    return writable("page", file)

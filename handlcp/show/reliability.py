@@ -7,21 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, new_figure
 from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, SMALL, TEXT, number_ticks, panel, say, shortened
 from handlcp.study.reliability import Reliability
 
-WIDTH, HEIGHT, DPI = 10.0, 4.6, 160  # inches, dots an inch
+WIDTH, HEIGHT = 10.0, 4.6  # inches
 ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
 ROWS = 8  # of what matters most
 LETTERS = 26  # of a name
 BINS = 12, 40  # the fewest and the most
-
-
-def save(found: Reliability, path: Any, title: str = "") -> Any:
-    """Draw and write a file. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(draw(found, title), file, DPI)
 
 
 def draw(found: Reliability, title: str = "") -> Figure:

@@ -1,4 +1,4 @@
-"""Colours of pictures, and room for their text."""
+"""Colours of pictures, words that they share, and room for their text."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
 
 # ----------------------------------------------------------------
 # What the panels of a study have in common: frames, grids, ticks with units.
@@ -78,6 +81,59 @@ BOLD: dict[str, Any] = {"fontsize": 14.0, "weight": "bold", "va": "top", "parse_
 _TALLEST = 2  # lines of a title
 _WORD = re.compile(r"[^_\s./-]+[_\s./-]*|[_\s./-]+")  # of a name, with what parts it from the next
 INK, GREY = "#222222", "#5F5F5F"  # of text, and of text that matters less
+GOOD, DOUBT, BAD = "#00734D", "#8A6100", "#B03A00"  # of the word that says how it ends
+SENTENCE: dict[str, Any] = {"fontsize": 10.5, "va": "top"}  # below a title
+LEFT, LINE, LETTERS = 0.018, 0.215, 150  # of a figure's width; inches from line to line; of a line at most
+_STILL = 1e-4  # [rad] an object that turns less is not said to turn
+
+
+def rgb(colour: str) -> tuple[float, float, float]:
+    """Of "#rrggbb", red, green and blue from 0 to 1."""
+    r, g, b = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    return (r, g, b)
+
+
+def moved(u: Array) -> str:
+    """Of a motion (6,), such as "moved 2.9 mm and turned 0.49°"; no turn that nobody sees."""
+    far, turned = words.length(float(np.linalg.norm(u[:3]))), float(np.linalg.norm(u[3:]))
+    return f"moved {far} and turned {words.angle(turned)}" if turned > _STILL else f"moved {far}"
+
+
+def turns(u: Array) -> bool:
+    """Whether motions (…, 3) by rotation vectors are seen."""
+    return bool(abs(u).max(initial=0.0) > _STILL)
+
+
+def heading(figure: Any, title: str) -> float:
+    """The title at the top of a figure; returns where it ends, in inches below the top."""
+    inches, y = float(figure.get_size_inches()[1]), 0.17
+    for line in title_lines(figure, title):
+        figure.text(LEFT, 1.0 - y / inches, line, color=INK, **BOLD)
+        y += 0.30
+    return y + 0.06 if title else y
+
+
+def opening(figure: Any, y: float, word: str, colour: str, sentence: str, most: int | None = None) -> float:
+    """A bold word and the sentence that it begins, y inches below the top, on so many lines; returns where they end."""
+    inches, head = float(figure.get_size_inches()[1]), f"{word}:"
+    lines = wrapped(figure, f"{head} {sentence}", LETTERS, 0.944, **SENTENCE)
+    lines = lines if most is None or len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1]} …"]
+    figure.text(LEFT, 1.0 - y / inches, head, weight="bold", color=colour, **SENTENCE)
+    indent = width(figure, f"{head} ", weight="bold", **SENTENCE) / figure.bbox.width + 0.002
+    lines[0] = lines[0].removeprefix(head).lstrip()
+    for k, line in enumerate(lines):
+        figure.text(LEFT + (0.0 if k else indent), 1.0 - y / inches, line, color=INK, **SENTENCE)
+        y += LINE
+    return y
+
+
+def further(figure: Any, y: float, text: str, colour: str = INK, across: float = 0.944) -> float:
+    """More sentences, y inches below the top; returns where they end."""
+    inches = float(figure.get_size_inches()[1])
+    for line in wrapped(figure, text, LETTERS, across, **SENTENCE) if text else []:
+        figure.text(LEFT, 1.0 - y / inches, line, color=colour, **SENTENCE)
+        y += LINE
+    return y
 
 
 def width(figure: Any, line: str, **style: Any) -> float:

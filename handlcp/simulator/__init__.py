@@ -1,11 +1,9 @@
 """The same grasp in MuJoCo, a simulator that is not ours: written as MJCF, and run slowly enough to be static."""
 
-from handlcp.simulator.compare import Comparison, compare
 from handlcp.simulator.limit import SimulatedLimit, simulate_limit
-from handlcp.simulator.mjcf.settings import SimulatorSettings
-from handlcp.simulator.run import Simulation, simulate
-from handlcp.simulator.state import SimulatorState
-from handlcp.simulator.write import to_mujoco
+from handlcp.simulator.run import Comparison, Simulation, compare, simulate
+from handlcp.simulator.settings import SimulatorSettings
+from handlcp.simulator.write import SimulatorState, to_mujoco
 
 __all__ = [
     "Comparison", "SimulatedLimit", "Simulation", "SimulatorSettings", "SimulatorState", "compare", "simulate",

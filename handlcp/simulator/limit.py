@@ -16,8 +16,8 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.cause.judge import limits_of, over
-from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.probe import Reading
+from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.under_way import LONGEST, PUSH, Run
 
 # ----------------------------------------------------------------

@@ -11,8 +11,8 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
-from handlcp.simulator.mjcf.object_body import LOADED, OBJECT
-from handlcp.simulator.refusals import need_mujoco
+from handlcp.simulator.object_body import LOADED, OBJECT
+from handlcp.simulator.settings import need_mujoco
 
 _POINT = 3  # rows of a contact without a moment about its normal
 

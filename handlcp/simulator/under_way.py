@@ -11,9 +11,8 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp import Grasp
-from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.probe import Probe, Reading
-from handlcp.simulator.refusals import need_mujoco, of_a_hand
+from handlcp.simulator.settings import SimulatorSettings, need_mujoco, of_a_hand
 from handlcp.simulator.write import to_mujoco
 
 # ----------------------------------------------------------------

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +17,60 @@ from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
-from handlcp.simulator.mjcf.hand_tree import add_hand, add_tip, full_names, round_shape
-from handlcp.simulator.mjcf.object_body import OBJECT, add_object
-from handlcp.simulator.mjcf.settings import SimulatorSettings, add
-from handlcp.simulator.mjcf.springs import Springs, add_springs
-from handlcp.simulator.mjcf.supports import add_supports
-from handlcp.simulator.refusals import check_writable, friction_words, of_a_hand
-from handlcp.simulator.state import SimulatorState
+from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, add_tip, full_names, round_shape
+from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
+from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
+
+# ----------------------------------------------------------------
+# Where a simulation starts, what the hand is told, and what the object carries.
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatorState:
+    """What the MJCF of `to_mujoco` leaves open. Immutable.
+
+    positions : of all movable joints of the hand where the grasp begins, by name [rad, m].
+    before, after : commands of the actuators at the start and with all of the squeeze, by name [rad, m].
+    mass : [kg] of the object's weight; the mass with which it moves is another.
+    weighing : bodies of the hand whose weight bends its joints, by name; none where the grasp leaves it out.
+    wrench : (6,) force [N] and torque [N·m] on the object besides its weight, world axes. The force acts at the
+        point of the object that the grasp's reference is at the start, and moves with it; the torque keeps its axes.
+    """
+
+    positions: Mapping[str, float]
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    mass: float
+    weighing: tuple[str, ...]
+    wrench: Array
+
+    def put(self, model: Any, data: Any, squeeze: float = 1.0, load: float = 1.0) -> None:
+        """Put a simulation at its start, with these shares of squeeze, and of weight and load.
+
+        model, data : mujoco.MjModel and MjData of the MJCF. The share of the weight is kept in the model.
+        """
+        mujoco = need_mujoco()
+        mujoco.mj_resetData(model, data)
+        for name, value in self.positions.items():
+            data.qpos[model.jnt_qposadr[model.joint(name).id]] = value
+        self.drive(model, data, squeeze, load)
+        mujoco.mj_forward(model, data)
+
+    def drive(
+        self, model: Any, data: Any, squeeze: float, load: float, wrench: Array | None = None, sag: float = 1.0
+    ) -> None:
+        """Set the shares of squeeze, and of weight and load, while a simulation runs.
+
+        wrench : (6,) instead of the state's own; all of it. sag : share of the weight of the hand's own links.
+        """
+        for name, start in self.before.items():
+            data.ctrl[model.actuator(name).id] = start + squeeze * (self.after[name] - start)
+        for name in self.weighing:
+            model.body_gravcomp[model.body(name).id] = 1.0 - sag
+        body = model.body(OBJECT).id
+        model.body_gravcomp[body] = 1.0 - load * self.mass / model.body_mass[body]
+        data.xfrc_applied[model.body(LOADED).id] = load * self.wrench if wrench is None else np.array(wrench)
+
 
 # ----------------------------------------------------------------
 # Where a simulation starts: the fingertips touch, and whatever overlap the posture has is still to be closed.

@@ -13,16 +13,15 @@ from handlcp.method import work_precision as work_precision_figure
 from handlcp.method.accuracy.table import all_tables
 from handlcp.method.convergence import picture as convergence_figure
 from handlcp.show import loading as loading_figure, picture as _picture, tables
-from handlcp.show.contact_sheet import contact_sheet
-from handlcp.show.envelope.sight import facing as facing_weakest
+from handlcp.show.envelope.page import facing as facing_weakest
 from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires
+from handlcp.show.file import drawn
 from handlcp.show.loading import report, series as end
 from handlcp.show.picture import shapes
-from handlcp.show.picture.bodies import environment_bodies, stub_bodies
+from handlcp.show.picture.bodies import environment_bodies, hand_bodies, stub_bodies, tip_shapes
 from handlcp.show.picture.camera import Marks, camera_for, facing, fill
-from handlcp.show.picture.links import hand_bodies, tip_shapes
-from handlcp.show.picture.moments import Turn
-from handlcp.show.picture.overlay import nice, rim
+from handlcp.show.picture.figure import contact_sheet
+from handlcp.show.picture.overlay import Turn, nice, rim
 from handlcp.show.record import record
 from handlcp.show.style import shortened
 
@@ -75,7 +74,12 @@ def html(solution: Any) -> str:
     return solution._repr_html_()
 
 
-draw, save = _picture.draw, _picture.save
+draw = _picture.draw
+
+
+def save(grasp: hl.Grasp, solution: hl.GraspSolution, path: Any, title: str = "") -> Any:
+    """The picture of a grasp as a file, which also an answer of unknown origin may have."""
+    return drawn(path, draw, grasp, solution, None, title)
 
 
 def camera_of(grasp: hl.Grasp) -> Any:

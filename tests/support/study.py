@@ -10,7 +10,7 @@ import numpy as np
 import handlcp as hl
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.method.accuracy.left_out import UNDETERMINED, variants
+from handlcp.method.accuracy.cost import UNDETERMINED, variants
 from handlcp.method.accuracy.methods import settings
 from handlcp.method.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
 from handlcp.method.nsngrk import RES, STEPS

@@ -11,7 +11,7 @@ import numpy as np
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
-from handlcp.hand.robot.link_surface import hull
+from handlcp.hand.robot.link_surface import hull, triangles_of
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 HOW_TO_MESH = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
@@ -137,13 +137,6 @@ def _solid(triangles: Array, tree: Any, name: str) -> Solid:
     if convex:
         return Solid(around, filled, read_only(np.array(around.computeCOM()).reshape(3)))
     return Solid(tree, np.nan, read_only(moment / volume), triangles)
-
-
-def triangles_of(mesh: Any) -> Array:
-    """(m, 3, 3) corners of a coal mesh's triangles."""
-    corners = np.array(mesh.vertices(), dtype=float)
-    faces = [[t[0], t[1], t[2]] for t in (mesh.tri_indices(i) for i in range(mesh.num_tris))]
-    return read_only(corners[np.array(faces, dtype=int).reshape(-1, 3)])
 
 
 def _enclosed(triangles: Array) -> tuple[float, Array]:

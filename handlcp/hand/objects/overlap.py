@@ -126,7 +126,7 @@ def overlap(furthest: Pairs, near: Array, close: float, enough: float = np.inf) 
     """
     from scipy.spatial import ConvexHull  # a tenth of a second that few contacts should pay
 
-    n = np.concatenate([_around(near), _grid(_GRID)])
+    n = np.concatenate([_around(near), evenly(_GRID)])
     first, second = furthest(n)
     h = np.einsum("ij,ij->i", n, first - second)
     for step in range(_MOST):
@@ -154,7 +154,7 @@ def apart(furthest: Pairs, near: Array, close: float) -> Overlap | None:
     """
     from scipy.optimize import nnls
 
-    first, second = furthest(np.concatenate([_around(near), _grid(_GRID)]))
+    first, second = furthest(np.concatenate([_around(near), evenly(_GRID)]))
     for _ in range(_MOST):
         D = (second - first).T
         if not np.isfinite(D).all():
@@ -187,12 +187,17 @@ def _deepest(first: Array, second: Array, at: Array) -> tuple[Array, Array]:
     return share @ first[k], share @ second[k]
 
 
-def _grid(k: int) -> Array:
-    """(k, 3) unit vectors in all directions, evenly: a spiral from pole to pole."""
+def evenly(k: int, first: float = 0.0) -> Array:
+    """(k, 3) unit vectors in all directions, evenly: a spiral from pole to pole, `first` of a step further on."""
     i = np.arange(k)
-    z, turn = 1.0 - (2.0 * i + 1.0) / k, np.pi * (3.0 - np.sqrt(5.0)) * i
+    z, turn = 1.0 - (2.0 * i + 1.0) / k, np.pi * (3.0 - np.sqrt(5.0)) * (i + first)
     across = np.sqrt(1.0 - z * z)
     return np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
+
+
+def outermost(points: Array, ways: Array) -> Array:
+    """Those of points (m, 3) that are furthest in directions (k, 3), each once."""
+    return np.asarray(points[np.unique((points @ ways.T).argmax(axis=0))])
 
 
 def _around(n: Array) -> Array:

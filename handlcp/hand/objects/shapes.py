@@ -88,11 +88,16 @@ def _nearest(point: Array, triangles: Array) -> tuple[Array, int]:
 
 def winding(point: Array, triangles: Array) -> float:
     """How often a closed surface winds around a point: ±1 inside, 0 outside. The sum of the solid angles over 4π."""
-    a, b, c = (triangles - point).transpose(1, 0, 2)
+    return float(solid_angles(triangles - point).sum() / (4 * np.pi))
+
+
+def solid_angles(triangles: Array) -> Array:
+    """(k,) of triangles (k, 3, 3) seen from the origin, < 0 from their front: Van Oosterom and Strackee (1983)."""
+    a, b, c = triangles.transpose(1, 0, 2)
     la, lb, lc = np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1), np.linalg.norm(c, axis=1)
     volume = np.einsum("ij,ij->i", a, np.cross(b, c))
     below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    return float(2 * np.arctan2(volume, below).sum() / (4 * np.pi))
+    return np.asarray(2 * np.arctan2(volume, below))
 
 
 # ----------------------------------------------------------------

@@ -100,16 +100,16 @@ def _needed(points: Array, heights: Array, normal: Array) -> list[int]:
     hull: list[int] = []
     kept: list[int] = []
     for level in levels:
-        hull = _hull(flat, [*hull, *level.tolist()], _FLAT * size)
+        hull = corners_of(flat, [*hull, *level.tolist()], _FLAT * size)
         kept += [i for i in hull if i not in kept]
     return kept
 
 
-def _hull(flat: Array, members: list[int], least: float) -> list[int]:
+def corners_of(flat: Array, members: Iterable[int], least: float) -> list[int]:
     """Corners of the convex hull of the points of flat (k, 2) numbered `members`, by Andrew's monotone chain. A point
     within `least` of a line between two others, or of another point, is no corner.
     """
-    members = sorted(members, key=lambda i: (flat[i, 0], flat[i, 1]))
+    ordered = sorted(members, key=lambda i: (flat[i, 0], flat[i, 1]))
 
     def half(run: list[int]) -> list[int]:
         out: list[int] = []
@@ -120,7 +120,7 @@ def _hull(flat: Array, members: list[int], least: float) -> list[int]:
                 out.append(i)
         return out
 
-    lower, upper = half(members), half(members[::-1])
+    lower, upper = half(ordered), half(ordered[::-1])
     corners = [*lower[:-1], *upper[:-1]] or lower
     return list(dict.fromkeys(corners))
 

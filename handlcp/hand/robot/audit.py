@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import textwrap
-import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, overload
 
 from handlcp import words
-from handlcp.errors import HandLCPError, URDFError
+from handlcp.errors import HandLCPError
 from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
-from handlcp.hand.robot.joint_limits import SEVERITIES, Doubt
-from handlcp.hand.robot.joints import joint_facts
+from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
-from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
-from handlcp.hand.robot.source.read import robot_of
-from handlcp.hand.robot.urdf import build_model, package_folders, resolve_meshes
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
+from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
 
 # ----------------------------------------------------------------
 # The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
@@ -173,13 +170,7 @@ def tip_doubts(hand: Any) -> Iterator[Doubt]:
 
 def _missing(described: Description, kind: str) -> list[str]:
     """Addresses of meshes that are not found."""
-    missing = []
     assert described.root is not None
-    for mesh in described.root.iterfind(f"link/{kind}/geometry/mesh"):
-        alone = ET.Element("link")
-        alone.append(ET.Element("mesh", mesh.attrib))
-        try:
-            resolve_meshes(alone, described.folders)
-        except URDFError:
-            missing.append(mesh.get("filename", ""))
+    meshes = described.root.iterfind(f"link/{kind}/geometry/mesh")
+    missing = [mesh.get("filename", "") for mesh in meshes if mesh_file(mesh, described.folders) is None]
     return list(dict.fromkeys(missing))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
-from handlcp.hand.robot.joint_limits import Doubt
-from handlcp.hand.robot.joints import JointFacts
+from handlcp.hand.robot.joints import Doubt, JointFacts
 from handlcp.hand.robot.kinematics import Kinematics
 
 # ----------------------------------------------------------------

@@ -15,12 +15,10 @@ from handlcp.grasp.answer.printed import Data
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import CouplingRow, JointRow, LinkRow, TipRow, text_of
 from handlcp.hand.robot.fingertips import Candidate, candidates, obvious
-from handlcp.hand.robot.joint_limits import read_torque_limits
-from handlcp.hand.robot.joints import Coupling
+from handlcp.hand.robot.joints import Coupling, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.link_surface import surface_points
-from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
-from handlcp.hand.robot.source.read import describe_xml
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, describe_xml
 
 # ---------------------------------------------------------------- How large a hand is.
 

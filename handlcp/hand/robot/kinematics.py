@@ -11,8 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, array, per_name, read_only, sealed
 from handlcp.errors import InputError, URDFError
-from handlcp.hand.robot.joint_limits import read_ranges
-from handlcp.hand.robot.joints import JointFacts, couple, movable_joints
+from handlcp.hand.robot.joints import JointFacts, couple, movable_joints, read_ranges
 from handlcp.lcp.kernels.dense import kernel
 
 

@@ -165,10 +165,13 @@ def _link(model: Any, frame: int, parts: list[tuple[Any, Array, Array]]) -> Link
     return LinkSurface(known.name, frame, int(known.parentJoint), tuple(parts), reach)
 
 
-def _surface(mesh: Any) -> Array:
+def _surface(shape: Any) -> Array:
     """(m, 3, 3) corners of a coal mesh's or hull's triangles."""
-    if isinstance(mesh, coal.ConvexBase):
-        return read_only(planes(mesh)[0])
+    return read_only(planes(shape)[0]) if isinstance(shape, coal.ConvexBase) else triangles_of(shape)
+
+
+def triangles_of(mesh: Any) -> Array:
+    """(m, 3, 3) corners of a coal mesh's triangles."""
     corners = np.array(mesh.vertices(), dtype=float)
     faces = [[t[0], t[1], t[2]] for t in (mesh.tri_indices(i) for i in range(mesh.num_tris))]
     return read_only(corners[np.array(faces, dtype=int).reshape(-1, 3)])

@@ -13,7 +13,7 @@ from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.stiffness import Pads
 from handlcp.hand.robot.fingertips import TipFrames
-from handlcp.hand.robot.joint_limits import Doubt, TorqueLimits
+from handlcp.hand.robot.joints import Doubt, TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape

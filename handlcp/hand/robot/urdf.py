@@ -115,17 +115,20 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
     return (*folders, *(Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p))
 
 
+def mesh_file(mesh: ET.Element, folders: Sequence[Path]) -> Path | None:
+    """The file that a <mesh> addresses; None where it is in none of the folders."""
+    tail = mesh.get("filename", "").split("://", 1)[-1]
+    return next((p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and not unreadable(p)), None)
+
+
 def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
     """Replace the address of each mesh below `element` by its full path. Raises URDFError for a missing file."""
     for mesh in element.iter("mesh"):
-        address = mesh.get("filename", "")
-        tail = address.split("://", 1)[-1]
-        found = next(
-            (p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and not unreadable(p)), None
-        )
+        found = mesh_file(mesh, folders)
         if found is None:
             where = ", ".join(str(f) for f in folders) or "nowhere"
-            raise URDFError("package_dirs", f"a folder that holds {address!r}", f"folders without it: {where}")
+            expected = f"a folder that holds {mesh.get('filename', '')!r}"
+            raise URDFError("package_dirs", expected, f"folders without it: {where}")
         mesh.set("filename", str(found.resolve()))
 
 

@@ -87,7 +87,7 @@ class PathCost(Data):
         """The figure: error against time for each question, its estimate dashed. A matplotlib figure, or the file that
         it was written to. Raises InputError for an unknown format; Unsupported without matplotlib.
         """
-        return drawn(figure, self, path, title)
+        return drawn(path, figure, self, title)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data; None for what is not a number."""
@@ -204,16 +204,8 @@ def _panel(ax: Any, rows: tuple[PathRow, ...], name: str, error: str, colour: st
         if x < last * (left[1] / left[0]) ** 0.06:  # no room for another number
             continue
         last = x
-        ax.annotate(
-            f"{row.steps}",
-            (x, y),
-            (-3, -5),
-            textcoords="offset points",
-            fontsize=SMALL,
-            color=INK,
-            ha="right",
-            va="top",
-        )
+        style = {"fontsize": SMALL, "color": INK, "ha": "right", "va": "top"}
+        ax.annotate(f"{row.steps}", (x, y), (-3, -5), textcoords="offset points", **style)
     ax.set_xlim(*left)
     both = np.concatenate([off, estimate[np.isfinite(estimate)]])
     ax.set_ylim(float(both.min()) / 4.0, float(both.max()) * 2.5)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from handlcp.method.accuracy.left_out import UNDETERMINED
+from handlcp.method.accuracy.cost import UNDETERMINED
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.method.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, LeftOut, Row
 from handlcp.show.tables import empty, numbers

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from handlcp.method.convergence import Convergence, Run
-from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, drawn, new_figure
 from handlcp.show.style import BLUE, INK, RED, SMALL, TEXT, panel, spread
 from handlcp.words import percent
 
-WIDTH, HEIGHT, DPI = 10.0, 4.9, 160  # inches, dots an inch
+WIDTH, HEIGHT = 10.0, 4.9  # inches
 HEAD = 12.5  # points
 NATURAL, UNIFORM, GIVEN = BLUE, "#B87800", RED  # the palette's orange, darker for text
 LINES: dict[str, Any] = {"linewidth": 0.9, "alpha": 0.8}
@@ -26,8 +26,8 @@ Mark = tuple[str, float]  # a name and a value
 
 def save(result: Convergence, path: Any, title: str = "", printed: Mark | None = None) -> Path:
     """Draw and write a file; see `draw`. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(draw(result, title, printed), file, DPI)
+    file: Path = drawn(path, draw, result, title, printed)
+    return file
 
 
 def draw(result: Convergence, title: str = "", printed: Mark | None = None) -> Figure:

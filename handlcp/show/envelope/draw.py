@@ -6,20 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.envelope.legend import Legend, head
-from handlcp.show.envelope.polar import polar_figure
+from handlcp.show.envelope.polar import Legend, head, polar_figure
 from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture.bodies import Body
-from handlcp.show.picture.camera import Camera, Frame, camera_for, frame
+from handlcp.show.picture.camera import Camera, Frame
 from handlcp.show.picture.content import Content
+from handlcp.show.picture.figure import DPI, WIDTH, stage
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import paint
-from handlcp.show.style import GREY, INK, SMALL
+from handlcp.show.style import GREY, INK, SMALL, rgb
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.printed import amount, direction
 
-WIDTH, DPI = 10.0, 160  # inches, dots an inch
 TALL, HAND = 3.75, 2.7  # inches: height of the panels, width of the hand's
 ROOM = 1.13  # of a surface's half width, in its reach
 MARK = "#C8102E"  # the weakest direction
@@ -38,7 +37,7 @@ def figure(env: Envelope, title: str = "") -> Figure:
     drawn = new_figure(figsize=(WIDTH, tall), dpi=100)
     head(drawn, env, title)
     shown = Content(env.grasp, env.grasp.solve(throw=False), None)
-    camera = camera_for(env.grasp, shown.solids, shown.glass, shown.marks())
+    camera = shown.camera
     behind = Camera(camera.axes * np.array([[-1.0], [1.0], [-1.0]]))
     side, bottom = (WIDTH - HAND) / 2, 1.0 - (above + TALL) / tall
     panels = [
@@ -47,27 +46,23 @@ def figure(env: Envelope, title: str = "") -> Figure:
     ]  # fmt: skip
     for k, (left, wide, name) in enumerate(panels):
         ax = drawn.add_axes((left / WIDTH, bottom, wide / WIDTH, TALL / tall))
-        ax.axis("off")
         at = (left + 0.18) / WIDTH
         drawn.text(at, 1.0 - (above - 0.08) / tall, name, fontsize=SMALL, weight="bold", color=INK, va="center")
         if k == 0:
-            _hand(ax, camera, shown, (wide, TALL))
+            _hand(ax, shown, (wide, TALL))
         else:
             _surface(ax, camera if k == 1 else behind, env, s, (wide, TALL))
     legend.draw(drawn, above + TALL + 0.12)
     return drawn
 
 
-def _hand(ax: Any, camera: Camera, shown: Content, inches: tuple[float, float]) -> None:
+def _hand(ax: Any, shown: Content, inches: tuple[float, float]) -> None:
     """Hand and object."""
     points = shown.grasp.scene.positions
     if shown.glass is None:  # one contact alone has no size
         points = (points[:, None] + 0.5 * shown.size * np.concatenate([np.eye(3), -np.eye(3)])).reshape(-1, 3)
-    view = frame(camera, shown.solids, shown.glass, points, inches, 0.12)
-    paint(ax, camera, shown.solids, shown.glass, view, DPI)
-    over = Overlay(ax, camera, view.inch)
+    over, view, _ = stage(ax, shown, points, inches, 0.12)
     over.triad(np.array([view.box[0], view.box[2]]) + np.array([0.5, 0.4]) * view.inch)
-    _limits(ax, view)
 
 
 def _surface(ax: Any, camera: Camera, env: Envelope, s: Surface, inches: tuple[float, float]) -> None:
@@ -79,7 +74,7 @@ def _surface(ax: Any, camera: Camera, env: Envelope, s: Surface, inches: tuple[f
     low = -h / 2 - 0.12 * inch
     box = (-w / 2, w / 2, low, low + h)
     view = Frame(box, box, inch, False)
-    bodies = [Body(s.points[s.cells[s.key == k]], _rgb(key.colour)) for k, key in enumerate(s.keys)]
+    bodies = [Body(s.points[s.cells[s.key == k]], rgb(key.colour)) for k, key in enumerate(s.keys)]
     before = paint(ax, camera, [b for b in bodies if len(b.triangles)], None, view, DPI)
     over = Overlay(ax, camera, inch)
     if len(lines := borders(s)):
@@ -96,7 +91,6 @@ def _surface(ax: Any, camera: Camera, env: Envelope, s: Surface, inches: tuple[f
     bar = nice(0.9 * inch)
     text = f"{bar:g} {env.unit}".strip()
     over.scale_bar(np.array([box[0] + 0.25 * inch, box[2] + 0.16 * inch]), bar, text)
-    _limits(ax, view)
 
 
 def _axes(ax: Any, camera: Camera, s: Surface, before: Any) -> None:
@@ -132,13 +126,3 @@ def _weakest(ax: Any, camera: Camera, env: Envelope, s: Surface, before: Any) ->
     text = ax.text(*end, f"weakest\n{amount(env, w.factor).partition(' (')[0]}", fontsize=SMALL, color=MARK,
                    weight="bold", ha="left" if away > 0 else "right", va="center", zorder=9)  # fmt: skip
     text.set_path_effects([patheffects.withStroke(linewidth=2.5, foreground="white")])
-
-
-def _limits(ax: Any, view: Frame) -> None:
-    ax.set_xlim(view.box[:2])
-    ax.set_ylim(view.box[2:])
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    r, g, b = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    return (r, g, b)

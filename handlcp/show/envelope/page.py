@@ -11,23 +11,95 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.errors import InputError
-from handlcp.show.envelope.sight import facing
+from handlcp.show.envelope.polar import sentences
 from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
-from handlcp.show.page import file
-from handlcp.show.page.content import packed, view_of
+from handlcp.show.file import checked_page
+from handlcp.show.page.content import layers_of, packed, view_of
 from handlcp.show.page.document import Own, document, web_files
-from handlcp.show.page.frames import Frames
+from handlcp.show.page.frames import Frames, of_solution
 from handlcp.show.page.meshes import Meshes, notes_of, parts_of
-from handlcp.show.page.snapshot import of_solution
-from handlcp.show.picture.bodies import HAND
+from handlcp.show.picture import camera
 from handlcp.show.picture.content import Content
 from handlcp.study.envelope import Envelope, Extreme
-from handlcp.study.envelope.printed import amount, direction, geometry, given_away, headline
+from handlcp.study.envelope.printed import amount, direction
+
+# ----------------------------------------------------------------
+# From where the page is seen at first: so that the weakest direction is in sight.
+#
+# The surface has one point along each direction. So no part of it hides a point from a viewer far out along its own
+# direction. A little from the side one also sees how far out the point is; there parts of the surface may hide it, and
+# the hand may do so anywhere.
+
+_TILTS = (15.0, 30.0, 45.0)  # [degrees] from the direction itself
+_AROUND = 12
+_STEEPEST = 78.0  # [degrees] above or below: seen from the very top nothing is upright
+_CLEAR = 1.03  # of the point's distance: the surface beside it does not count as before it
+
+
+def facing(point: Array, axes: Array, up: Array, centre: Array, solids: Array) -> Array:
+    """(3, 3) axes of a camera, as `Camera` has them, that sees a point (3,) of the surface, from the centre of it.
+
+    axes (3, 3) : of the usual camera, to which this one is as near as may be. up (3,) : stays upright. solids
+    (k, 3, 3) : triangles that may hide the point.
+    """
+    distance = float(np.linalg.norm(point))
+    if not distance > 0.0:
+        return axes
+    way = point / distance
+    usual = np.arcsin(np.clip(axes[2] @ up, -1.0, 1.0))
+
+    def unlike(towards: Array) -> float:
+        """How far from the usual height above the horizon, and half as much from the direction itself."""
+        height = np.arcsin(np.clip(towards @ up, -1.0, 1.0))
+        return float(abs(height - usual) + 0.5 * np.arccos(np.clip(towards @ way, -1.0, 1.0)))
+
+    for towards in sorted([t for tilt in np.radians(_TILTS) for t in _tilted(way, tilt)], key=unlike):
+        here = _upright(towards, up)
+        if here[2] @ way > 0.5 and not _hidden(centre + _CLEAR * point, here[2], solids):
+            return here
+    return _upright(way, up)
+
+
+def _tilted(way: Array, tilt: float) -> list[Array]:
+    """Unit vectors at this angle from a way, all around it."""
+    other = np.eye(3)[int(abs(way).argmin())]
+    a = np.cross(way, other) / np.linalg.norm(np.cross(way, other))
+    b = np.cross(way, a)
+    turns = 2.0 * np.pi * np.arange(_AROUND) / _AROUND
+    return [np.cos(tilt) * way + np.sin(tilt) * (np.cos(t) * a + np.sin(t) * b) for t in turns]
+
+
+def _upright(towards: Array, up: Array) -> Array:
+    """Axes that look against `towards`, no steeper than may be."""
+    flat: Array = towards - (towards @ up) * up
+    size = float(np.linalg.norm(flat))
+    level = flat / size if size > 1e-9 else np.eye(3)[int(abs(up).argmin())]
+    angle = np.clip(np.arcsin(np.clip(towards @ up, -1.0, 1.0)), -np.radians(_STEEPEST), np.radians(_STEEPEST))
+    return camera.facing(np.cos(angle) * level + np.sin(angle) * up, up).axes
+
+
+def _hidden(point: Array, towards: Array, triangles: Array) -> bool:
+    """Whether the ray from a point to the viewer meets one of the triangles (k, 3, 3) (Möller and Trumbore)."""
+    a = triangles[:, 0]
+    one, two = triangles[:, 1] - a, triangles[:, 2] - a
+    across = np.cross(towards, two)
+    det = (one * across).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_a = point - a
+        u = (from_a * across).sum(axis=1) / det
+        side = np.cross(from_a, one)
+        v = side @ towards / det
+        far = (two * side).sum(axis=1) / det
+        met = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (far > 0.0)
+    return bool(met.any())
+
+
+# ----------------------------------------------------------------
 
 _OWN = ("stage.html", "tables.html", "envelope.css", "ball.js", "envelope.js")
 _SHARED = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
 _REACH = 2.2  # of the surface, in sizes of the grasp
-_AROUND = {
+_TOLD = {
     "force": "How large a force on the object the grasp holds, in each direction.",
     "torque": "How large a torque on the object the grasp holds, about each direction.",
     "gravity": "How heavy the object may be, with gravity in each direction.",
@@ -38,39 +110,28 @@ def save(env: Envelope, path: Any, title: str = "") -> Path:
     """Write the page. Raises InputError for a file that cannot be written, and for directions that do not lie all
     around; Unsupported without trimesh.
     """
-    target = file.checked(path)
+    target = checked_page(path)
     if not len(env.triangles):
         raise InputError("directions", "directions all around, for a page", f"{len(env.factors)} that do not lie so")
     stage, tables, style, *scripts = web_files(*_OWN, package="handlcp.show.envelope")
     own = Own(stage, tables, style, [*web_files(*_SHARED), *scripts, *web_files("opened.js")])
-    text = document(title, _said(env), _content(env), own)
-    return file.write(text, target)
-
-
-def _said(env: Envelope) -> str:
-    """Weakest direction, and what compliance gives away."""
-    lines = [headline(env), given_away(env), geometry(env)]
-    items = "".join(f"<li>{escape(f'{line[:1].upper()}{line[1:]}.')}</li>" for line in lines if line)
-    return f'<ul class="reasons">{items}</ul>'
+    items = "".join(f"<li>{escape(line)}</li>" for line in sentences(env))
+    return document(target, title, f'<ul class="reasons">{items}</ul>', _content(env), own)
 
 
 def _content(env: Envelope) -> dict[str, Any]:
     """What the viewer reads."""
     grasp, s = env.grasp, surface_of(env)
     solution = grasp.solve(throw=False)
-    drawn, state = Content(grasp, solution, None), getattr(grasp, "state", None)
-    of_hand = (None, None) if state is None else (state.hand.model, state.hand.kinematics)
-    frame = Frames([of_solution(grasp, solution, drawn.acts_at)], grasp.scene.units.length, *of_hand).to_list()[0]
+    drawn = Content(grasp, solution, None)
+    frame = Frames([of_solution(grasp, solution, drawn.acts_at)], grasp).to_list()[0]
     meshes, parts = Meshes(), parts_of(drawn)
-    layers = {p.layer: HAND if p.layer == "hand" else p.colour for p in parts}
-    names = {"hand": "hand", "object": "object", "environment": "environment", "inside": "links inside the object",
-             "tips": "fingertip that finds the contact"}  # fmt: skip
-    legend = [[layer, "patch", list(colour), names[layer]] for layer, colour in layers.items()]
+    legend = layers_of(parts, {"inside": "links inside the object"})
     surface = _surface(env, s, drawn)
     keys = [[f"key{k}", "patch", key.colour, f"{key.says}, {words.percent(key.share)}"] for k, key in enumerate(s.keys)]
     if len(surface["wires"]):
         keys.append(["bound", "wire", "#222222", "without compliance: friction and torque limits alone"])
-    notes = [_AROUND[env.of], *notes_of(drawn, parts)]
+    notes = [_TOLD[env.of], *notes_of(drawn, parts)]
     if s.cut:
         notes.append(f"The surface is cut at {s.reach:g} {env.unit}: what reaches farther is drawn there.")
     return {
@@ -103,6 +164,7 @@ def _placed(env: Envelope, s: Surface, drawn: Content) -> tuple[Array, float]:
 def _surface(env: Envelope, s: Surface, drawn: Content) -> dict[str, Any]:
     """Lengths in metres about the centre; what each direction says."""
     centre, scale = _placed(env, s, drawn)
+    of = {k: key.colour for key in s.keys for k in key.causes}
     lines = wires(s) if s.bound_beyond else np.zeros((0, 2, 3))
     return {
         "centre": centre, "scale": scale, "reach": _REACH * drawn.size, "points": scale * s.points, "cells": s.cells,
@@ -110,21 +172,11 @@ def _surface(env: Envelope, s: Surface, drawn: Content) -> dict[str, Any]:
         "borders": (scale * borders(s)).reshape(-1, 6),
         "directions": env.directions, "cause": env.cause, "causes": [cause.says for cause in env.causes],
         "held": [_short(env, x) for x in env.factors], "bound": [_short(env, x) for x in env.bound],
-        "rows": _rows(env), "row_colours": _colours(s, len(env.causes)),
+        "rows": [[c.says, words.percent(c.share), _number(c.least), _number(c.median)] for c in env.causes],
+        "row_colours": [of[k] for k in range(len(env.causes))],
         "columns": ["gives out first", "share", f"least\n{env.unit}", f"median\n{env.unit}"],
         "weakest": _mark(env, env.weakest, scale * s.points), "strongest": _mark(env, env.strongest, scale * s.points),
     }  # fmt: skip
-
-
-def _rows(env: Envelope) -> list[list[str]]:
-    """Of the table of causes."""
-    return [[c.says, words.percent(c.share), _number(c.least), _number(c.median)] for c in env.causes]
-
-
-def _colours(s: Surface, causes: int) -> list[str]:
-    """Of each cause."""
-    of = {k: key.colour for key in s.keys for k in key.causes}
-    return [of[k] for k in range(causes)]
 
 
 def _mark(env: Envelope, extreme: Extreme, points: Array) -> dict[str, Any]:

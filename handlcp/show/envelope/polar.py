@@ -1,4 +1,4 @@
-"""Polar diagrams of an envelope: what is held in each direction of a plane, coloured by what gives out first."""
+"""Polar diagrams of an envelope, coloured by what gives out first; and the words that all pictures of one have."""
 
 from __future__ import annotations
 
@@ -7,14 +7,90 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, Ints
-from handlcp.show.envelope.legend import Legend, head
-from handlcp.show.envelope.surface import Surface, section, surface_of
+from handlcp.show.envelope.surface import NOTHING, Surface, section, surface_of
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture.overlay import nice
-from handlcp.show.style import GREY, INK, SMALL, TEXT
+from handlcp.show.style import GREY, INK, LEFT, SMALL, TEXT, further, heading, width
 from handlcp.study.envelope import Envelope
-from handlcp.study.envelope.printed import direction
+from handlcp.study.envelope.printed import direction, geometry, given_away, headline
+
+# ----------------------------------------------------------------
+# What the pictures of an envelope say in words: the headline, and the colours with their causes.
+
+ROW, COLUMN = 0.215, 0.5  # inches of a line; a column's share of the width
+TITLE = "What gives out first: share of the directions, and how much is held there"
+
+
+def head(figure: Any, env: Envelope, title: str) -> float:
+    """Title, weakest direction, what compliance gives away; returns where that ends, in inches below the top."""
+    y = heading(figure, title)
+    for k, text in enumerate(sentences(env)):
+        y = further(figure, y, text, GREY if k else INK, 0.964)
+    return y
+
+
+def sentences(env: Envelope) -> list[str]:
+    """The weakest direction, what compliance gives away, what stays where it is."""
+    return [f"{text[:1].upper()}{text[1:]}." for text in (headline(env), given_away(env), geometry(env)) if text]
+
+
+def lines_of(env: Envelope, s: Surface, bound: str) -> list[tuple[str, str, str]]:
+    """(kind, colour, text) of each line; kind: "patch", or how the bound is drawn."""
+    found = []
+    for key in s.keys:
+        least = "" if key.colour == NOTHING else f", {key.least:.3g} {env.unit}".rstrip() + " and more"
+        least = ", drawn as far as the bound" if np.isnan(key.least) else least
+        found.append(("patch", key.colour, f"{key.says}: {words.percent(key.share)}{least}"))
+    if s.bound_beyond:
+        found.append((bound, INK, "without compliance: friction and torque limits alone"))
+    return found
+
+
+class Legend:
+    """In two columns. bound : how it is drawn, "line" or "dashed". height : inches, with the heading."""
+
+    def __init__(self, env: Envelope, s: Surface, bound: str = "dashed") -> None:
+        self.lines = lines_of(env, s, bound)
+        cut = f"{s.reach:.3g} {env.unit}".rstrip()
+        self.note = f"Cut at {cut}: what reaches farther is drawn there." if s.cut else ""
+        self.rows = (len(self.lines) + 1) // 2
+        self.height = 0.34 + ROW * (self.rows + bool(self.note)) + 0.08
+
+    def draw(self, figure: Any, top: float) -> None:
+        """Below `top`, in inches."""
+        from matplotlib.lines import Line2D
+        from matplotlib.patches import Rectangle
+
+        wide, tall = (float(size) for size in figure.get_size_inches())
+        style: dict[str, Any] = {"fontsize": SMALL, "va": "center"}
+        figure.text(LEFT, 1.0 - (top + 0.1) / tall, TITLE, weight="bold", color=INK, **style)
+        for k, (kind, colour, text) in enumerate(self.lines):
+            x, y = LEFT + COLUMN * (k // self.rows), 1.0 - (top + 0.34 + ROW * (k % self.rows)) / tall
+            if kind == "patch":
+                look: dict[str, Any] = {"facecolor": colour, "edgecolor": "#55555566", "linewidth": 0.5}
+                mark: Any = Rectangle((x, y - 0.06 / tall), 0.24 / wide, 0.12 / tall, **look)
+            else:
+                dash: Any = "-" if kind == "line" else (0, (4, 2))
+                mark = Line2D([x, x + 0.24 / wide], [y, y], color=colour, linewidth=1.0, linestyle=dash)
+            mark.set_transform(figure.transFigure)
+            figure.add_artist(mark)
+            shown = _fitting(figure, text, COLUMN - 0.24 / wide - 0.03)
+            figure.text(x + 0.32 / wide, y, shown, color=INK, **style)
+        if self.note:
+            figure.text(LEFT, 1.0 - (top + 0.34 + ROW * self.rows) / tall, self.note, color=GREY, **style)
+
+
+def _fitting(figure: Any, text: str, across: float) -> str:
+    """With "…" in its cause where it is wider than this share of the figure."""
+    says, colon, rest = text.partition(": ")
+    while width(figure, says + colon + rest, fontsize=SMALL) > across * figure.bbox.width and len(says) > 12:
+        says = says.removesuffix(" …")[:-3].rstrip() + " …"
+    return says + colon + rest
+
+
+# ----------------------------------------------------------------
 
 WIDTH, SIDE = 10.0, 3.3  # inches: of the figure, of a panel
 ALONE = 4.6  # of the panel where it is the only one

@@ -13,7 +13,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
 from handlcp.show.picture.overlay import nice
 from handlcp.study.envelope import Envelope
-from handlcp.study.envelope.causes import Sector
+from handlcp.study.envelope.causes import Sector, median
 
 # ----------------------------------------------------------------
 # A colour for each cause: its hue says what gives out (friction, a joint, a contact), its shade who.
@@ -211,9 +211,7 @@ def _reach(env: Envelope) -> tuple[float, bool]:
     finite = known[np.isfinite(known)]
     if not len(finite) or not finite.max() > 0.0:
         return 1.0, bool(np.isinf(known).any())
-    order = np.argsort(known, kind="stable")
-    below = np.cumsum(env.shares[order])
-    middle = known[order][np.searchsorted(below, 0.5 * below[-1])]
+    middle = median(known, env.shares)
     most = _MANY * (middle if np.isfinite(middle) and middle > 0.0 else float(finite.max()))
     largest = float(known.max())
     cut = largest > 1.15 * most

@@ -20,17 +20,14 @@ _QUARTERS = 2  # stages up to which every quarter has one
 
 
 class Axis(Protocol):
-    """What panels need of the axis along x. at (m,) : places of the points of all curves. lost : where the path ends
-    before the axis does, None where it does not; called : how that is marked.
+    """What panels need of the axis along x, which begins at 0. at (m,) : places of the points of all curves. end : of
+    the axis. lost : where the path ends before the axis does, None where it does not; called : how that is marked.
     """
 
     at: Array
     lost: float | None
     called: str
-
-    @property
-    def end(self) -> float:
-        """Of the axis, which begins at 0."""
+    end: float
 
     def ticks(self, ax: Any, named: bool) -> None:
         """Ticks along x, with their names below them if asked for."""
@@ -46,12 +43,7 @@ class StageAxis:
         self.at: Array = loading.steps.stage + loading.steps.share
         lost = [e.number + e.share for e in loading.events if e.kind == "lost"]
         self.lost: float | None = lost[0] if lost else None
-        self.called = "lost"
-
-    @property
-    def end(self) -> float:
-        """Of the last stage."""
-        return float(len(self.stages))
+        self.called, self.end = "lost", float(len(self.stages))
 
     def ticks(self, ax: Any, named: bool) -> None:
         """Shares of the stages along x, with their names below them if asked for."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,61 +15,30 @@ from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.grasp.path.events import summary
 from handlcp.grasp.path.follow import Loading
 from handlcp.show import tables
-from handlcp.show.file import Figure, checked, new_figure, write
-from handlcp.show.loading.series import friction_used, grasp_at_end, moved, slipped, solution_at_end
+from handlcp.show.file import Figure, new_figure
+from handlcp.show.loading.series import friction_used, grasp_at_end, slipped, solution_at_end
 from handlcp.show.picture.content import Content
-from handlcp.show.picture.figure import DPI, HEIGHT, WIDTH, compose
+from handlcp.show.picture.figure import HEIGHT, WIDTH, compose
 from handlcp.show.picture.panel import headline as verdict_head
-from handlcp.show.style import BOLD, INK, title_lines, width, wrapped
+from handlcp.show.style import BAD, GOOD, further, heading, moved, opening
 from handlcp.study.plain import plain
 from handlcp.tolerances import CERTIFY
 from handlcp.version import VERSION
 
 # ---------------------------------------------------------------- Title and outcome at the top of a figure.
 
-LINE, TITLE = 0.215, 0.36  # inches from a line of the sentence to the next, and from the title to it
-_SIZE = 10.5  # points
-_GOOD, _BAD = "#00734D", "#B03A00"
-_ACROSS, _LETTERS = 0.944, 150
-
 
 def headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
     """Title, "REACHED" or "LOST", and why; returns where that ends, in inches below the top. below : a further line."""
+    word, colour = ("REACHED", GOOD) if loading.reached else ("LOST", BAD)
     sentence = f"{loading.why.removeprefix('reached ').removeprefix('lost ')}."
-    return outcome(figure, title, "REACHED" if loading.reached else "LOST", sentence, loading.reached, below)
-
-
-def outcome(figure: Any, title: str, head: str, sentence: str, good: bool, below: str = "") -> float:
-    """Title, a word and the sentence that it begins; returns where that ends, in inches below the top."""
-    inches, left, y = float(figure.get_size_inches()[1]), 0.018, 0.17
-    for line in title_lines(figure, title):
-        figure.text(left, 1.0 - y / inches, line, color=INK, **BOLD)
-        y += 0.30
-    y += TITLE - 0.30 if title else 0.0
-    word, colour = f"{head}:", _GOOD if good else _BAD
-    style: dict[str, Any] = {"fontsize": _SIZE, "va": "top"}
-    # The first line has a bold word, which is wider
-    lines = wrapped(figure, f"{word} {sentence}", _LETTERS, _ACROSS, **style)
-    figure.text(left, 1.0 - y / inches, word, weight="bold", color=colour, **style)
-    indent = width(figure, f"{word} ", weight="bold", **style) / figure.bbox.width
-    lines[0] = lines[0].removeprefix(f"{word} ")
-    more = wrapped(figure, below, _LETTERS, _ACROSS - indent, **style) if below else []
-    for k, line in enumerate([*lines, *more]):
-        figure.text(left + (0 if k else indent + 0.002), 1.0 - y / inches, line, color=INK, **style)
-        y += LINE
-    return y
+    return further(figure, opening(figure, heading(figure, title), word, colour, sentence), below)
 
 
 # ----------------------------------------------------------------
 # The hand where a loading ends: its posture, the object where it is then, and the forces of the last step.
 
 GAP = 0.1  # inches between the sentences and the picture
-
-
-def save_picture(loading: Loading, path: Any, title: str = "", obj: Any = None) -> Path:
-    """Draw and write a file; see `picture`. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(picture(loading, title, obj), file, DPI)
 
 
 def verdict_picture(loading: Loading, verdict: Verdict, title: str = "", obj: Any = None) -> Figure:
@@ -93,7 +61,7 @@ def picture(loading: Loading, title: str = "", obj: Any = None) -> Figure:
     drawn = new_figure(figsize=(WIDTH, HEIGHT))
     what = "the end" if loading.reached else "the last step"
     stays = "" if loading.state is not None else ", which is not drawn: the contacts stay where they were"
-    top = headline(drawn, loading, title, f"Drawn is {what}. The object has {moved(loading)}{stays}.")
+    top = headline(drawn, loading, title, f"Drawn is {what}. The object has {moved(loading.displacement)}{stays}.")
     shown = Content(
         grasp_at_end(loading), solution_at_end(loading), loading.object or obj, around=Grasp(loading.steps.grasp.spec)
     )
@@ -150,7 +118,7 @@ def motion(loading: Loading) -> str:
     u = loading.displacement[:3]
     unit = words.length_unit([float(np.linalg.norm(u))])  # that of the whole way
     along = ", ".join(f"{axis} {unit(x)}" for axis, x in zip(_AXES, u.tolist(), strict=True))
-    return f"the object has {moved(loading)} since the start ({along} {unit.name})"
+    return f"the object has {moved(loading.displacement)} since the start ({along} {unit.name})"
 
 
 def record(loading: Loading, title: str = "") -> dict[str, Any]:
@@ -175,7 +143,8 @@ def record(loading: Loading, title: str = "") -> dict[str, Any]:
         },
         "contacts": {
             "names": steps.names, "forces_N": steps.forces, "forces_world_N": steps.forces_world,
-            "torsion_Nm": steps.torsion if h.steps.grasp.soft.size else None, "friction_used": friction_used(h),
+            "torsion_Nm": steps.torsion if h.steps.grasp.soft.size else None,
+            "friction_used": friction_used(steps.grasp.spec, steps.forces, steps.torsion),
             "state": steps.contact_state, "gap_m": steps.gap, "slip_m": steps.slip, "position_m": steps.positions,
             "slip_on_the_way_m": slipped(h),
         },

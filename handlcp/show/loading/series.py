@@ -11,14 +11,13 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.answer.reasons import friction_used as used_by
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.hand.hand_grasp import grasp_of
-from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
+from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened, turns
 
 # ----------------------------------------------------------------
 # The last step of a loading as a grasp of its own, for pictures and tables of what is known of one solve.
-
-STILL = 1e-4  # [rad] an object that turns less is not said to turn
 
 
 def grasp_at_end(loading: Loading) -> Grasp:
@@ -37,14 +36,6 @@ def slipped(loading: Loading) -> Array:
     steps = loading.steps
     world = np.einsum("mnij,mnj->ni", steps.frames[..., :2], steps.slip)
     return np.asarray(np.einsum("nij,ni->nj", steps.frames[-1][..., :2], world))
-
-
-def moved(loading: Loading) -> str:
-    """Such as "moved 2.9 mm and turned 0.49°"."""
-    u = loading.displacement
-    far = f"moved {words.length(float(np.linalg.norm(u[:3])))}"
-    turned = float(np.linalg.norm(u[3:]))
-    return f"{far} and turned {words.angle(turned)}" if turned > STILL else far
 
 
 # ----------------------------------------------------------------
@@ -78,45 +69,48 @@ class Panel:
     least: float = 1e-6
 
 
-def panels(loading: Loading) -> list[Panel]:
-    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has."""
-    grasp, steps = Grasp(loading.steps.grasp.spec), loading.steps
-    n, names = grasp.scene.n, shortened(steps.names, LETTERS)
+def panels(spec: GraspSpec, forces: Array, torsion: Array | None, displacement: Array, torques: Array) -> list[Panel]:
+    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has.
+
+    forces (m, n, 3) [N], torsion (m, n) [N·m], displacement (m, 6) [m, rad], torques (m, nv) [N·m] : at m places.
+    torsion : None: not known, and no friction of soft fingers is shown.
+    """
+    scene, mechanism = Grasp(spec).scene, spec.mechanism
+    n, names = scene.n, shortened(spec.names, LETTERS)
     colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
-    every = f"all {n} {'contacts' if grasp.scene.environment else 'fingers'}"
-    out = [Panel("Normal force [N]", curves_of(names, colours, steps.forces[:, :, 2]), every)]
-    if (grasp.scene.mu > 0).any():
-        used = 100.0 * friction_used(loading)
-        out.append(Panel("Friction [% of its limit]", curves_of(names, colours, used), every, 100.0))
-    out += motion_panels(steps.displacement)
-    if grasp.spec.mechanism is not None:
-        out.append(torque_panel(grasp.spec.mechanism.names, steps.torques, grasp.spec.mechanism.limits))
+    every = f"all {n} {'contacts' if scene.environment else 'fingers'}"
+    out = [Panel("Normal force [N]", _curves(names, colours, forces[:, :, 2]), every)]
+    if (scene.mu > 0).any() and not (torsion is None and scene.soft):
+        used = 100.0 * friction_used(spec, forces, torsion)
+        out.append(Panel("Friction [% of its limit]", _curves(names, colours, used), every, 100.0))
+    out += _motion_panels(displacement)
+    if mechanism is not None:
+        out.append(_torque_panel(mechanism.names, torques, mechanism.limits))
     return out
 
 
-def friction_used(loading: Loading) -> Array:
-    """(m, n) of each step and contact, the share of its friction limit; NaN without friction or without a force."""
-    scene, steps = Grasp(loading.steps.grasp.spec).scene, loading.steps
-    used = np.array([used_by(scene, f, t) for f, t in zip(steps.forces, steps.torsion, strict=True)])
-    normal = steps.forces[:, :, 2]
+def friction_used(spec: GraspSpec, forces: Array, torsion: Array | None) -> Array:
+    """(m, n) at each place and contact, the share of its friction limit; NaN without friction or without a force."""
+    scene, normal = Grasp(spec).scene, forces[:, :, 2]
+    used = np.array([used_by(scene, f, None if torsion is None else torsion[k]) for k, f in enumerate(forces)])
     used[normal <= NO_FORCE * normal.max()] = np.nan
     return used
 
 
-def curves_of(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:
+def _curves(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:
     return tuple([Curve(*each) for each in zip(names, colours, values.T, strict=True)])
 
 
-def motion_panels(displacement: Array) -> Iterator[Panel]:
+def _motion_panels(displacement: Array) -> Iterator[Panel]:
     """Of the object since the start, along the world's axes; and its turn, where it turns."""
     colours, move, turn = (RED, GREEN, BLUE), displacement[:, :3], displacement[:, 3:]
     unit = words.length_unit(move.ravel().tolist())
-    yield Panel(f"Motion of the object [{unit.name}]", curves_of("xyz", colours, move / unit.size), "x, y, z")
-    if abs(turn).max() > STILL:
-        yield Panel("Turn of the object [°]", curves_of("xyz", colours, np.degrees(turn)), "x, y, z")
+    yield Panel(f"Motion of the object [{unit.name}]", _curves("xyz", colours, move / unit.size), "x, y, z")
+    if turns(turn):
+        yield Panel("Turn of the object [°]", _curves("xyz", colours, np.degrees(turn)), "x, y, z")
 
 
-def torque_panel(names: Sequence[str], torques: Array, limits: Array) -> Panel:
+def _torque_panel(names: Sequence[str], torques: Array, limits: Array) -> Panel:
     """Against their limits where these are known; the nearest to them are named."""
     known = np.flatnonzero(np.isfinite(limits) & (limits > 0.0))
     shown = known if len(known) else np.arange(len(names))

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from scipy.spatial import ConvexHull, QhullError
 
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, Loading
 from handlcp.grasp.path.events import summary
-from handlcp.show.page.frames import Frames
+from handlcp.hand.objects.overlap import evenly, outermost
+from handlcp.show.page.frames import Frames, Snapshot, steps_shown
 from handlcp.show.page.meshes import FIXED, Meshes, Part, notes_of, parts_of
-from handlcp.show.page.snapshot import Snapshot, steps_shown
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
@@ -33,7 +32,7 @@ def content(
     grasp = drawn.grasp
     scene, state = grasp.scene, getattr(grasp, "state", None)
     hand = None if state is None else state.hand
-    frames = Frames(shown, scene.units.length, *((None, None) if hand is None else (hand.model, hand.kinematics)))
+    frames = Frames(shown, grasp)
     meshes, parts, told = Meshes(), parts_of(drawn), frames.to_list()
     return {
         "size": scene.units.length, "planar": scene.plane is not None, "perNewton": frames.per_newton,
@@ -71,13 +70,11 @@ def path_of(loading: Loading, first: int) -> dict[str, Any]:
 
 
 def escape_of(drawn: Content) -> dict[str, Any] | None:
-    """The motion in which the object escapes, scaled to be seen; None where none is known."""
-    twist, size, at = drawn.solution.certificate, drawn.size, drawn.acts_at
-    if twist is None or not np.isfinite(twist).all() or not twist.any():
+    """The motion in which the object escapes; None where none is known."""
+    if drawn.way_out is None:
         return None
-    move, turn = twist[:3] + np.cross(twist[3:], at - drawn.grasp.reference), twist[3:]
-    far = max(float(np.linalg.norm(move)), size * float(np.linalg.norm(turn)))
-    return {"at": at, "move": move * size / far, "turn": turn * size / far}
+    move, turn = drawn.way_out
+    return {"at": drawn.acts_at, "move": move, "turn": turn}
 
 
 def _first(frames: Sequence[Any], path: dict[str, Any] | None, escape: dict[str, Any] | None) -> int:
@@ -130,14 +127,15 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
 
 def _hull(triangles: Array) -> Array:
     """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
-    points, k = triangles.reshape(-1, 3), np.arange(60) + 0.5
-    z, around = 1.0 - k / 30.0, np.pi * (3.0 - np.sqrt(5.0)) * k
-    ways = np.stack([np.sqrt(1.0 - z**2) * np.cos(around), np.sqrt(1.0 - z**2) * np.sin(around), z])
-    outer = points[np.unique((ways.T @ points.T).argmax(axis=1))]
-    try:
-        return np.asarray(outer[ConvexHull(outer).simplices])
-    except QhullError:
-        return triangles
+    made = shapes.hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
+    return triangles if made is None else made
+
+
+def layers_of(parts: Sequence[Part], names: dict[str, str]) -> list[Any]:
+    """A line of the legend for each layer of solids. names : of layers that are called otherwise than themselves."""
+    colours = {p.layer: HAND if p.layer == "hand" else p.colour for p in parts}
+    names = {"tips": "fingertip that finds the contact"} | names
+    return [[layer, "patch", list(colour), names.get(layer, layer)] for layer, colour in colours.items()]
 
 
 def _legend(
@@ -147,14 +145,12 @@ def _legend(
     grasp = drawn.grasp
     who = "contact" if grasp.scene.environment else "finger"
     states = {state for s in shown for state in s.states}
-    layers = {p.layer: HAND if p.layer == "hand" else p.colour for p in parts}
     deep, links = words.length(max(drawn.inside.values(), default=0.0)), list(drawn.inside)
     inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
-    names = {
-        "hand": "hand" if hasattr(grasp, "state") else "fingers", "environment": "environment", "inside": inside,
-        "object": "object" if drawn.glass is None else drawn.glass.label, "tips": "fingertip that finds the contact",
-    }  # fmt: skip
-    out = [[layer, "patch", list(colour), names[layer]] for layer, colour in layers.items()]
+    out = layers_of(parts, {
+        "hand": "hand" if hasattr(grasp, "state") else "fingers", "inside": inside,
+        "object": "object" if drawn.glass is None else drawn.glass.label,
+    })  # fmt: skip
     if (grasp.scene.mu > 0).any():
         sense = "friction cones, to the forces’ scale: an arrow at the rim slides"
         out.append(["cones", "cone", STATE["sticking"], sense if states != {""} else "friction cones"])

@@ -1,22 +1,22 @@
-"""The page: one HTML file that needs nothing else, and asks the network for nothing."""
+"""The page: one HTML file that needs nothing else, and asks the network for nothing; what it says in words."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
-from handlcp.show.page import file, head
+from handlcp.show.file import checked_page, three_js
+from handlcp.show.loading.report import motion
 from handlcp.show.page.content import content, escape_of, path_of
-from handlcp.show.page.file import three_js
-from handlcp.show.page.snapshot import at_steps, of_solution
+from handlcp.show.page.frames import at_steps, of_solution
 from handlcp.show.picture.content import Content
 from handlcp.study.plain import plain
 from handlcp.version import VERSION
@@ -36,32 +36,31 @@ def save(
 
     Raises InputError for a file that cannot be written, or another grasp's loading; Unsupported without trimesh.
     """
-    target = file.checked(path)
+    target = checked_page(path)
     if loading is None and verdict is not None:
         loading = verdict.loading
     if loading is not None and loading.steps.names != solution.names:
         raise InputError("loading", "one of the same grasp: grasp.follow()", f"contacts {loading.steps.names}")
     said = solution.verdict if verdict is None else verdict
     drawn = Content(grasp, solution, obj, verdict=said)
-    words = head.verdict(said) if verdict is not None or loading is None else head.outcome(loading)
+    told = _verdict(said) if verdict is not None or loading is None else _outcome(loading)
     shown, steps = [of_solution(grasp, solution, drawn.acts_at)], None
     if loading is not None:
         steps = path_of(loading, 1)
         shown += at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
-    found = content(drawn, shown, steps, escape_of(drawn))
-    return file.write(_document(title, words, found), target)
+    return document(target, title, told, content(drawn, shown, steps, escape_of(drawn)))
 
 
 def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, verdict: Verdict | None = None) -> Path:
     """Write the page of a loading alone, which begins at its last step. obj : as in `save`, where it stands at the
     start. verdict : of `check`; None: whether the loading reached its end. Raises as `save`.
     """
-    target = file.checked(path)
+    target = checked_page(path)
     grasp = grasp_of(loading.steps.grasp.spec)
     drawn = Content(grasp, loading.solution, obj, verdict=verdict)
     shown = at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
-    said = head.outcome(loading) if verdict is None else head.verdict(verdict)
-    return file.write(_document(title, said, content(drawn, shown, path_of(loading, 0), None)), target)
+    told = _outcome(loading) if verdict is None else _verdict(verdict)
+    return document(target, title, told, content(drawn, shown, path_of(loading, 0), None))
 
 
 def web_files(*names: str, package: str = "handlcp.show.page") -> list[str]:
@@ -81,8 +80,13 @@ class Own(NamedTuple):
     scripts: Sequence[str]
 
 
-def document(title: str, said: str, found: Mapping[str, Any], own: Own) -> str:
-    """A page's text. said : its verdict, as HTML. found : what its scripts read, with `notes` for the reader."""
+def document(target: Path, title: str, said: str, found: Mapping[str, Any], own: Own | None = None) -> Path:
+    """Write a page. said : its verdict, as HTML. found : what its scripts read, with `notes` for the reader. own :
+    None: what pages of grasps have. Raises InputError for a file that cannot be written.
+    """
+    if own is None:
+        stage, tables = web_files("stage.html", "tables.html")
+        own = Own(stage, tables, "", web_files(*_SCRIPTS))
     data = json.dumps(_short(plain(found)), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     parts = {
         "title": escape(title or "A grasp"),
@@ -97,12 +101,10 @@ def document(title: str, said: str, found: Mapping[str, Any], own: Own) -> str:
         "three": three_js(),
         "scripts": "\n".join(own.scripts),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], web_files("frame.html")[0])
-
-
-def _document(title: str, said: str, found: Mapping[str, Any]) -> str:
-    stage, tables = web_files("stage.html", "tables.html")
-    return document(title, said, found, Own(stage, tables, "", web_files(*_SCRIPTS)))
+    text = re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], web_files("frame.html")[0])
+    with writing("page", target):
+        target.write_text(text, encoding="utf-8", newline="\n")
+    return target
 
 
 def _short(value: Any) -> Any:
@@ -115,3 +117,37 @@ def _short(value: Any) -> Any:
         short = float(f"{value:.{_DIGITS}g}")
         return int(short) if abs(short) < 1e9 and short == int(short) else short
     return value
+
+
+# ----------------------------------------------------------------
+# What a page says in words, as HTML: every text is escaped.
+
+_CLASSES = {"HELD": "good", "REACHED": "good", "UNDECIDED": "doubt"}  # the rest is bad
+_HEADS = {"warning": "Warning", "advice": "Advice"}
+
+
+def _verdict(v: Verdict) -> str:
+    """The word, and its reasons."""
+    return _said(v.word, ((_HEADS.get(r.severity, ""), r.severity, f"{r.sentence}.") for r in v.reasons))
+
+
+def _outcome(loading: Loading) -> str:
+    """Whether the end is reached, and how far the object has moved; what happens on the way is beside the slider."""
+    word = "REACHED" if loading.reached else "LOST"
+    why = loading.why.removeprefix("reached ").removeprefix("lost ")
+    return _said(word, (("", "decides", f"{why}."), ("", "note", f"{motion(loading)}.")))
+
+
+def _said(word: str, lines: Iterable[tuple[str, str, str]]) -> str:
+    """A word with lines of (head, severity, sentence)."""
+    items = "".join(
+        f'<li class="{escape(severity)}">{f"<b>{head}:</b> " if head else ""}{escape(_capital(text))}</li>'
+        for head, severity, text in lines
+    )
+    return f'<p class="word {_CLASSES.get(word, "bad")}">{escape(word)}</p><ul class="reasons">{items}</ul>'
+
+
+def _capital(text: str) -> str:
+    """As a sentence begins, unless it begins with a name that is written otherwise."""
+    first = text.split(" ", 1)[0]
+    return text[:1].upper() + text[1:] if first.isalpha() else text

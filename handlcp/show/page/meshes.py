@@ -15,7 +15,7 @@ from handlcp.check import Array, Ints
 from handlcp.hand import HandState
 from handlcp.show.picture.bodies import Body, Colour, environment_bodies
 from handlcp.show.picture.content import Content
-from handlcp.show.style import INK, RED
+from handlcp.show.style import INK, RED, rgb
 
 # ----------------------------------------------------------------
 # Fewer triangles: corners that share a small cell become one.
@@ -113,7 +113,7 @@ def _links(state: HandState, bodies: Sequence[Body], tips: Sequence[Array]) -> I
     for b in bodies:
         joint, layer = joint_of.get(b.link, 0), "inside" if b.marked else "hand"
         yield Part(_taken(b.triangles, data.oMi[joint]), _marked(b), layer, joint, len(b.triangles))
-    ink = _rgb(INK)
+    ink = rgb(INK)
     for triangles in tips:
         away = np.linalg.norm(state.tip_positions - triangles.mean(axis=(0, 1)), axis=1)
         joint = int(model.frames[hand.tips.frames[int(away.argmin())]].parentJoint)
@@ -128,12 +128,7 @@ def _taken(triangles: Array, joint: Any) -> Array:
 def _marked(body: Body) -> Colour:
     if not body.marked:
         return body.colour
-    r, g, b = ((1.0 - _MARK) * np.array(body.colour) + _MARK * np.array(_rgb(RED))).tolist()
-    return (r, g, b)
-
-
-def _rgb(colour: str) -> Colour:
-    r, g, b = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    r, g, b = ((1.0 - _MARK) * np.array(body.colour) + _MARK * np.array(rgb(RED))).tolist()
     return (r, g, b)
 
 

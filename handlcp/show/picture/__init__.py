@@ -1,5 +1,5 @@
 """The picture of a grasp."""
 
-from handlcp.show.picture.figure import draw, save
+from handlcp.show.picture.figure import draw
 
-__all__ = ["draw", "save"]
+__all__ = ["draw"]

@@ -1,14 +1,20 @@
-"""The solids of a picture beside the hand: the object, the environment, rods for unknown fingers."""
+"""The solids of a picture: the hand, the object, the environment, rods for unknown fingers."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
+from handlcp.hand import HandGrasp, HandState
+from handlcp.hand.objects.shapes import closest_of
+from handlcp.hand.robot.source.description import COLLISION, VISUAL
 from handlcp.show.picture import shapes
 
 Colour = tuple[float, float, float]  # red, green, blue from 0 to 1
@@ -63,3 +69,93 @@ def environment_bodies(grasp: Grasp) -> list[Body]:
         out.append(Body(slab @ R.T + p, ENVIRONMENT))
         left = [i for i, there in zip(left, same.tolist(), strict=True) if not there]
     return out
+
+
+# ----------------------------------------------------------------
+# The hand in its posture: each link with its visual geometry, else its collision geometry, else as a stick figure;
+# and the fingertip shapes that find contacts, where they are not what is drawn.
+
+_ROD = 0.03  # radius of a stick, in sizes of the stick figure
+_APART = 0.03  # of the grasp's size: a contact farther than this from what is drawn of the hand needs its fingertip
+
+
+def hand_bodies(state: HandState) -> list[Body]:
+    """All links: visual geometry, else collision geometry, else rods from joint to joint; `Body.link` names them."""
+    found = list[Body]()
+    for kind in (VISUAL, COLLISION):
+        found += _links(state, kind, {b.link for b in found})
+    return [*found, *_sticks(state, {b.link for b in found})]
+
+
+def tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
+    """Triangles (m, 3, 3) of the convex shapes of each fingertip whose contact is not on what is drawn of the hand.
+
+    So it is where a `tip_radius` or the collision geometry differs from the visual geometry. Contacts that were given
+    and lie on neither show nothing.
+    """
+    if not isinstance(grasp, HandGrasp):
+        return []
+    state, out = grasp.state, list[Array]()
+    drawn = np.concatenate([b.triangles for b in bodies])
+    near = _APART * grasp.scene.units.length
+    for p, tip in zip(grasp.scene.positions, grasp.mechanism.tips, strict=False):
+        off = _distance(p, drawn)
+        if off <= near:
+            continue
+        try:
+            known = state.hand.tip_shapes(tip)
+        except HandLCPError:
+            continue
+        R, t = state.tip_rotations[tip], state.tip_positions[tip]
+        placed = [(shapes.of_coal(s.geometry), s) for s in known]
+        here = [(tri @ s.rotation.T + s.translation) @ R.T + t for tri, s in placed if tri is not None]
+        if here and min(_distance(p, tri) for tri in here) < 0.5 * off:
+            out += here
+    return out
+
+
+def _distance(point: Array, triangles: Array) -> float:
+    """To the nearest of triangles (m, 3, 3) [m], without those that are farther than another one surely is."""
+    middle = triangles.mean(axis=1)
+    away = np.linalg.norm(middle - point, axis=1)
+    reach = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
+    return abs(closest_of(point, triangles[away - reach <= away.min()])[0])
+
+
+def _links(state: HandState, kind: str, known: set[str]) -> Iterator[Body]:
+    """Bodies of the links of a file that are not known yet and have geometry of this kind whose meshes are found."""
+    described, kinematics = state.hand.description, state.hand.kinematics
+    try:
+        parts = () if described.root is None else described.parts(kind, described.readable(kind) - known)
+    except HandLCPError:
+        return
+    placements, _ = kinematics.frames_at(state.q, [part.frame for part in parts])
+    for part, at in zip(parts, placements, strict=True):
+        if (triangles := shapes.of_coal(part.shape)) is not None:
+            local = triangles @ part.rotation.T + part.position
+            link = kinematics.model.frames[part.frame].name
+            yield Body(local @ at[:3, :3].T + at[:3, 3], _tint(part.colour), link=link)
+
+
+def _tint(colour: Array | None) -> Colour:
+    """The file's colour, lightened so that arrows stand out."""
+    r, g, b = (0.42 + 0.55 * np.array(HAND if colour is None else colour)).tolist()
+    return (r, g, b)
+
+
+def _sticks(state: HandState, known: set[str]) -> Iterator[Body]:
+    """Rods from each joint to the next ones and to the fingertips, for links without a body; `known` have one."""
+    hand = state.hand
+    model = hand.model
+    data = model.createData()
+    pin.forwardKinematics(model, data, hand.kinematics.configuration(state.q))
+    at = [np.array(m.translation) for m in data.oMi]
+    solid = {f.parentJoint for f in model.frames if f.name in known}
+    ends = [(model.parents[i], at[model.parents[i]], at[i]) for i in range(1, model.njoints)]
+    tips = zip(hand.tips.frames, state.tip_positions, strict=True)
+    ends += [(model.frames[f].parentJoint, at[model.frames[f].parentJoint], p) for f, p in tips]
+    size = float(np.ptp(np.array([p for _, *pair in ends for p in pair]), axis=0).max()) or 1.0
+    for joint, a, b in ends:
+        if joint not in solid and np.linalg.norm(b - a) > 1e-6 * size:
+            names = [f.name for f in model.frames if f.parentJoint == joint and f.type == pin.FrameType.BODY]
+            yield Body(shapes.capsule(a, b, _ROD * size), HAND, link=names[0] if names else "")

@@ -20,6 +20,11 @@ from handlcp.show.picture.bodies import Body
 # The depth buffer behind the pictures, in one compiled loop.
 
 
+def blank(h: int, w: int) -> Array:
+    """(h, w, 3) white, in single precision: half the memory, and no difference that 256 shades could show."""
+    return np.ones((h, w, 3), dtype=np.float32)
+
+
 @at_once()  # a picture has a million pixels
 def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     """Draw triangles (m, 3, 3) with their colours rgb (m, 3) into the buffers colour (h, w, 3) and depth (h, w).
@@ -31,7 +36,7 @@ def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
 
 def touch() -> None:
     """Draw nothing, so that the kernel is compiled."""
-    fill(np.ones((1, 1, 3)), np.zeros((1, 1)), np.zeros((1, 3, 3)), np.ones((1, 3)))
+    fill(blank(1, 1), np.zeros((1, 1)), np.zeros((1, 3, 3)), np.ones((1, 3)))
 
 
 @kernel
@@ -217,7 +222,7 @@ def _visible(camera: Camera, hand: Array, glass: Array) -> float:
         page = triangles @ camera.axes.T
         page[..., :2] = (page[..., :2] - low) * scale
         depth = np.full((h, w), -np.inf)
-        fill(np.empty((h, w, 3)), depth, page, np.zeros((len(page), 3)))
+        fill(blank(h, w), depth, page, np.zeros((len(page), 3)))
         return depth
 
     near, before = depths(glass), depths(hand)

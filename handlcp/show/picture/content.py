@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,9 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, GraspSolution, Verdict
-from handlcp.show.picture.bodies import environment_bodies, object_body, stub_bodies
-from handlcp.show.picture.camera import Marks
-from handlcp.show.picture.links import hand_bodies, tip_shapes
-from handlcp.show.picture.moments import Turn
-from handlcp.show.picture.overlay import nice, rim
+from handlcp.show.picture.bodies import environment_bodies, hand_bodies, object_body, stub_bodies, tip_shapes
+from handlcp.show.picture.camera import Camera, Marks, camera_for
+from handlcp.show.picture.overlay import Turn, nice, rim
 from handlcp.show.style import BLUE, PURPLE, RED
 
 STATE = {"sticking": BLUE, "sliding": RED, "separated": "#6E6E6E"}
@@ -43,13 +42,9 @@ class Content:
     """
 
     def __init__(
-        self,
-        grasp: Grasp,
-        solution: GraspSolution,
-        obj: Any,
-        around: Grasp | None = None,
+        self, grasp: Grasp, solution: GraspSolution, obj: Any, around: Grasp | None = None,
         verdict: Verdict | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.grasp, self.solution, scene, s = grasp, solution, grasp.scene, solution
         self.size = size = scene.units.length
         self._bodies(obj, around, s.verdict if verdict is None else verdict)
@@ -109,14 +104,23 @@ class Content:
 
     def _way_out(self) -> tuple[Array, Turn | None]:
         """The arrow and the arc of the motion in which the object escapes, as it is where the load acts."""
-        if self.solution.certificate is None:
+        if self.way_out is None:
             return np.zeros(3), None
-        spin = self.solution.certificate[3:]
-        move = self.solution.certificate[:3] + np.cross(spin, self.acts_at - self.grasp.reference)
-        far, round_ = float(np.linalg.norm(move)), self.size * float(np.linalg.norm(spin))
-        least = _AIM * max(far, round_)
-        arrow = move / max(far, round_) * 1.2 * self.size if far > least else np.zeros(3)
-        return arrow, _turn(self.acts_at, spin, 0.5 * self.size, least / self.size)
+        move, spin = self.way_out
+        arrow = 1.2 * move if np.linalg.norm(move) > _AIM * self.size else np.zeros(3)
+        return arrow, _turn(self.acts_at, spin, 0.5 * self.size, _AIM)
+
+    @cached_property
+    def way_out(self) -> tuple[Array, Array] | None:
+        """Shift [m] and turn [rad] of the object as it escapes, so large that it is seen, where the load acts; None
+        where no such motion is known.
+        """
+        twist, at = self.solution.certificate, self.acts_at
+        if twist is None or not np.isfinite(twist).all() or not twist.any():
+            return None
+        move, turn = twist[:3] + np.cross(twist[3:], at - self.grasp.reference), twist[3:]
+        far = max(float(np.linalg.norm(move)), self.size * float(np.linalg.norm(turn)))
+        return move * self.size / far, turn * self.size / far
 
     def _slips(self) -> tuple[dict[int, Array], float]:
         """Slips of the object on the fingers, magnified."""
@@ -137,6 +141,11 @@ class Content:
         far = float(np.linalg.norm(after - before, axis=1).max()) / self.size
         return after.reshape(-1, 3, 3) if _SEEN[0] < far < _SEEN[1] else None
 
+    @cached_property
+    def camera(self) -> Camera:
+        """From where most can be seen."""
+        return camera_for(self.grasp, self.solids, self.glass, self.marks())
+
     @property
     def sliding(self) -> list[int]:
         """Contacts that slide, in an equilibrium."""
@@ -155,15 +164,12 @@ class Content:
     def reach(self) -> Array:
         """(k, 3) points that the picture must contain: arrows, arcs, cones, fingertips."""
         scene = self.grasp.scene
-        on_object = [self.acts_at + self.pull, self.acts_at + self.escape]
-        rims = [self.rim(i) for i in range(scene.n) if self.cone_height(i) > 0.0]
-        turns = [t.reach() for t in (self.turn, self.escape_turn, *self.turns.values()) if t is not None]
-        slips = [scene.positions[i] + slip for i, slip in self.slips.items()]
-        ghost = [] if self.ghost is None else [self.ghost.reshape(-1, 3)]
-        tips = [t.reshape(-1, 3) for t in self.tips]
-        return np.vstack(
-            [scene.positions, scene.positions + self.forces, on_object, *rims, *turns, *slips, *ghost, *tips]
-        )
+        points = [scene.positions, scene.positions + self.forces, self.acts_at + self.pull, self.acts_at + self.escape]
+        points += [self.rim(i) for i in range(scene.n) if self.cone_height(i) > 0.0]
+        points += [t.reach() for t in (self.turn, self.escape_turn, *self.turns.values()) if t is not None]
+        points += [scene.positions[i] + slip for i, slip in self.slips.items()]
+        points += [t.reshape(-1, 3) for t in ([] if self.ghost is None else [self.ghost]) + self.tips]
+        return np.vstack(points)
 
     def hidden(self, before: Array) -> Bools:
         """(n,) which contact points the viewer sees through the object, or not at all. before (n, 2) : how far before

@@ -7,6 +7,7 @@ collections by depth, and cannot draw over solids.
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -14,28 +15,31 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Bools
+from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Verdict
-from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.hand import Candidate
+from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture import labels
-from handlcp.show.picture.camera import Frame, camera_for, frame
+from handlcp.show.picture.camera import Frame, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
-from handlcp.show.picture.entries import GHOST, Unseen, contact_labels, entries, state_drawn
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import creases, paint
-from handlcp.show.picture.panel import Entry, headline, legend, torque_bars
+from handlcp.show.picture.panel import (
+    GHOST,
+    Entry,
+    Unseen,
+    contact_labels,
+    entries,
+    headline,
+    legend,
+    state_drawn,
+    torque_bars,
+)
 from handlcp.show.style import shortened
 
 WIDTH, HEIGHT, DPI = 10.0, 6.6, 160  # inches, dots an inch
 SCENE = 0.70  # of the width; the rest is the panel
 ASIDE = 0.16  # inches between two arrows that would cover each other
-
-
-def save(
-    grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None
-) -> Path:
-    """Draw and write a file; see `draw`. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(draw(grasp, solution, obj, title, verdict), file, DPI)
 
 
 def draw(
@@ -64,26 +68,30 @@ def compose(figure: Figure, shown: Content, head: float) -> None:
         torque_bars(figure, (0.725, 0.25), bottom - 0.055, check)
 
 
+def stage(
+    ax: Any, shown: Content, reach: Array, inches: tuple[float, float], margin: float, dpi: float = DPI
+) -> tuple[Overlay, Frame, Bools]:
+    """Solids and object, with the points of `reach` (k, 3) in sight; returns what draws over them, the limits on the
+    screen, and which contacts the viewer does not see. inches, margin : as in `frame`.
+    """
+    view = frame(shown.camera, shown.solids, shown.glass, reach, inches, margin)
+    before = paint(ax, shown.camera, shown.solids, shown.glass, view, dpi)
+    return Overlay(ax, shown.camera, view.inch), view, shown.hidden(before(shown.grasp.scene.positions))
+
+
 def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
     """The picture proper, below `head` (a share of the height); returns its legend."""
-    scene = shown.grasp.scene
     inches = (WIDTH * SCENE, HEIGHT * (head - 0.02))
     said = contact_labels(shown, labels.room(inches[1]))
-    camera = camera_for(shown.grasp, shown.solids, shown.glass, shown.marks())
     ax = figure.add_axes((0.005, 0.01, SCENE, head - 0.02))
     names = shortened([name for _, name, _ in said], labels.LETTERS)
     margin = min(0.30 + labels.widest(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
-    view = frame(camera, shown.solids, shown.glass, shown.reach(), inches, margin)
-    ax.axis("off")
-    hidden = shown.hidden(paint(ax, camera, shown.solids, shown.glass, view, DPI)(scene.positions))
-    over = Overlay(ax, camera, view.inch)
+    over, view, hidden = stage(ax, shown, shown.reach(), inches, margin)
     unseen = _arrows(over, shown, hidden)
-    at = camera.project(scene.positions)
+    at = shown.camera.project(shown.grasp.scene.positions)
     written = [labels.Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
     labels.place(ax, written, view)
     _scales(over, shown, view)
-    ax.set_xlim(view.box[:2])
-    ax.set_ylim(view.box[2:])
     return entries(shown, unseen, bool(hidden.any()))
 
 
@@ -133,3 +141,51 @@ def _scales(over: Overlay, shown: Content, view: Frame) -> None:
         amount = nice(0.65 * view.inch / shown.per_newton)
         start = corner + np.array([1.65 * view.inch + bar, 0.22 * view.inch])
         over.force_scale(start, amount * shown.per_newton, words.force(amount))
+
+
+# ----------------------------------------------------------------
+# Small pictures of several grasps of one hand, side by side: hand, object and forces, without numbers.
+
+COLUMNS, CELL, CAPTION, COARSE = 5, 4.0, 0.3, 60  # pictures in a row; inches of each, to its name; dots an inch
+_COLOURS = 128  # of the file: half the size, and no difference to the eye
+
+
+def contact_sheet(grasps: list[tuple[str, Candidate | None]], file: Path) -> None:
+    """Write a png with one picture for each named grasp, an empty place for None.
+
+    Raises InputError for a file that cannot be written; Unsupported without matplotlib.
+    """
+    rows = -(-len(grasps) // COLUMNS)
+    wide, high = COLUMNS * CELL, rows * CELL
+    figure = new_figure(figsize=(wide, high))
+    for k, (name, candidate) in enumerate(grasps):
+        x, y = (k % COLUMNS) * CELL, high - (k // COLUMNS + 1) * CELL
+        ax = figure.add_axes((x / wide, y / high, CELL / wide, CELL / high))
+        ax.axis("off")
+        if candidate is not None:
+            _small(ax, Content(candidate.grasp, candidate.solution, None, verdict=candidate.verdict))
+        where = (x + 0.5 * CELL) / wide, (y + CAPTION) / high
+        figure.text(*where, name if candidate else f"{name}: none found", ha="center", va="center", fontsize=22)
+    _write(figure, file)
+
+
+def _small(ax: Any, shown: Content) -> None:
+    over, _, hidden = stage(ax, shown, shown.reach(), (CELL, CELL), 0.1, COARSE)
+    if shown.load > 0:
+        over.arrow(shown.acts_at, shown.pull, LOAD, 1.6)
+    for i, (p, force) in enumerate(zip(shown.grasp.scene.positions, shown.forces, strict=True)):
+        over.arrow(p, force, shown.colours[i], 1.6)
+        over.dot(p, shown.colours[i], bool(hidden[i]))
+
+
+def _write(figure: Any, file: Path) -> None:
+    """With few colours; Pillow comes with matplotlib."""
+    from PIL import Image
+
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=COARSE, facecolor="white", format="png")
+    drawn.seek(0)
+    try:
+        Image.open(drawn).convert("RGB").quantize(_COLOURS, Image.Quantize.MAXCOVERAGE).save(file, optimize=True)
+    except OSError as error:
+        raise InputError("out", "a folder that can be written", f"{str(file)!r}: {error.strerror or error}") from None

@@ -10,11 +10,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
 
 from handlcp.check import Array, Bools
 from handlcp.show.picture.bodies import Body
-from handlcp.show.picture.camera import Camera, Frame, fill
+from handlcp.show.picture.camera import Camera, Frame, blank, fill
+from handlcp.show.style import RED, rgb
 
 LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])  # screen axes: from the upper left
 CREASE = np.cos(np.radians(28.0))  # edges of the object sharper than this are drawn
@@ -22,14 +22,19 @@ GLASS = 0.40  # opacity of the object
 CONTOUR = 0.55  # brightness of the lines around solids
 OVER = 2  # samples per pixel and direction
 TINT, STRIPED = 0.22, 0.75  # opacity of the mark on links inside the object, and of its stripes
-MARK = np.array([0xD5, 0x5E, 0x00]) / 255  # the red of `style`
+MARK = np.array(rgb(RED))
+_ON, _BACK, _ALL = slice(1, None), slice(None, -1), slice(None)
+# Samples of an image, and those beside them in each of four ways
+_BESIDE = tuple((a, b) for one, two in (((_ON, _ALL), (_BACK, _ALL)), ((_ALL, _ON), (_ALL, _BACK)))
+                for a, b in ((one, two), (two, one)))  # fmt: skip
 STRIPE = 12 * OVER  # samples from one stripe of hatching to the next
 
 
 def paint(
     ax: Any, camera: Camera, solids: Sequence[Body], glass: Body | None, frame: Frame, dpi: float
 ) -> Callable[[Array], Array]:
-    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch.
+    """Draw opaque solids and one translucent body within the frame, as an image of `dpi` dots an inch, which
+    the axes end with.
 
     Returns a function that tells of points (n, 3) how far before them the nearest solid is, and how far before them the
     near side of the translucent body [m], (n, 2); -inf where there is none.
@@ -42,13 +47,13 @@ def paint(
     def page(points: Array) -> Array:
         return np.asarray((points @ camera.axes.T - np.array([x0, y0, 0.0])) * scale)
 
-    colour, depth, near = np.ones((h, w, 3)), np.full((h, w), -np.inf), np.full((h, w), -np.inf)
+    colour, depth, near = blank(h, w), np.full((h, w), -np.inf), np.full((h, w), -np.inf)
     for body in solids:
         fill(colour, depth, page(body.triangles), _shaded(camera, body))
     _contours(colour, depth, 0.012 * (y1 - y0))
     solid = depth.copy()
     if glass is not None:
-        front = np.ones((h, w, 3))
+        front = blank(h, w)
         fill(front, near, page(glass.triangles), _shaded(camera, glass))
         seen = near > depth
         colour[seen] = (1 - GLASS) * colour[seen] + GLASS * front[seen]
@@ -61,8 +66,11 @@ def paint(
         _mark(colour, solid, (solid < near) & (solid > -back), np.concatenate(marked))
     if frame.cut:
         _fade(colour, frame)
-    small = colour.reshape(pixels[1], OVER, pixels[0], OVER, 3).mean((1, 3))
+    small = sum(colour[i::OVER, j::OVER] for i in range(OVER) for j in range(OVER)) / OVER**2
     ax.imshow(small, extent=frame.box, origin="lower", interpolation="antialiased", zorder=1, aspect="auto")
+    ax.axis("off")
+    ax.set_xlim(x0, x1)
+    ax.set_ylim(y0, y1)
 
     def before(points: Array) -> Array:
         x, y, z = page(points).T
@@ -101,10 +109,16 @@ def _normals(triangles: Array) -> Array:
 
 def _contours(colour: Array, depth: Array, step: float) -> None:
     """Darken where the depth jumps by more than `step`: the outlines of solids."""
-    cross = ndimage.generate_binary_structure(2, 1)
-    d = np.where(np.isfinite(depth), depth, -1e9)
-    line = d - ndimage.minimum_filter(d, footprint=cross, mode="wrap") > step
-    colour[ndimage.binary_dilation(line, cross, iterations=OVER - 1, mask=d > -1e9)] *= CONTOUR
+    there = np.isfinite(depth)
+    d = np.where(there, depth, -1e9)
+    lowest = d.copy()
+    for here, beside in _BESIDE:
+        np.minimum(lowest[here], d[beside], out=lowest[here])
+    line = d - lowest > step
+    wide = line.copy()
+    for here, beside in _BESIDE:
+        wide[here] |= line[beside]
+    colour[wide & there] *= CONTOUR
 
 
 def _fade(colour: Array, frame: Frame) -> None:

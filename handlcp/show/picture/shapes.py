@@ -7,11 +7,10 @@ from typing import Any
 
 import coal
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array
 from handlcp.grasp.model.contact import frame
-from handlcp.hand.objects.meshes import triangles_of
+from handlcp.hand.robot.link_surface import triangles_of
 
 _MANY = 4000  # triangles: a surface of fewer is not made coarser
 AROUND = 96  # facets around a round shape
@@ -72,15 +71,22 @@ def hull(points: Array, thickness: float) -> Array | None:
         return None
     if len(s) < 3 or s[2] < 1e-3 * s[0]:
         p = np.concatenate([p + axes[2] * thickness / 2, p - axes[2] * thickness / 2])
-    try:
-        h = ConvexHull(p)
-    except QhullError:
+    if (t := hull_of(p)) is None:
         return None
-    t = np.asarray(p[h.simplices])
     outward = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
     flip = (outward * (t.mean(1) - p.mean(0))).sum(1) < 0
     t[flip] = t[flip][:, ::-1]
     return t
+
+
+def hull_of(points: Array) -> Array | None:
+    """The convex hull of points (n, 3), its triangles turned either way; None where they span no volume."""
+    from scipy.spatial import ConvexHull, QhullError  # a quarter of a second that few pictures should pay
+
+    try:
+        return np.asarray(points[ConvexHull(points).simplices])
+    except QhullError:
+        return None
 
 
 def of_coal(geometry: Any) -> Array | None:

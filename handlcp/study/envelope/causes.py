@@ -92,9 +92,6 @@ def _joined(points: Array) -> Any:
 
 
 # ----------------------------------------------------------------
-# What gives out first in each direction, in words and as shares of all directions.
-
-# ----------------------------------------------------------------
 # What passive compliance gives away: the limits of loading beside those of friction and torques alone.
 
 
@@ -116,13 +113,12 @@ class Compliance:
         if not len(known):
             return cls(np.nan, np.nan, 0)
         kept = factors[known] / bound[known]
-        order = np.argsort(kept, kind="stable")
-        below = np.cumsum(shares[known][order])
-        middle = kept[order][np.searchsorted(below, 0.5 * below[-1])]
-        return cls(float(middle), float(kept[order[0]]), int(known[order[0]]))
+        least = int(kept.argmin())
+        return cls(median(kept, shares[known]), float(kept[least]), int(known[least]))
 
 
 # ----------------------------------------------------------------
+# What gives out first in each direction, in words and as shares of all directions.
 
 Binds = tuple[Cause, ...]
 
@@ -162,12 +158,12 @@ def causes_of(
     for k in order.tolist():
         here = own == k
         some = binds[int(np.flatnonzero(here)[0])]
-        middle = _median(factors[here], shares[here])
+        middle = median(factors[here], shares[here])
         found.append(Sector(some, said(some, spec), float(part[k]), float(factors[here].min()), middle))
     return tuple(found), rank[own]
 
 
-def _median(values: Array, shares: Array) -> float:
+def median(values: Array, shares: Array) -> float:
     """With these weights."""
     order = np.argsort(values, kind="stable")
     below = np.cumsum(shares[order])

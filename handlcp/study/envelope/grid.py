@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.hand.objects.shapes import solid_angles
 
 _GOLDEN = (1.0 + np.sqrt(5.0)) / 2.0
 
@@ -38,7 +39,7 @@ class Grid:
         if not len(self.cells):
             return np.full(m, 1.0 / max(m, 1))
         corners = self.points[self.cells]
-        size = _angles(corners) if self.cells.shape[1] == 2 else _solid_angles(corners)
+        size = _angles(corners) if self.cells.shape[1] == 2 else abs(solid_angles(corners))
         each = np.repeat(size / self.cells.shape[1], self.cells.shape[1])
         return np.asarray(np.bincount(self.cells.ravel(), each, m) / size.sum())
 
@@ -138,11 +139,3 @@ def _angles(pairs: Array) -> Array:
     """(k,) between the ends of segments (k, 2, 3)."""
     a, b = pairs[:, 0], pairs[:, 1]
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1)))
-
-
-def _solid_angles(corners: Array) -> Array:
-    """(k,) of spherical triangles (k, 3, 3): Van Oosterom and Strackee (1983)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    volume = abs(np.einsum("ki,ki->k", a, np.cross(b, c)))
-    flat = 1.0 + (a * b).sum(axis=1) + (b * c).sum(axis=1) + (c * a).sum(axis=1)
-    return np.asarray(2.0 * np.arctan2(volume, flat))

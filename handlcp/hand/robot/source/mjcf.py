@@ -20,10 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported, URDFError
-from handlcp.hand.robot.joint_limits import Doubt
+from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, couplings, efforts, placed, rotation_of
 
 _UNBOUNDED = 1e3  # [m] the range of a slide without one
@@ -98,7 +99,7 @@ class _Writer:
         for j, link in zip(moves, links, strict=False):
             at, axis, rest = model.jnt_pos[j], model.jnt_axis[j], float(model.qpos0[model.jnt_qposadr[j]])
             p, here = p + R @ (at - here), at
-            turned = R @ _about(axis, -rest) if model.jnt_type[j] == 3 else R
+            turned = R @ pin.exp3(-rest * axis) if model.jnt_type[j] == 3 else R
             start = p if model.jnt_type[j] == 3 else p - R @ (axis * rest)
             self._joint(j, above, link, turned, start)
             if link != self.bodies[b]:
@@ -148,13 +149,6 @@ class _Writer:
         add(inertial, "mass", value=float(model.body_mass[b]))
         xx, yy, zz = (float(x) for x in model.body_inertia[b])
         add(inertial, "inertia", ixx=xx, ixy=0.0, ixz=0.0, iyy=yy, iyz=0.0, izz=zz)
-
-
-def _about(axis: Array, angle: float) -> Array:
-    """Rotation by an angle [rad] about a unit axis (Rodrigues' formula)."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K)
 
 
 def _model_name(model: Any) -> str:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.hand.robot.joint_limits import Doubt
+from handlcp.hand.robot.joints import Doubt
 
 # ----------------------------------------------------------------
 # What drives the joints of an MJCF model: torque limits from its actuators, couplings from its equalities.
@@ -107,17 +107,13 @@ def add(parent: ET.Element, tag: str, **attributes: Any) -> ET.Element:
 
 def placed(element: ET.Element, R: Array, p: Array) -> None:
     """An <origin> from a rotation (3, 3) and a position (3,) [m]."""
-    add(element, "origin", xyz=p, rpy=_rpy(R))
+    add(element, "origin", xyz=p, rpy=pin.rpy.matrixToRpy(np.array(R)))
 
 
 def rotation_of(quaternion: Array) -> Array:
     """(3, 3) of a unit quaternion w, x, y, z."""
-    w, x, y, z = (float(v) for v in np.asarray(quaternion) / np.linalg.norm(quaternion))
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
+    w, x, y, z = (float(v) for v in quaternion)
+    return np.asarray(pin.Quaternion(w, x, y, z).normalized().toRotationMatrix())
 
 
 def add_shapes(link: ET.Element, model: Any, body: int) -> list[Doubt]:
@@ -187,15 +183,6 @@ def _shape(link: ET.Element, kind: str, R: Array, p: Array, colour: Array, tag: 
 def _colour(model: Any, g: int) -> Array:
     material = int(model.geom_matid[g])
     return np.asarray(model.geom_rgba[g] if material < 0 else model.mat_rgba[material], dtype=float)
-
-
-def _rpy(R: Array) -> Array:
-    """Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), exact also where the pitch is a right angle."""
-    yaw = math.atan2(R[1, 0], R[0, 0])
-    c, s = math.cos(yaw), math.sin(yaw)
-    pitch = math.atan2(-R[2, 0], c * R[0, 0] + s * R[1, 0])
-    roll = math.atan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
-    return np.array([roll, pitch, yaw])
 
 
 def _written(value: Any) -> str:

@@ -1,4 +1,7 @@
-"""What each effect costs and changes, measured on reference grasps, as a page."""
+"""The catalogue of effects: when to use each, how to ask for it, what it costs and changes, measured; and as a page.
+
+`python -m handlcp.method.catalogue` writes the page, measured here and now, on stdout.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import os
 import platform
 import posixpath
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -161,7 +165,7 @@ def _closed(name: str) -> Any:
 
 
 # ----------------------------------------------------------------
-# The page of all effects: the text of `page.md` around a table of effects, then a section on each.
+# The page of all effects: the text of `catalogue.md` around a table of effects, then a section on each.
 
 _WHERE = PurePosixPath("handlcp/grasp/effects")  # the page's folder in the repository
 
@@ -171,7 +175,7 @@ _THE_SCENE = (ObjectBalance.title, UnilateralContact.title, CoulombFriction.titl
 
 def page(costs: Mapping[str, Cost], measured: str) -> str:
     """The whole page. costs : by title. measured : when and where, such as `here_and_now`."""
-    text = resources.files(__package__).joinpath("page.md").read_text(encoding="utf-8")
+    text = resources.files("handlcp.method").joinpath("catalogue.md").read_text(encoding="utf-8")
     size = sum(costs[title].unknowns for title in _THE_SCENE)
     rows = "".join(_row(e, costs[e.title]) for e in entries())
     return text.format(rows=rows, unknowns=size, measured=measured) + "".join(map(_section, entries()))
@@ -205,3 +209,7 @@ def _section(entry: Description) -> str:
         f"\n### {entry.title}\n\n{entry.when}\n\n```\n{law}\n```\n\n{ask}- Unknowns: {entry.brings}\n"
         f"- Source: {entry.source}\n- Code: [{file.name}]({posixpath.relpath(file, _WHERE)})\n"
     )
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page(costs(), here_and_now()))

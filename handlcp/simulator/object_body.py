@@ -1,9 +1,4 @@
-"""What the object touches besides the hand, as planes.
-
-A contact of the environment is a point of a table or a wall that gives way by itself. On a body with corners or rims
-each such point becomes a small ball at the object, on slides of its own where the support gives way. A ball or an
-ellipsoid rolls: it touches a plane, or where that gives way a block on slides.
-"""
+"""The object as a free body that moves quasi-statically; and what it touches besides the hand."""
 
 from __future__ import annotations
 
@@ -18,8 +13,59 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
-from handlcp.simulator.mjcf.hand_tree import add_pad, round_shape
-from handlcp.simulator.mjcf.settings import SimulatorSettings, add, placed
+from handlcp.simulator.hand_tree import add_pad, round_shape, shape_words
+from handlcp.simulator.settings import SimulatorSettings, add, add_shape, placed
+
+OBJECT = "object"  # its body, and its shape
+LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object
+_LEAST_MASS = 1e-9  # [kg] of a body without mass, which MuJoCo does not have
+_LEAST_LENGTH = 1e-3  # [m]
+
+
+def add_object(
+    root: ET.Element, world: ET.Element, obj: Object, spec: GraspSpec, settings: SimulatorSettings
+) -> ET.Element:
+    """The object's body. In a planar scene it moves in the plane alone.
+
+    It has the mass of the settings, and its own weight: MuJoCo's gravity compensation makes up for the difference.
+    """
+    at = obj.placement
+    moving = settings.object_mass
+    body = add(world, "body", name=OBJECT, gravcomp=1.0 - obj.mass / moving, **placed(at.rotation, at.translation))
+    spread = max(float(np.linalg.norm(spec.positions - spec.reference, axis=1).max()), _LEAST_LENGTH)
+    inertia = 0.4 * spread**2  # of a ball, for each kilogram
+    _add_joints(body, at, spec, settings.object_damping, inertia * settings.object_damping)
+    centre = at.actInv(np.array(obj.center_of_mass))
+    add(body, "inertial", pos=centre, mass=moving, diaginertia=np.full(3, moving * inertia))
+    words = shape_words(root, OBJECT, obj.geometry)
+    add_shape(body, name=OBJECT, **words)
+    loaded = add(body, "body", name=LOADED, pos=at.actInv(np.array(spec.reference)), gravcomp=1.0)
+    add(loaded, "inertial", pos=np.zeros(3), mass=_LEAST_MASS, diaginertia=np.full(3, _LEAST_MASS * inertia))
+    return body
+
+
+def _add_joints(body: ET.Element, at: Any, spec: GraspSpec, damping: float, turning: float) -> None:
+    """Slides and a turn, all at the point that the motion refers to: a free joint that is damped. In a planar scene two
+    slides in the plane and a turn about its normal. Body axes.
+    """
+    centre = at.actInv(np.array(spec.reference))
+    normal = np.array([0.0, 0.0, 1.0]) if spec.plane is None else at.rotation.T @ spec.plane
+    least = np.eye(3)[int(np.argmin(abs(normal)))]
+    x = np.cross(normal, least)
+    x /= np.linalg.norm(x)
+    slides = {"x": x, "y": np.cross(normal, x)} | ({"z": normal} if spec.plane is None else {})
+    for name, axis in slides.items():
+        add(body, "joint", name=f"{OBJECT} {name}", type="slide", axis=axis, pos=centre, damping=damping)
+    kind: dict[str, Any] = {"type": "ball"} if spec.plane is None else {"type": "hinge", "axis": normal}
+    add(body, "joint", name=f"{OBJECT} turn", pos=centre, damping=turning, **kind)
+
+
+# ----------------------------------------------------------------
+# What the object touches besides the hand, as planes.
+#
+# A contact of the environment is a point of a table or a wall that gives way by itself. On a body with corners or
+# rims each such point becomes a small ball at the object, on slides of its own where the support gives way. A ball or
+# an ellipsoid rolls: it touches a plane, or where that gives way a block on slides.
 
 _FOOT = 1e-4  # [m] radius of the balls at a body's corners
 _BLOCK = 0.5  # [m] half the size of a block that gives way, far larger than what it carries
@@ -76,12 +122,11 @@ def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorS
             "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
         )
     block = add(world, "body", name=place.name, gravcomp=1.0, **placed(place.axes, place.surface))
-    mass = settings.damped(1.0 / float(place.flexibility.max()))[
-        "armature"
-    ]  # contacts are as stiff as bodies are heavy
+    # Contacts are as stiff as bodies are heavy
+    mass = settings.damped(1.0 / float(place.flexibility.max()))["armature"]
     add_pad(block, place.name, place.flexibility, settings, mass)
     words: Any = {"type": "box", "pos": (0, 0, -_BLOCK), "size": np.full(3, _BLOCK)}
-    add(block, "geom", name=place.name, contype="0", conaffinity="0", mass=0.0, **words)
+    add_shape(block, name=place.name, **words)
     return Support(place.name, place.name, "object")
 
 
@@ -92,13 +137,11 @@ def _foot(world: ET.Element, body: ET.Element, place: _Place, obj: Object, setti
     name = f"{place.name} foot"
     foot = add(body, "body", name=name, gravcomp=1.0, **placed(axes, centre))
     add_pad(foot, name, place.flexibility, settings)
-    add(foot, "geom", name=name, type="sphere", size=[_FOOT], contype="0", conaffinity="0", mass=0.0)
+    add_shape(foot, name=name, type="sphere", size=[_FOOT])
     return Support(place.name, _plane(world, place), name)
 
 
 def _plane(world: ET.Element, place: _Place) -> str:
-    add(
-        world, "geom", name=place.name, type="plane", size=(_BLOCK, _BLOCK, 0.01), contype="0", conaffinity="0",
-        **placed(place.axes, place.surface),
-    )  # fmt: skip
+    where = placed(place.axes, place.surface)
+    add_shape(world, name=place.name, type="plane", size=(_BLOCK, _BLOCK, 0.01), **where)
     return place.name

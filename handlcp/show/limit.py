@@ -1,0 +1,172 @@
+"""Load limits: tables of several, plain data, and the figure of one: forces, friction, motion, joint torques."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.errors import Unsupported
+from handlcp.grasp.cause.wording import said
+from handlcp.grasp.limits.result import LoadLimit
+from handlcp.grasp.path.events import Event, summary
+from handlcp.show import tables
+from handlcp.show.file import Figure
+from handlcp.show.loading.draw import Mark, Marks, compose
+from handlcp.show.loading.series import panels
+from handlcp.show.style import BAD, GOOD, INK, SMALL, TEXT, further, heading, opening
+from handlcp.study.plain import plain
+from handlcp.version import VERSION
+
+_SAME = 1e-6  # loads that differ by less are the same
+_AXES = ("x", "y", "z")
+
+
+def size(wrench: Array, factor: float) -> str:
+    """Of the load at a factor, such as "2.54 N"; "no limit" where it is infinite."""
+    if not np.isfinite(factor):
+        return "no limit"
+    force, torque = float(np.linalg.norm(wrench[:3])), float(np.linalg.norm(wrench[3:]))
+    parts = [words.force(factor * force)] * (force > 0.0) + [words.torque(factor * torque)] * (torque > 0.0)
+    return ", ".join(parts)
+
+
+def way(wrench: Array) -> str:
+    """Of a load, such as "+x", "force 0.6 0.5 0.62", "torque +z"."""
+    parts = []
+    for name, part in (("force", wrench[:3]), ("torque", wrench[3:])):
+        if part.any():
+            parts.append(f"{name} {_direction(part)}")
+    return " and ".join(parts)
+
+
+def _direction(vector: Array) -> str:
+    """Along an axis its name, else the numbers."""
+    found = np.flatnonzero(vector)
+    if len(found) == 1:
+        return f"{'-' if vector[found[0]] < 0 else '+'}{_AXES[found[0]]}"
+    return " ".join(f"{x:.3g}" for x in vector.tolist())
+
+
+def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
+    """A row for each load: where a finger slips first, how much is held, what gives out, how far the object has moved
+    there, where it is lost, and how much friction and torque limits alone allow.
+    """
+    table = tables.empty(title, "at most: what friction and torque limits alone would allow, whatever the springs")
+    table.add_column("load", no_wrap=True)
+    tables.numbers(table, "first slip")
+    tables.numbers(table, "held up to")
+    table.add_column("what gives out", overflow="fold")
+    tables.numbers(table, "at most")
+    for limit in limits:
+        held = limit.factor > 0.0
+        first = size(limit.wrench, limit.first_slip) if held and limit.first_slip is not None else "–"
+        row = (way(limit.wrench), first, size(limit.wrench, limit.factor), _ends(limit))
+        table.add_row(*map(Text, row), size(limit.wrench, limit.bound), style=None if held else "bold red")
+    return table
+
+
+def _ends(limit: LoadLimit) -> str:
+    """What gives out; how far the object has moved there, and where it is lost."""
+    parts = [said(limit.binds, brief=True)]
+    if (there := moved(limit)) != "–":
+        parts.append(f"moved {there}")
+    if limit.lost is not None and limit.lost > limit.factor * (1.0 + _SAME):
+        parts.append(f"lost at {size(limit.wrench, limit.lost)}")
+    return "; ".join(parts)
+
+
+def moved(limit: LoadLimit) -> str:
+    """How far the object has moved and turned at the limit, such as "4 mm, 4°"; "–" where that is not known."""
+    there = [m for m in limit.marks.values() if m.factor == limit.factor > 0.0]
+    return f"{words.length(there[0].moved)}, {words.angle(there[0].turned)}" if there else "–"
+
+
+def record(limits: Sequence[LoadLimit], title: str = "", motion: float | None = None) -> dict[str, Any]:
+    """Everything as one JSON object: SI units in the key names, null for what is not a finite number."""
+    every = [
+        limit.to_dict() | {"some_equilibrium": limit.some_equilibrium, "bound": limit.bound} for limit in limits
+    ]  # fmt: skip
+    found = {
+        "title": title, "motion_m": motion, "limits": every,
+        "versions": {"handlcp": VERSION, "python": platform.python_version(), "numpy": np.__version__},
+    }  # fmt: skip
+    return dict(plain(found))
+
+
+# ----------------------------------------------------------------
+# The axis of a load limit: the size of the load, from nothing to somewhat beyond the limit.
+
+_BEYOND = 1.06  # of the limit: where the axis ends
+
+
+class LoadAxis:
+    """Sizes of the load [N], or [N·m] of a torque alone. at (m,) : of the path's points. unit : of a factor of 1."""
+
+    def __init__(self, limit: LoadLimit) -> None:
+        force, torque = float(np.linalg.norm(limit.wrench[:3])), float(np.linalg.norm(limit.wrench[3:]))
+        self.unit, self._name = (force, "N") if force > 0.0 else (torque, "N·m")
+        self.at: Array = self.unit * limit.path.factors
+        self.lost: float | None = self.unit * limit.factor if np.isfinite(limit.factor) else None
+        self.called, self.end = "limit", _BEYOND * float(self.at[-1]) or 1.0
+
+    def text(self, factor: float) -> str:
+        """Such as "2.54 N"."""
+        return f"{self.unit * factor:.4g} {self._name}"
+
+    def ticks(self, ax: Any, named: bool) -> None:
+        """Round sizes of the load, with their names below the lowest panel."""
+        from matplotlib.ticker import MaxNLocator
+
+        ax.set_xlim(0.0, self.end)
+        ax.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
+        ax.tick_params(labelbottom=named, labelsize=SMALL)
+        if named:
+            what = "load beside the weight" if self._name == "N" else "torque beside the weight"
+            ax.set_xlabel(f"{what} [{self._name}]", fontsize=TEXT, color=INK, weight="bold", labelpad=3)
+
+
+def figure(limit: LoadLimit, title: str = "") -> Figure:
+    """The figure of what `grasp.load_limit` returns.
+
+    Along x, the load from nothing to its limit. One below the other: normal forces; friction as a share of its limit,
+    100 % where a finger slides; motion of the object since the load began, world axes; joint torques as a share of
+    their limits. Lines with a number are events, listed at the bottom. What lies behind the limit is shaded.
+    Raises Unsupported for a grasp that is lost before the load comes, and when matplotlib is not installed.
+    """
+    if not len(limit.path.factors):
+        raise Unsupported(f"there is no load to draw: {limit.why}; `grasp.follow().plot()` draws how it is lost")
+    axis, spec, path = LoadAxis(limit), limit.at_limit.spec, limit.path
+    assert spec is not None  # it was solved
+    last = float(limit.path.factors[-1]) or 1.0
+    until = max(last, limit.factor if np.isfinite(limit.factor) else last)
+    events = [Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned)
+              for e in limit.events if e.factor <= until]  # fmt: skip
+    told = summary(events, spec)
+    marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
+    shown = panels(spec, path.forces, None, path.displacement - path.displacement[0], path.torques)
+    return compose(axis, shown, marks, lambda drawn: _head(drawn, limit, title))
+
+
+def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:
+    """Title, the limit and what gives out; which load, and what friction and torque limits alone would allow."""
+    held = np.isfinite(limit.factor)
+    below = f"The load that grows: {way(limit.wrench)}."
+    if (there := moved(limit)) != "–":
+        below += f" At the limit the object has moved {there}."
+    if limit.lost is not None and limit.lost > limit.factor * (1.0 + 1e-6):
+        below += f" It is lost at {size(limit.wrench, limit.lost)}."
+    if held and np.isfinite(limit.bound) and limit.bound > limit.factor * (1.0 + 1e-6):
+        below += f" Friction and torque limits alone would allow {size(limit.wrench, limit.bound)}."
+    beyond = limit.some_equilibrium
+    if beyond > max(limit.factor, limit.lost or 0.0) * (1.0 + 1e-6) and not np.isclose(beyond, limit.bound, rtol=1e-3):
+        most = size(limit.wrench, beyond)
+        below += f" Up to {most} there are forces in balance, which a load that grows does not reach."
+    word, colour = ("LIMIT", BAD) if held else ("NO LIMIT", GOOD)
+    return further(drawn, opening(drawn, heading(drawn, title), word, colour, f"{limit.why}."), below)

@@ -1,0 +1,260 @@
+"""The moving links of a hand as MuJoCo bodies, one body a joint; their fingertips and their springs."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from typing import Any
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array
+from handlcp.errors import Unsupported
+from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.tip_geometry import TipShape
+from handlcp.simulator.settings import SimulatorSettings, add, add_shape, placed, text
+
+_LEAST_MASS = 1e-6  # [kg] of a link without <inertial>
+_LEAST_INERTIA = 1e-9  # [kg·m²]
+_ARMATURE = 1e-5  # [kg·m²] of every joint: links without inertia would move without limit
+
+
+def add_hand(world: ET.Element, hand: HandModel, weighs: bool) -> dict[int, ET.Element]:
+    """Bodies of all links that move, by the number of their joint in Pinocchio's model; 0 is the world.
+
+    weighs : whether gravity acts on them.
+    """
+    model = hand.kinematics.model
+    bodies = {0: world}
+    for i in range(1, model.njoints):
+        at = model.jointPlacements[i]
+        weight = {} if weighs else {"gravcomp": 1.0}
+        body = add(
+            bodies[model.parents[i]], "body", name=model.names[i], **placed(at.rotation, at.translation), **weight
+        )
+        _add_inertia(body, model.inertias[i])
+        bodies[i] = body
+        kind, axis = axis_of(model, i)
+        if kind:
+            add(body, "joint", name=model.names[i], type=kind, axis=axis, armature=_ARMATURE)
+    return bodies
+
+
+def full_names(hand: HandModel) -> tuple[str, ...]:
+    """Names of all movable joints, mimic joints included, in the order of rows of the coupling."""
+    model = hand.kinematics.model
+    moving = [(joint.idx_v, model.names[i]) for i, joint in enumerate(model.joints) if i and joint.nv]
+    return tuple([name for _, name in sorted(moving)])
+
+
+def axis_of(model: Any, i: int) -> tuple[str, Array]:
+    """MuJoCo's word for joint i, and its axis (3,) in its own frame; no word for one that does not move."""
+    joint = model.joints[i]
+    if not joint.nv:
+        return "", np.zeros(3)
+    data = model.createData()
+    column = pin.computeJointJacobian(model, data, pin.neutral(model), i)[:, joint.idx_v]  # in the joint's own frame
+    return ("slide", column[:3]) if np.linalg.norm(column[3:]) < 0.5 else ("hinge", column[3:])
+
+
+def _add_inertia(body: ET.Element, inertia: Any) -> None:
+    mass, I = max(float(inertia.mass), _LEAST_MASS), np.array(inertia.inertia)  # noqa: E741
+    least = max(float(np.linalg.eigvalsh(I)[0]), 0.0)
+    if least < _LEAST_INERTIA:
+        I = I + _LEAST_INERTIA * np.eye(3)  # noqa: E741
+    full = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+    add(body, "inertial", pos=np.array(inertia.lever), mass=mass, fullinertia=full)
+
+
+# ----------------------------------------------------------------
+# Fingertips: one shape each, on a pad of up to three sprung slides along the axes in which the pad gives way.
+#
+# A pad's flexibility is a matrix in the axes of the tip frame; its eigenvectors are the slides, and a direction in
+# which it is rigid has none.
+
+_MASS, _INERTIA = 1e-4, 1e-8  # [kg, kg·m²] of a pad's body, without weight
+_NONE = 1e-12  # of the largest flexibility, or stiffness: less is rounding, and rigid, or no spring
+
+
+def add_tip(
+    root: ET.Element, body: ET.Element, hand: HandModel, tip: int, settings: SimulatorSettings
+) -> tuple[str, TipShape]:
+    """The fingertip numbered `tip` below the body of its link: the name of its shape, and the shape.
+
+    Raises Unsupported for a fingertip of several shapes.
+    """
+    name, frame = hand.fingertips[tip], hand.kinematics.model.frames[hand.tips.frames[tip]]
+    shapes = hand.tip_shapes(tip)
+    if len(shapes) != 1:
+        raise Unsupported(f"fingertip {name!r} has {len(shapes)} shapes: give it one, such as a tip_radius")
+    at = frame.placement
+    below = add(body, "body", name=f"{name} pad", gravcomp=1.0, **placed(at.rotation, at.translation))
+    add_pad(below, f"{name} pad", hand.pads.blocks[tip], settings)
+    shape = shapes[0]
+    words = placed(shape.rotation, shape.translation) | shape_words(root, name, shape.geometry)
+    add_shape(below, name=name, **words)
+    return name, shape
+
+
+def add_pad(body: ET.Element, name: str, flexibility: Array, settings: SimulatorSettings, mass: float = _MASS) -> None:
+    """Slides of a body, with springs that make a flexibility (3, 3) [m/N] in its axes. mass : [kg] of the body, without
+    weight.
+    """
+    values, vectors = np.linalg.eigh(flexibility)
+    if not (abs(flexibility - flexibility[0, 0] * np.eye(3)) > _NONE * abs(flexibility).max()).any():
+        vectors = np.eye(3)
+    soft = np.flatnonzero(values > _NONE * abs(values).max())
+    for count, i in enumerate(soft, 1):
+        k = 1 / values[i]
+        add(body, "joint", name=f"{name} {count}", type="slide", axis=vectors[:, i], stiffness=k, **settings.damped(k))
+    add(body, "inertial", pos=np.zeros(3), mass=mass, diaginertia=np.full(3, _INERTIA))
+
+
+def shape_words(root: ET.Element, name: str, geometry: Any) -> dict[str, Any]:
+    """Attributes of a geom with coal's shape; a hull becomes a mesh in the assets. Raises Unsupported."""
+    match geometry:
+        case coal.Sphere():
+            return {"type": "sphere", "size": [geometry.radius]}
+        case coal.Box():
+            return {"type": "box", "size": np.array(geometry.halfSide)}
+        case coal.Capsule():
+            return {"type": "capsule", "size": [geometry.radius, geometry.halfLength]}
+        case coal.Cylinder():
+            return {"type": "cylinder", "size": [geometry.radius, geometry.halfLength]}
+        case coal.Ellipsoid():
+            return {"type": "ellipsoid", "size": np.array(geometry.radii)}
+        case coal.ConvexBase():
+            assets = root.find("asset")
+            add(
+                add(root, "asset") if assets is None else assets,
+                "mesh",
+                name=name,
+                vertex=np.array(geometry.points(), dtype=float),
+            )
+            return {"type": "mesh", "mesh": name}
+    raise Unsupported(f"the shape {type(geometry).__name__} of {name!r} cannot be written")
+
+
+def round_shape(geometry: Any) -> bool:
+    """Whether the shape touches any convex shape in one point."""
+    return isinstance(geometry, coal.Sphere | coal.Ellipsoid)
+
+
+# ----------------------------------------------------------------
+# Joint springs as position actuators: force = stiffness · (command - position), the command is data of the
+# simulation.
+#
+# A diagonal stiffness is an actuator at each joint. Any other symmetric matrix is a sum of springs K = Σ k_i a_i
+# a_iᵀ, each along a fixed tendon with the moment arms a_i: those of the hand's tendons, or else K's eigenvectors.
+# Rigid joints and joints that mimic others are equations.
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """m springs over nv joints: names (m,), arms (m, nv), stiffness (m,) [N·m/rad, N/m]; rigid : numbers of the joints
+    that give way to nothing. K = armsᵀ diag(stiffness) arms.
+    """
+
+    names: tuple[str, ...]
+    arms: Array
+    stiffness: Array
+    rigid: tuple[int, ...]
+
+
+def add_springs(root: ET.Element, hand: HandModel, at: Array, limited: bool, settings: SimulatorSettings) -> Springs:
+    """Springs, rigid joints and mimic joints of a hand.
+
+    at : (nv,) where rigid joints stand. limited : whether actuators push no harder than the torque limits.
+    Raises Unsupported for a compliance that is no stiffness, and for limits beside coupled springs.
+    """
+    springs = _springs(hand)
+    coupled = len(springs.names) and not _single(springs.arms)
+    limits = hand.torque_limits
+    if limited and coupled and np.isfinite(limits).any():
+        raise Unsupported(
+            "torque limits of joints that share springs cannot be written: MuJoCo limits a spring's force"
+        )
+    actuators = add(root, "actuator")
+    tendons = add(root, "tendon") if coupled else None
+    for name, arms, k in zip(springs.names, springs.arms, springs.stiffness, strict=True):
+        words: dict[str, object] = {"name": name, "kp": k}
+        if tendons is not None:
+            tendon = add(tendons, "fixed", name=name)
+            for joint in np.flatnonzero(arms):
+                add(tendon, "joint", joint=hand.joint_names[joint], coef=arms[joint])
+            words["tendon"] = name
+        else:
+            j = int(np.flatnonzero(arms)[0])
+            words["joint"] = hand.joint_names[j]
+            if limited and np.isfinite(limits[j]):
+                words["forcerange"] = (-limits[j], limits[j])
+        add(actuators, "position", **words)
+    _damp(root, springs, hand, settings)
+    _add_equations(root, hand, springs, at)
+    return springs
+
+
+def _springs(hand: HandModel) -> Springs:
+    K, names = hand.stiffness.matrix, hand.joint_names
+    rigid = np.isinf(np.diagonal(K))
+    free = np.flatnonzero(~rigid)
+    K = np.where(np.outer(rigid, rigid) | np.isinf(K), 0.0, K)
+    off = K - np.diag(np.diagonal(K))
+    if not off.any():
+        found = [(names[j], np.eye(len(names))[j], K[j, j]) for j in free]
+    elif isinstance(hand.stiffness, TendonStiffness):
+        given = hand.stiffness
+        arms = given.arms * ~rigid
+        passive = K - arms.T @ given.springs @ arms
+        found = [*_modes(given.springs, arms, given.names), *_modes(passive, np.eye(len(names)), names)]
+    else:
+        found = _modes(K, np.eye(len(names)), names)
+    used = [spring for spring in found if spring[2] > _NONE * abs(K).max(initial=0.0) and np.any(spring[1])]
+    return Springs(
+        tuple([name for name, _, _ in used]), np.array([a for _, a, _ in used]).reshape(-1, len(names)),
+        np.array([k for _, _, k in used]), tuple(np.flatnonzero(rigid).tolist()),
+    )  # fmt: skip
+
+
+def _modes(K: Array, arms: Array, names: tuple[str, ...]) -> list[tuple[str, Array, float]]:
+    """Springs that make armsᵀ K arms: one for each row of a diagonal K, else one for each eigenvector."""
+    off = K - np.diag(np.diagonal(K))
+    if not (abs(off) > _NONE * abs(K).max(initial=0.0)).any():
+        return [(name, a, float(k)) for name, a, k in zip(names, arms, np.diagonal(K), strict=True)]
+    values, vectors = np.linalg.eigh(K)
+    return [(f"spring {i + 1}", v @ arms, float(k)) for i, (k, v) in enumerate(zip(values, vectors.T, strict=True))]
+
+
+def _single(arms: Array) -> bool:
+    """Whether each spring is that of one joint."""
+    return bool(((arms == 1.0).sum(axis=1) == 1).all() and (np.count_nonzero(arms, axis=1) == 1).all())
+
+
+def _damp(root: ET.Element, springs: Springs, hand: HandModel, settings: SimulatorSettings) -> None:
+    """Each joint as its own spring would need it, coupled or not."""
+    own = dict(
+        zip(hand.joint_names, np.einsum("ij,i,ij->j", springs.arms, springs.stiffness, springs.arms), strict=True)
+    )
+    for joint in root.iter("joint"):
+        if (k := own.get(joint.get("name", ""), 0.0)) > 0.0 and joint.get("type") in ("hinge", "slide"):
+            joint.attrib.update({word: text(value) for word, value in settings.damped(float(k)).items()})
+
+
+def _add_equations(root: ET.Element, hand: HandModel, springs: Springs, at: Array) -> None:
+    """Rigid joints stand; a joint that mimics another is at offset + factor times where that one is."""
+    coupling = hand.kinematics.coupling
+    if not springs.rigid and coupling is None:
+        return
+    equations = add(root, "equality")
+    for j in springs.rigid:
+        add(equations, "joint", name=hand.joint_names[j], joint1=hand.joint_names[j], polycoef=(at[j], 0, 0, 0, 0))
+    if coupling is None:
+        return
+    for name, row, offset in zip(full_names(hand), coupling, hand.kinematics.offset, strict=True):
+        if name not in hand.joint_names:
+            j = int(np.argmax(abs(row)))
+            polynomial = (offset, row[j], 0.0, 0.0, 0.0)
+            add(equations, "joint", name=name, joint1=name, joint2=hand.joint_names[j], polycoef=polynomial)
