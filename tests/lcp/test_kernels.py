@@ -64,7 +64,7 @@ def test_every_public_name_is_found_and_listed():
 # ---------------------------------------------------------------- when
 def test_a_kernel_runs_as_python_until_compiling_pays(tmp_path):
     kernel = k.anew(k.small())
-    with k.cached_in(tmp_path), k.automatic():
+    with k.cached_in(tmp_path), k.automatic(), k.alone():
         run_small(kernel)
         run_small(kernel)
         assert not k.is_compiled(kernel)

@@ -9,7 +9,7 @@ import numba
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
-from handlcp.lcp.compiler import link, when
+from handlcp.lcp.compiler import beside, folders, link, when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.when import waiting
 
@@ -43,20 +43,43 @@ def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     """What is to run for these arguments: compiled code, or the kernel as Python."""
     types = tuple([jit.typeof_pyval(a) for a in args])
     jit._types_active_call.clear()
-    if types not in jit.overloads and not _is_kept(kernel, jit, types):
-        if not (when.compiling_at_once() or kernel.pays()):
+    if types not in jit.overloads:
+        if types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
             return kernel.interpret
-        with waiting(kernel.compiling_takes):
-            jit.compile(types)
+        if not (_is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
+            kernel.wait(again=not jit.overloads)
+            return kernel.interpret
     kernel.begin_anew()
     return type(jit)._compile_for_args(jit, *args)
 
 
 def _is_kept(kernel: Any, jit: Any, types: Any) -> bool:
-    """Whether compiled code for these types is there to load; asked once."""
-    if types in kernel.missing:
+    """Whether compiled code for these types is there to load; a file that could not be loaded is not read again."""
+    file = folders.stamp(jit._cache.file(types, jit.targetctx.codegen()))
+    if kernel.missing.get(types) == file:
         return False
     if jit._cache.has(types, jit.targetctx):
         return True
-    kernel.missing.add(types)
+    kernel.missing[types] = file
     return False
+
+
+def _is_compiled(kernel: Any, jit: Any, types: Any) -> bool:
+    """Compile it where this call is to wait for that; else another process may be asked to. Returns whether it is."""
+    if not when.compiling_at_once():
+        if not (when.compiling_soon() or kernel.pays()):
+            return False
+        if beside.possible() and jit._cache.inside and not kernel.missing[types]:  # else what is there does not fit
+            beside.ask(kernel.function, types)
+            kernel.asked = True
+            return False
+    with waiting(kernel.compiling_takes):
+        jit.compile(types)
+    return True
+
+
+def kept_now(kernel: Any, types: Any) -> bool:
+    """Compile a kernel, unless there is code for it. Returns whether there is now, for other processes, too."""
+    jit = dispatcher(kernel)
+    jit.compile(types)
+    return bool(folders.stamp(jit._cache.file(types, jit.targetctx.codegen())))
