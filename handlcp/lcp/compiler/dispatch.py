@@ -6,6 +6,7 @@ import threading
 from typing import Any
 
 import numba
+from numba.core import types as t
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
@@ -30,6 +31,7 @@ def dispatcher(kernel: Any) -> Any:
             jit = numba.njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(kernel.function)
             jit._cache = KernelCache(kernel.function)
             jit._compile_for_args = lambda *args: _decide(kernel, jit, args)  # numba's C code calls what it returns
+            jit.get_call_template = lambda args, kws: type(jit).get_call_template(jit, _general(args), kws)
             kernel.jit = kernel.run = jit
         return kernel.jit
 
@@ -41,8 +43,9 @@ def _typeof(kernel: Any, _: Any) -> Any:
 
 def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     """What is to run for these arguments: compiled code, or the kernel as Python."""
-    types = tuple([jit.typeof_pyval(a) for a in args])
+    given = tuple([jit.typeof_pyval(a) for a in args])
     jit._types_active_call.clear()
+    types = tuple([_writable(one) for one in given])
     if types not in jit.overloads:
         if types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
             return kernel.interpret
@@ -50,7 +53,32 @@ def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
             kernel.wait(again=not jit.overloads)
             return kernel.interpret
     kernel.begin_anew()
-    return type(jit)._compile_for_args(jit, *args)
+    code = jit.compile(types)
+    if given != types:  # the next call with such arguments finds it without asking here
+        jit._insert([one._code for one in given], code, False)
+    return code
+
+
+# ---- One set of types for a kernel where numba would make several: for constants, and for arrays that are read-only. A
+# kernel that writes into one of these is found where it runs as Python.
+
+
+def _general(args: Any) -> Any:
+    """Types of arguments in a call from another kernel, as the kernel is compiled for."""
+    return tuple([_writable(one) if isinstance(one, t.Array) else t.unliteral(one) for one in args])
+
+
+def _writable(one: Any) -> Any:
+    """A type of argument with arrays that may be written to."""
+    if isinstance(one, t.Array):
+        return one if one.mutable else one.copy(readonly=False)
+    if isinstance(one, t.BaseTuple) and len(one):
+        parts = tuple([_writable(part) for part in one.types])
+        return one if parts == one.types else t.BaseTuple.from_types(parts, getattr(one, "instance_class", None))
+    return one
+
+
+# ----------------------------------------------------------------
 
 
 def _is_kept(kernel: Any, jit: Any, types: Any) -> bool:
