@@ -6,7 +6,6 @@ import threading
 from typing import Any
 
 import numba
-from numba.core import types as t
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
@@ -14,6 +13,7 @@ from handlcp.lcp.compiler import beside, folders, link, when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.when import waiting
 
+t: Any = numba.types
 link.use(cpu_target.target_context.codegen())
 
 _lock = threading.RLock()
@@ -30,10 +30,16 @@ def dispatcher(kernel: Any) -> Any:
             typeof_impl.register(type(kernel))(_typeof)
             jit = numba.njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(kernel.function)
             jit._cache = KernelCache(kernel.function)
+            jit.compile = lambda types: _compiled(jit, types)
             jit._compile_for_args = lambda *args: _decide(kernel, jit, args)  # numba's C code calls what it returns
             jit.get_call_template = lambda args, kws: type(jit).get_call_template(jit, _general(args), kws)
             kernel.jit = kernel.run = jit
         return kernel.jit
+
+
+def _compiled(jit: Any, types: Any) -> Any:
+    with link.short_messages():
+        return type(jit).compile(jit, types)
 
 
 def _typeof(kernel: Any, _: Any) -> Any:
