@@ -64,7 +64,7 @@ def test_every_public_name_is_found_and_listed():
 # ---------------------------------------------------------------- when
 def test_a_kernel_runs_as_python_until_compiling_pays(tmp_path):
     kernel = k.anew(k.small())
-    with k.cached_in(tmp_path), k.automatic():
+    with k.cached_in(tmp_path), k.automatic(), k.alone():
         run_small(kernel)
         run_small(kernel)
         assert not k.is_compiled(kernel)
@@ -84,6 +84,43 @@ def test_arguments_of_other_types_run_as_python_again(tmp_path):
         kernel(np.eye(3), np.ones(3), np.ones(3), out)
         np.testing.assert_array_equal(out, 2.0)
         assert len(kernel.jit.signatures) == 1
+
+
+def test_read_only_arrays_and_constants_need_no_code_of_their_own(tmp_path):
+    constant = np.eye(3)
+    constant.flags.writeable = False
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        for M in (constant, np.eye(3)):
+            kernel, out = k.anew(k.small()), np.zeros(3)
+            for _ in range(2):
+                kernel(M, np.arange(3.0), np.ones(3), out)
+                np.testing.assert_array_equal(out, [1.0, 2.0, 3.0])
+            assert len(kernel.jit.signatures) == 1
+        assert k.loaded(kernel) == 1, "what was compiled for the first is loaded for the second"
+        assert called_with_constants(k.decorated) == (7.0, 1)
+
+
+def called_with_constants(decorated):
+    """(what a kernel returns, for how many sets of types it was compiled) that another calls in two ways."""
+
+    @decorated
+    def scaled(x, by):
+        return x * by
+
+    @decorated
+    def both(x, by):
+        return scaled(x, 2) + scaled(x, 3) + scaled(x, by)
+
+    return both(1.0, 2), len(scaled.jit.signatures)
+
+
+def test_a_slice_of_another_shape_is_an_error(tmp_path):
+    @k.decorated
+    def put(out, x):
+        out[:2] = x
+
+    with k.cached_in(tmp_path), k.automatic(), k.at_once(), pytest.raises(ValueError, match="another shape"):
+        put(np.zeros(3), np.ones(3))
 
 
 def test_at_once_compiles_at_the_first_call_where_there_are_many(tmp_path):

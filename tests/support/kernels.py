@@ -13,21 +13,22 @@ from typing import Any
 from unittest.mock import patch
 
 import handlcp
-from handlcp.lcp.compiler import folders, when
+from handlcp.lcp.compiler import beside, folders, when
 from handlcp.lcp.compiler.kernel import Kernel
-from handlcp.lcp.compiler.when import MANY, at_once
+from handlcp.lcp.compiler.when import MANY, at_once, soon
 from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 from handlcp.method.everything import JOBS
 
 __all__ = [
-    "JOBS", "MANY", "anew", "at_once", "automatic", "cached_in", "compiled", "constants", "decorated",
-    "folder_of_cache", "impatient", "interpreted", "is_compiled", "kernels", "known_files", "large", "loaded", "mode",
-    "put", "roots", "said_afresh", "small", "waiting",
+    "JOBS", "MANY", "alone", "anew", "at_once", "automatic", "beside", "cached_in", "compiled", "compiler_beside",
+    "constants", "decorated", "folder_of_cache", "impatient", "interpreted", "is_compiled", "is_locked", "kernels",
+    "known_files", "large", "loaded", "mode", "put", "roots", "said_afresh", "small", "soon", "waiting",
 ]  # fmt: skip
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent
 roots, put, waiting, decorated = folders._roots, folders.put, when.waiting, _door.kernel
+_allowed = beside._allowed.__wrapped__
 
 
 def kernels() -> Iterator[tuple[ModuleType, str, Kernel]]:
@@ -93,6 +94,36 @@ def impatient(least: float = 0.0, instruction: float = 0.0) -> Iterator[None]:
     """Compiling pays after so many seconds."""
     with patch.object(when, "LEAST", least), patch.object(when, "_INSTRUCTION", instruction):
         yield
+
+
+@contextmanager
+def compiler_beside(cores: int = 2) -> Iterator[Any]:
+    """A compiler beside this process, as in a new one on so many cores; it has ended after the block. Kernels look for
+    what it compiles at every call.
+    """
+    one = beside._Compiler()
+    with (
+        patch.object(beside, "_COMPILER", one),
+        patch.object(beside, "_allowed", _allowed),
+        patch.object(beside, "_cores", lambda: cores),
+        patch.object(when, "next_look", lambda spent: spent),
+    ):
+        try:
+            yield one
+        finally:
+            one.end()
+
+
+@contextmanager
+def alone() -> Iterator[None]:
+    """No other process compiles."""
+    with patch.object(beside, "_allowed", lambda: False):
+        yield
+
+
+def is_locked() -> bool:
+    """Whether some process compiles into the cache now."""
+    return beside._is_locked()
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledKind, compiled_
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
 from handlcp.grasp.solve.scene_row import write_rows
 from handlcp.lcp import Status, as_chain
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.when import soon
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import CERTIFY
 
@@ -118,7 +118,7 @@ def parcel_of(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> P
     return Parcel(pattern, width, seed, numbers[0].copy(), varying, numbers[:, varying])
 
 
-@at_once()
+@soon()
 def solve_parcel(parcel: Parcel) -> Array:
     """The answers to the scenes of a parcel, wherever it was opened."""
     numbers = np.tile(parcel.common, (len(parcel.values), 1))

@@ -31,7 +31,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import solve_built
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.when import soon
 from handlcp.lcp.solve import AnySolver
 
 # ----------------------------------------------------------------
@@ -110,7 +110,7 @@ def left_of(batch: Batch, at: Sequence[int], rows: dict[int, Array]) -> Left:
     return Left(specs, sections, tuple([rows.pop(k, None) for k in at]), batch.solver, batch.proof)
 
 
-@at_once()
+@soon()
 def solve_left(left: Left) -> list[GraspSolution]:
     """The solutions, without their scenes, wherever the grasps were sent."""
     every = zip(left.specs, left.sections, left.rows, strict=True)

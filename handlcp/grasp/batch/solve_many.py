@@ -16,7 +16,7 @@ from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
 from handlcp.lcp import Auto, ContactSolver, Solver
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.when import soon
 
 # ----------------------------------------------------------------
 # How far a batch has come: told to a function, or drawn as a bar.
@@ -89,7 +89,7 @@ def solve_many(
     count = (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
     answers: list[Answers] = []
     singles: dict[int, GraspSolution] = {}
-    with told(progress, len(batch)) as say, at_once(len(batch)):
+    with told(progress, len(batch)) as say, soon(len(batch)):
         for found in on_cores(batch, count) if executor is None else on_executor(batch, executor):
             if isinstance(found, Single):
                 singles[found.at] = found.solution

@@ -24,12 +24,12 @@ from handlcp.lcp.compiler.when import hint
 class KernelCache:
     """The cache of one kernel, with the methods that numba's dispatcher calls.
 
-    name : of the kernel, dotted. Of kernels outside the package nothing is kept: what they call is not known.
+    name : of the kernel, dotted. inside : the package; of others nothing is kept: what they call is not known.
     """
 
     def __init__(self, function: Any) -> None:
         self.name, self._code = f"{function.__module__}.{function.__qualname__}", function.__code__.co_code
-        self._inside = function.__module__.startswith("handlcp.") and "<" not in function.__qualname__
+        self.inside = function.__module__.startswith("handlcp.") and "<" not in function.__qualname__
         self._ready: dict[Any, Any] = {}
 
     @property
@@ -48,10 +48,10 @@ class KernelCache:
         """The compiled function, or None."""
         if (found := self._ready.pop(types, None)) is not None:
             return found
-        if not self._inside:
+        if not self.inside:
             return None
         try:
-            if (data := folders.read(self._file(types, target.codegen()))) is None:
+            if (data := folders.read(self.file(types, target.codegen()))) is None:
                 return None
             target.refresh()
             large, needs, reduced = pickle.loads(data)
@@ -67,13 +67,13 @@ class KernelCache:
 
     def save_overload(self, types: Any, found: Any) -> None:
         """Keep a compiled function; say once where that fails."""
-        if not self._inside or found.library.has_dynamic_globals or any(not x.can_cache for x in found.lifted):
+        if not self.inside or found.library.has_dynamic_globals or any(not x.can_cache for x in found.lifted):
             return
         large, needs = link.is_large(found), tuple(getattr(found.library, "needs", {}).values())
         if large:
             link.keep_apart(found, self.name, types)
         try:
-            why = folders.put(self._file(types, found.codegen), dumps((large, needs, found._reduce())))
+            why = folders.put(self.file(types, found.codegen), dumps((large, needs, found._reduce())))
         except Exception as error:
             why = f"{type(error).__name__}: {error}"
         if why is not None:
@@ -88,8 +88,8 @@ class KernelCache:
     def flush(self) -> None:
         """Nothing: files of an earlier source are never read."""
 
-    def _file(self, types: Any, codegen: Any) -> str:
-        """Its name says all that the code depends on: types, processor, versions, and the function itself."""
+    def file(self, types: Any, codegen: Any) -> str:
+        """The name of a file: all that the code depends on, as types, processor, versions, and the function itself."""
         versions = numba.__version__, llvmlite.__version__, np.__version__
         said = repr((types, codegen.magic_tuple(), versions, self._code))
         return f"{self.name}-{hashlib.sha256(said.encode()).hexdigest()[:24]}.nbc"

@@ -9,10 +9,11 @@ import numba
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
-from handlcp.lcp.compiler import link, when
+from handlcp.lcp.compiler import beside, folders, link, when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.when import waiting
 
+t: Any = numba.types
 link.use(cpu_target.target_context.codegen())
 
 _lock = threading.RLock()
@@ -29,9 +30,16 @@ def dispatcher(kernel: Any) -> Any:
             typeof_impl.register(type(kernel))(_typeof)
             jit = numba.njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(kernel.function)
             jit._cache = KernelCache(kernel.function)
+            jit.compile = lambda types: _compiled(jit, types)
             jit._compile_for_args = lambda *args: _decide(kernel, jit, args)  # numba's C code calls what it returns
+            jit.get_call_template = lambda args, kws: type(jit).get_call_template(jit, _general(args), kws)
             kernel.jit = kernel.run = jit
         return kernel.jit
+
+
+def _compiled(jit: Any, types: Any) -> Any:
+    with link.short_messages():
+        return type(jit).compile(jit, types)
 
 
 def _typeof(kernel: Any, _: Any) -> Any:
@@ -41,22 +49,71 @@ def _typeof(kernel: Any, _: Any) -> Any:
 
 def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     """What is to run for these arguments: compiled code, or the kernel as Python."""
-    types = tuple([jit.typeof_pyval(a) for a in args])
+    given = tuple([jit.typeof_pyval(a) for a in args])
     jit._types_active_call.clear()
-    if types not in jit.overloads and not _is_kept(kernel, jit, types):
-        if not (when.compiling_at_once() or kernel.pays()):
+    types = tuple([_writable(one) for one in given])
+    if types not in jit.overloads:
+        if types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
             return kernel.interpret
-        with waiting(kernel.compiling_takes):
-            jit.compile(types)
+        if not (_is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
+            kernel.wait(again=not jit.overloads)
+            return kernel.interpret
     kernel.begin_anew()
-    return type(jit)._compile_for_args(jit, *args)
+    code = jit.compile(types)
+    if given != types:  # the next call with such arguments finds it without asking here
+        jit._insert([one._code for one in given], code, False)
+    return code
+
+
+# ---- One set of types for a kernel where numba would make several: for constants, and for arrays that are read-only. A
+# kernel that writes into one of these is found where it runs as Python.
+
+
+def _general(args: Any) -> Any:
+    """Types of arguments in a call from another kernel, as the kernel is compiled for."""
+    return tuple([_writable(one) if isinstance(one, t.Array) else t.unliteral(one) for one in args])
+
+
+def _writable(one: Any) -> Any:
+    """A type of argument with arrays that may be written to."""
+    if isinstance(one, t.Array):
+        return one if one.mutable else one.copy(readonly=False)
+    if isinstance(one, t.BaseTuple) and len(one):
+        parts = tuple([_writable(part) for part in one.types])
+        return one if parts == one.types else t.BaseTuple.from_types(parts, getattr(one, "instance_class", None))
+    return one
+
+
+# ----------------------------------------------------------------
 
 
 def _is_kept(kernel: Any, jit: Any, types: Any) -> bool:
-    """Whether compiled code for these types is there to load; asked once."""
-    if types in kernel.missing:
+    """Whether compiled code for these types is there to load; a file that could not be loaded is not read again."""
+    file = folders.stamp(jit._cache.file(types, jit.targetctx.codegen()))
+    if kernel.missing.get(types) == file:
         return False
     if jit._cache.has(types, jit.targetctx):
         return True
-    kernel.missing.add(types)
+    kernel.missing[types] = file
     return False
+
+
+def _is_compiled(kernel: Any, jit: Any, types: Any) -> bool:
+    """Compile it where this call is to wait for that; else another process may be asked to. Returns whether it is."""
+    if not when.compiling_at_once():
+        if not (when.compiling_soon() or kernel.pays()):
+            return False
+        if beside.possible() and jit._cache.inside and not kernel.missing[types]:  # else what is there does not fit
+            beside.ask(kernel.function, types)
+            kernel.asked = True
+            return False
+    with waiting(kernel.compiling_takes):
+        jit.compile(types)
+    return True
+
+
+def kept_now(kernel: Any, types: Any) -> bool:
+    """Compile a kernel, unless there is code for it. Returns whether there is now, for other processes, too."""
+    jit = dispatcher(kernel)
+    jit.compile(types)
+    return bool(folders.stamp(jit._cache.file(types, jit.targetctx.codegen())))

@@ -8,6 +8,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 from functools import cache
 from pathlib import Path
 
@@ -16,6 +17,7 @@ _CONSTANTS = ("tolerances.py",)  # files without a kernel whose numbers kernels 
 _PROBE = "probe"  # a file that is written to see whether one can be
 _OLD = 3  # folders of earlier sources that are left when a new one is made
 
+writing = threading.Lock()  # held while a file is written: whoever ends the process waits for it
 _unwritable: dict[Path, str] = {}  # folder → why nothing could be written there
 
 
@@ -88,6 +90,14 @@ def is_kept(name: str) -> bool:
     return False
 
 
+def stamp(name: str) -> int:
+    """A number that changes when the file of this name is written anew; 0 where there is none."""
+    for folder in _trusted():
+        with contextlib.suppress(OSError):
+            return (folder / name).stat().st_mtime_ns
+    return 0
+
+
 def kept() -> tuple[int, Path | None]:
     """How many kernels have compiled code in the first folder that has any, and that folder; (0, None): none has."""
     for folder in _trusted():
@@ -117,7 +127,8 @@ def put(name: str, data: bytes) -> str | None:
             _unwritable[folder] = f"{folder}: others can write there, and what lies there is run"
         if folder not in _unwritable:
             try:
-                _write(folder, name, hashlib.sha256(data).digest() + data)
+                with writing:
+                    _write(folder, name, hashlib.sha256(data).digest() + data)
             except OSError as error:
                 _unwritable[folder] = f"{folder}: {error.strerror or error}"
             else:
@@ -135,11 +146,16 @@ def unwritable() -> str | None:
     return why
 
 
-def _write(folder: Path, name: str, data: bytes) -> None:
+def make(folder: Path) -> None:
+    """Make it, as a new one of this source."""
     if not folder.is_dir():
         folder.mkdir(parents=True, exist_ok=True)
         folder.chmod(0o755)
         _forget_old(folder)
+
+
+def _write(folder: Path, name: str, data: bytes) -> None:
+    make(folder)
     handle, beside = tempfile.mkstemp(dir=folder, prefix=".")
     try:
         with os.fdopen(handle, "wb") as file:

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.lcp.compiler import when
+from handlcp.lcp.compiler import beside, when
 from handlcp.lcp.compiler.folders import is_kept
 
 
 class _Thread(threading.local):
-    """inside : whether this thread is in a kernel that runs as Python."""
+    """outermost : the kernel that this thread runs as Python, called by no other; None: it runs none."""
 
-    inside = False
+    outermost: Kernel | None = None
 
 
 _THREAD = _Thread()
@@ -29,7 +29,9 @@ class Kernel:
 
     function : the Python function. run : what a call goes to, a method of the kernel or numba's dispatcher. jit : that
     dispatcher, once there is one. spent : seconds that it ran as Python, with all that it called, since it last got
-    compiled code. missing : types of arguments that there is no code for on disk.
+    compiled code. asked : whether another process was asked to compile it. look : it goes on as Python until `spent`
+    is so much, without a look for code. missing : types of arguments that there was no code for on disk, with what
+    `folders.stamp` said.
 
     Compiled and interpreted return the same Python types, and numbers that agree to rounding. Neither says anything of
     divisions by zero and overflow.
@@ -39,7 +41,8 @@ class Kernel:
         update_wrapper(self, function)
         self.function, self.run = function, self._undecided
         self.jit: Any = None
-        self.spent, self.missing = 0.0, set[Any]()
+        self.spent, self.asked, self.look = 0.0, False, 0.0
+        self.missing: dict[Any, int] = {}
 
     def __call__(self, *args: Any) -> Any:
         """Run it."""
@@ -51,20 +54,22 @@ class Kernel:
 
     def interpret(self, *args: Any) -> Any:
         """Run it as Python, on its account."""
-        begun, outermost = perf_counter(), not _THREAD.inside
+        begun, outermost = perf_counter(), _THREAD.outermost is None
         try:
             if not outermost:
                 return self.function(*args)
-            _THREAD.inside = True
+            _THREAD.outermost = self
             with np.errstate(all="ignore"):
                 return _plain(self.function(*args))
         finally:
             if outermost:
-                _THREAD.inside = False
+                _THREAD.outermost = None
             self.spent += perf_counter() - begun
 
     def pays(self) -> bool:
-        """Whether it has run as Python for as long as it takes to compile."""
+        """Whether it has run as Python for so long that compiling it is worth what it costs."""
+        if self.spent > when.BESIDE and beside.possible():
+            return not self._comes_along
         return self.spent > when.LEAST and self.spent > self.compiling_takes
 
     @cached_property
@@ -81,19 +86,38 @@ class Kernel:
 
     def begin_anew(self) -> None:
         """It has compiled code for these arguments; the next ones that it has none for wait as long."""
-        self.spent = 0.0
+        self.spent, self.asked, self.look = 0.0, False, 0.0
+
+    def wait(self, again: bool) -> None:
+        """Go on as Python for a while. again : without asking numba's dispatcher, which has no code for any types."""
+        self.look = when.next_look(self.spent)
+        if again:
+            self.run = self._undecided
 
     def _undecided(self, *args: Any) -> Any:
         """Run it as Python, unless compiled code is worth fetching."""
-        if when.mode() == "interpreted":
-            self.run = self.interpret
-        elif when.compiling_at_once() or (self.spent > when.loading_takes() and (self._is_kept or self.pays())):
-            return self.dispatcher(*args)
+        if self.spent >= self.look or when.compiling_at_once():
+            if when.mode() == "interpreted":
+                self.run = self.interpret
+            elif self._is_worth_a_look():
+                return self.dispatcher(*args)
         return self.interpret(*args)
 
-    @cached_property
-    def _is_kept(self) -> bool:
-        return is_kept(f"{self.__module__}.{self.function.__qualname__}")
+    def _is_worth_a_look(self) -> bool:
+        if when.compiling_at_once() or (when.compiling_soon() and not self._comes_along):
+            return True
+        if self.spent <= when.loading_takes():
+            return False
+        if self.asked or is_kept(f"{self.__module__}.{self.function.__qualname__}") or self.pays():
+            return True
+        self.look = when.next_look(self.spent)
+        return False
+
+    @property
+    def _comes_along(self) -> bool:
+        """Whether a kernel that called it as Python is being compiled, and this one with it."""
+        outermost = _THREAD.outermost
+        return outermost is not None and outermost.asked
 
     @cached_property
     def _instructions(self) -> int:

@@ -8,9 +8,14 @@ so what compiled code needs is kept beside it, and looked for before that code i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_lock import global_compiler_lock
+from numba.extending import overload
+from numba.np import arrayobj
 
 _LARGE = 150  # instructions of LLVM, optimised: of these a call costs little
 
@@ -57,3 +62,34 @@ def keep_apart(found: Any, kernel: str, types: Any) -> None:
     """From now on callers of this kernel do not take it in."""
     if isinstance(found.library, Library):
         found.library.own = Need(kernel, types, found.fndesc.llvm_func_name)
+
+
+# ----------------------------------------------------------------
+# Whatever assigns to a slice takes in numba's message about shapes that differ, with all that puts numbers into words:
+# up to half of the time that such a kernel takes to compile.
+
+_RAISES = "raise_with_shape_context"  # numba's stub for it, which is looked up when a kernel is compiled
+
+
+def _shapes_differ(given: Any, wanted: Any) -> None:
+    """What compiled code does where shapes differ."""
+
+
+@overload(_shapes_differ, target="cpu")  # type: ignore[untyped-decorator]
+def _say_no_more(given: Any, wanted: Any) -> Any:
+    def raises(given: Any, wanted: Any) -> None:
+        raise ValueError("cannot assign to a slice of another shape")
+
+    return raises
+
+
+@contextmanager
+def short_messages() -> Iterator[None]:
+    """A block in which what is compiled has a message without numbers. Others wait with their compiling."""
+    with global_compiler_lock:
+        theirs = getattr(arrayobj, _RAISES, None)
+        setattr(arrayobj, _RAISES, _shapes_differ)
+        try:
+            yield
+        finally:
+            setattr(arrayobj, _RAISES, theirs)

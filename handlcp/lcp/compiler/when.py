@@ -1,7 +1,11 @@
 """When a kernel is compiled: the one place that decides.
 
-A kernel runs as plain Python until that has taken as long as compiled code would take to get (whoever waits then has
-waited twice as long as was necessary, at most). `at_once` is for those who know that they will call it often.
+A kernel runs as plain Python until that has taken a second. Then another process compiles it (`beside`) while calls go
+on as Python, and compiled code takes over once it is there. Where no other process may be started, calls go on until
+they have taken as long as compiling takes, and the next one waits for it: at most twice as long as was necessary.
+
+`soon` is for those who know that they will call kernels often, `at_once` for those who cannot go on as Python: streams,
+and whoever makes one call that takes very long.
 
 The variable HANDLCP_KERNELS overrides it: "compiled" compiles every kernel at its first call, "interpreted" none ever,
 "auto" is the rule above. NUMBA_DISABLE_JIT=1 means "interpreted", too.
@@ -65,13 +69,16 @@ def _say(text: str, seconds: float = 0.0) -> None:
 
 # ----------------------------------------------------------------
 
-LEAST = 3.0  # a kernel that was not asked for at once runs as Python for so long at least [s]
-MANY = 100  # calls from which `at_once` believes that compiled code pays: interpreted they take a second
+BESIDE = 1.0  # a kernel runs as Python for so long before another process compiles it [s]
+LEAST = 3.0  # and for so long at least before a call waits for its compiling [s]
+MANY = 100  # calls from which `soon` and `at_once` believe that compiled code pays: interpreted they take a second
 _IMPORT, _LOAD = 0.3, 0.05  # what numba's import takes, and a kernel from a warm cache [s]
 _INSTRUCTION = 2e-3  # what numba takes to compile one instruction of Python's bytecode [s]
 
+_LOOKS = 0.05, 0.5  # between two looks for code, at least and at most: a tenth of what the kernel took so far [s]
+
 _lock = threading.Lock()
-_inside = 0  # how many blocks of `at_once` are open, in all threads
+_inside = {"soon": 0, "at once": 0}  # how many blocks of each are open, in all threads
 
 
 @cache
@@ -87,27 +94,51 @@ def mode() -> str:
 
 @contextlib.contextmanager
 def at_once(calls: float = MANY) -> Iterator[None]:
-    """A block, or a function decorated with `@at_once()`, in which kernels are compiled or loaded at their first call.
+    """A block, or a function decorated with `@at_once()`, in which kernels are compiled or loaded at their first call,
+    which waits for it.
 
     calls : how often they will be called, where that is known; fewer than MANY are not worth it. It holds for all
     threads while any of them is inside: work is often spread over several.
     """
-    global _inside
+    with _within("at once", calls):
+        yield
+
+
+@contextlib.contextmanager
+def soon(calls: float = MANY) -> Iterator[None]:
+    """The same where calls go on as Python until another process has compiled what they need."""
+    with _within("soon", calls):
+        yield
+
+
+@contextlib.contextmanager
+def _within(kind: str, calls: float) -> Iterator[None]:
     if calls < MANY:
         yield
         return
     with _lock:
-        _inside += 1
+        _inside[kind] += 1
     try:
         yield
     finally:
         with _lock:
-            _inside -= 1
+            _inside[kind] -= 1
 
 
 def compiling_at_once() -> bool:
     """Whether a kernel that is called now is to be compiled first."""
-    return (_inside > 0 and mode() == "auto") or mode() == "compiled"
+    return (_inside["at once"] > 0 and mode() == "auto") or mode() == "compiled"
+
+
+def compiling_soon() -> bool:
+    """Whether a kernel that is called now is to be compiled, while it runs as Python if that can be."""
+    return _inside["soon"] > 0 and mode() == "auto"
+
+
+def next_look(spent: float) -> float:
+    """When a kernel that waits for its code looks for it again, by the clock of what it spent as Python [s]."""
+    least, most = _LOOKS
+    return spent + min(max(least, 0.1 * spent), most)
 
 
 def loading_takes() -> float:

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.when import soon
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.modes.generators import Cones
 from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
@@ -118,7 +118,7 @@ class ModeSearch:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
             ended, budget = int(counts[2]), int(min(left, _PAUSE))
-            with at_once(work / _A_CALL):
+            with soon(work / _A_CALL):
                 what = advance(
                     self._tree, self._cones, self._b, self.problem.sets.normals, self._claim, budget, self._node
                 )  # fmt: skip

@@ -19,7 +19,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.model.validate import lift
 from handlcp.grasp.verify.bound import bound_of
 from handlcp.hand import HandGrasp
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.when import soon
 
 # ----------------------------------------------------------------
 # What an envelope loads the object with: a force, a torque, its weight in any orientation of the hand, or wrenches.
@@ -124,7 +124,7 @@ class Question:
         """
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds, off = np.empty(m), list[Binds]([()] * m), np.empty(m)
-        with told(progress, m) as done, at_once(m):
+        with told(progress, m) as done, soon(m):
             done(0)
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)

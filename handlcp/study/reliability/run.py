@@ -22,7 +22,7 @@ from handlcp.grasp.batch.solve_many import Progress, told
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.when import soon
 from handlcp.study.reliability.outcome import SOLVE, Outcomes, among, checked, joined, solved
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.spread import Dimension
@@ -171,7 +171,7 @@ def run(placer: Placer, blocks: Blocks, method: Method, kept: Kept, progress: Pr
     size = _SLICE[method.by]
     quota = -(-method.decide * size // blocks.samples)
     written = time.monotonic()
-    with told(progress, blocks.samples) as say, at_once(blocks.samples):
+    with told(progress, blocks.samples) as say, soon(blocks.samples):
         say(begin)
         try:
             for at in range(begin, blocks.samples, size):

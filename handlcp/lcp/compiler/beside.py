@@ -1,0 +1,242 @@
+"""Compiling beside the work: another process compiles into the cache, while calls go on as Python until code is there.
+
+One such process works for a cache folder at a time: it holds a lock of the operating system on a file there, which goes
+with it however it ends. It ends with the process that started it, whose end closes its standard input, and when it has
+had nothing to do for some seconds, so that others get their turn. It says nothing.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import importlib
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from functools import cache
+from operator import attrgetter
+from pathlib import Path
+from typing import IO, Any
+
+from handlcp.lcp.compiler import folders
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+VARIABLE = "HANDLCP_COMPILE_BESIDE"  # 0: no other process is started
+
+_LOCK = "compiling"  # the file that is locked
+_BUSY, _CANNOT = 3, 4  # exit codes: another process is at work; nothing can be compiled or kept
+_IDLE = 3.0  # without a request for so long it ends [s]
+_RACE = 0.5  # two processes that start at a time look at the lock for so long [s]
+_END = 1.0  # the process may take so long to end [s]
+_NICE = 5  # its work is worth less than the answers themselves, and more than nothing on a busy machine
+_TRIES = 2  # a process that is just ending may not hear what it is asked for
+
+Request = tuple[str, str, bytes]  # module and name of a kernel, pickled types of arguments
+
+_PROGRAM = (
+    "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer); "
+    "from handlcp.lcp.compiler.beside import serve; serve()"
+)
+
+# ----------------------------------------------------------------
+# In the process that works.
+
+
+class _Compiler:
+    """The process beside this one, if any. sent : what it was asked for. through : how often a kernel was asked for by
+    now of processes that ended with nothing left to do. failed : nothing more is asked.
+    """
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.process: subprocess.Popen[bytes] | None = None
+        self.sent: set[Request] = set()
+        self.through: Counter[Request] = Counter()
+        self.failed = False
+
+    def ask(self, request: Request) -> None:
+        """Have a kernel compiled, once, unless another process's compiler is at work: then later."""
+        with self.lock:
+            if self.process is not None and (ended := self.process.poll()) is not None:
+                if ended == 0:
+                    self.through.update(self.sent)
+                self._let_go()
+                self.failed = ended not in (0, _BUSY)
+            self.failed |= self.through[request] >= _TRIES  # they were through with it, and there is no code
+            if self.failed or request in self.sent or (self.process is None and _is_locked()):
+                return
+            if self.process is None and not self._start():
+                self.failed = True
+                return
+            self._send(request)  # where the process just ended, a later look finds that
+            self.sent.add(request)
+
+    def end(self) -> None:
+        """End the process. What it was at is lost, what it finished is kept."""
+        if (process := self._let_go()) is not None:
+            try:
+                process.wait(_END)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+    def leave(self) -> None:
+        """In a fork of the process that started it: it is not ours."""
+        self.lock = threading.Lock()  # a thread that is not here may have held the other
+        if (process := self._let_go()) is not None:
+            process.returncode = 0  # nothing to wait for
+
+    def _let_go(self) -> subprocess.Popen[bytes] | None:
+        """The process, which hears that nothing more comes, and is not known here any longer."""
+        process, self.process, self.sent = self.process, None, set()
+        if process is not None and process.stdin is not None:
+            process.stdin.close()
+        return process
+
+    def _start(self) -> bool:
+        """In a session of its own, where Ctrl-C does not reach it: it ends with this one anyhow."""
+        one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        windows: dict[str, Any] = {"creationflags": 0x08004000}  # no window, below normal priority
+        try:
+            self.process = subprocess.Popen(
+                [sys.executable, "-P", "-c", _PROGRAM], bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL, env=os.environ | one_thread | {VARIABLE: "0"},
+                **(windows if os.name == "nt" else {"start_new_session": True}),
+            )  # fmt: skip
+        except OSError:
+            return False
+        _at_exit()
+        return self._send(sys.path)
+
+    def _send(self, message: Request | list[str]) -> bool:
+        assert self.process is not None
+        assert self.process.stdin is not None
+        try:
+            self.process.stdin.write(pickle.dumps(message))
+        except OSError:
+            return False
+        return True
+
+
+_COMPILER = _Compiler()
+
+
+@cache
+def _at_exit() -> None:
+    atexit.register(lambda: _COMPILER.end())
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=lambda: _COMPILER.leave())
+
+
+def possible() -> bool:
+    """Whether another process may compile for this one: there is a core for it, and a folder that keeps code."""
+    return not _COMPILER.failed and _allowed() and folders.destination() is not None
+
+
+@cache
+def _allowed() -> bool:
+    forbidden = os.environ.get(VARIABLE, "") == "0" or getattr(sys, "frozen", False) or not sys.executable
+    return not forbidden and _cores() > 1
+
+
+def _cores() -> int:
+    """Processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def ask(function: Any, types: Any) -> None:
+    """Have a kernel compiled for these types of arguments, once, beside this process. Nothing happens where the
+    compiler of another process is at work: who asks again later gets a turn. `possible` is False once it turned out
+    that nobody can.
+    """
+    _COMPILER.ask((function.__module__, function.__qualname__, pickle.dumps(types)))
+
+
+# ----------------------------------------------------------------
+# The lock, of either side.
+
+
+def _is_locked() -> bool:
+    """Whether somebody compiles into the folder now."""
+    folder = folders.destination()
+    if folder is None or not (folder / _LOCK).exists():
+        return False
+    with contextlib.suppress(OSError):
+        file = _locked(folder)
+        if file is None:
+            return True
+        file.close()
+    return False
+
+
+def _locked(folder: Path) -> IO[bytes] | None:
+    """The open file whose lock is ours until it is closed; None: somebody else has it. Raises OSError where nothing can
+    be locked.
+    """
+    file = open(folder / _LOCK, "ab")  # noqa: SIM115 (the lock is held as long as it is open)
+    try:
+        if sys.platform == "win32":
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        file.close()
+        return None
+    return file
+
+
+# ----------------------------------------------------------------
+# In the process that compiles.
+
+
+def serve() -> None:
+    """Compile what comes in at standard input, in order, until that is closed or nothing comes."""
+    if hasattr(os, "nice"):
+        os.nice(_NICE)
+    requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(requests,), daemon=True).start()
+    try:
+        code = _work(requests)
+    except Exception:
+        code = _CANNOT  # the other process compiles it itself, and says what is wrong
+    os._exit(code)
+
+
+def _listen(requests: queue.SimpleQueue[Request]) -> None:
+    """Pass requests on; end the process, between two files, with the one that sends them."""
+    with contextlib.suppress(Exception):
+        while True:
+            requests.put(pickle.load(sys.stdin.buffer))
+    with folders.writing:
+        os._exit(0)
+
+
+def _work(requests: queue.SimpleQueue[Request]) -> int:
+    """Returns the exit code."""
+    if (folder := folders.destination()) is None:
+        return _CANNOT
+    folders.make(folder)
+    until = time.monotonic() + _RACE
+    while (file := _locked(folder)) is None:
+        if time.monotonic() > until:
+            return _BUSY
+        time.sleep(0.05)
+    from handlcp.lcp.compiler.dispatch import kept_now
+
+    with file, contextlib.suppress(queue.Empty):
+        while True:
+            module, name, types = requests.get(timeout=_IDLE)
+            if not kept_now(attrgetter(name)(importlib.import_module(module)), pickle.loads(types)):
+                return _CANNOT
+    return 0
