@@ -88,7 +88,8 @@ class Questions(ABC):
         torque limits), each changed by the same share, more and less where both can help.
 
         wrench : (6,) the load that grows, beside the weight, as in `load_limit`; None: the grasp's own, or where it has
-        none, its weight once more. The load limit is found anew with each change, and `check()` judges the best one.
+        none, extra weight of the object. The load limit is found anew with each change, and `check()` judges the best
+        one.
         Raises InputError, Unsupported (known forces).
         """
         from handlcp.grasp.design.best_change import best_change, means_of_fingers

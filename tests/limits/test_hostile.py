@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.support.texts import same
 
 KINDS = (
     "plain", "frictionless", "one", "gaps", "rigid", "small", "large", "soft", "anisotropic", "planar", "table",
@@ -99,6 +100,18 @@ def test_a_load_that_is_none_is_refused(wrench):
     grasp, _ = scene("plain", 0)
     with pytest.raises(hl.InputError, match="wrench"):
         grasp.load_limit(wrench)
+
+
+def test_a_grasp_without_a_load_is_told_which_way_its_weight_acts():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005)
+    with pytest.raises(hl.InputError) as caught:
+        grasp.load_limit()
+    same("limits/test_hostile: no load", str(caught.value), "wrench", "(0, 0, -1, 0, 0, 0)")
+    with pytest.raises(hl.InputError) as caught:
+        grasp.replace(mass=0).load_limit()
+    same("limits/test_hostile: no load and no weight", str(caught.value), "wrench")
 
 
 @pytest.mark.parametrize("given", [{"motion": 0.0}, {"motion": -1.0}, {"turn": np.nan}, {"geometry": "soft"}])

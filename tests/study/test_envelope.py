@@ -13,6 +13,7 @@ from scipy.spatial import ConvexHull
 
 import handlcp as hl
 from tests.support.envelope import without_limits
+from tests.support.texts import same
 
 MU, N, R, K = 0.5, 2.0, 0.02, 1e-3  # friction, grip [N], half width [m], flexibility [m/N]
 G = 9.81
@@ -263,9 +264,19 @@ def test_no_direction_holds_more_than_its_bound():
     env = of_cube(42, 1)
     assert (env.factors <= env.bound * (1 + 1e-6)).all()
     c = env.compliance
+    said = next(line for line in str(env).replace("\n  ", " ").splitlines() if "alone" in line)
+    same("study/test_envelope: what compliance gives away", said, f"{c.least:.0%}".replace("%", " %"))
     kept = env.factors / env.bound
     assert c.least == kept.min() == kept[c.number]
     assert c.least < c.median < 1.0
+
+
+def test_wrenches_out_of_the_plane_of_a_planar_scene_are_refused():
+    left, right = hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)
+    grasp = hl.Grasp([left, right], flexibility=K, preload=K * N)
+    assert hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0)]).factors[0] == pytest.approx(2 * MU * N, rel=1e-6)
+    with pytest.raises(hl.InputError, match="directions: expected forces in the plane"):
+        hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0), (0, 0, 1.0, 0, 0, 0)])
 
 
 def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():

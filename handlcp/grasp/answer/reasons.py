@@ -241,7 +241,7 @@ def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
 def no_load(spec: Any) -> Iterator[Reason]:
     """Of a grasp whose object nothing loads: a mass may have been forgotten."""
     if not spec.wrench.any():
-        text = "no load: the object has no weight and no wrench was given"
+        text = "no load: no weight acts on the object, and no wrench was given"
         yield Reason("no_load", "note", text)
 
 

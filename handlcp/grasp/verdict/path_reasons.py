@@ -101,7 +101,8 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
     """Of the posture before anything is loaded."""
     first, mechanism = path.steps.states[0].where, spec.mechanism
     if mechanism is not None and path.steps.geometry.follows:
-        yield from mechanism.place_reasons(*mechanism.at_end(first.q, first.pose))
+        when = f"before stage {path.stages[0]!r}" if path.stages else "in the given posture"
+        yield from mechanism.place_reasons(*mechanism.at_end(first.q, first.pose), when)
 
 
 def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:

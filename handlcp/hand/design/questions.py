@@ -33,11 +33,11 @@ class HandQuestions(Grasp):
         progress : called with the number of grips tried so far.
 
         The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
-        in `check`. Of all grips with which every load holds, the one is looked for with which the largest torque is
-        least, from the first touch to the whole load: as a share of the joints' limits where all of them have one, in
-        N·m otherwise. It begins with the grip that is best where nothing slips (a linear program), then every grip is
-        followed. Before it is given, `check()` judges every load with the answer as torque limits (`verdicts`);
-        the answer is confirmed where all of them are HELD.
+        in `check`. Many grips hold every load. The one is looked for that keeps the torque of the joint that is loaded
+        most as small as possible, from the first touch to the whole load: as a share of the joints' limits where all of
+        them have one, in N·m otherwise. The search starts from the grip that is best where nothing slips (a linear
+        program); every grip that it tries is followed. Before it is given, `check()` judges every load with the answer
+        as torque limits (`verdicts`); the answer is confirmed where all of them are HELD.
         Raises InputError, UnknownName, Unsupported (known forces).
         """
         from handlcp.hand.design.required_torque import required_torque

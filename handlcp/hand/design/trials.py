@@ -181,7 +181,8 @@ def _beyond(path: Loading) -> str | None:
         return None
     for number in (0, -1):
         at = path.steps.states[number].where
-        found = [r for r in mechanism.place_reasons(*mechanism.at_end(at.q, at.pose)) if r.severity == "decides"]
+        there = mechanism.at_end(at.q, at.pose)
+        found = [r for r in mechanism.place_reasons(*there, "at the end of the loading") if r.severity == "decides"]
         if found:
-            return None if number == 0 else str(found[0].sentence)
+            return None if number == 0 else f"not held: {found[0].sentence}"
     return None
