@@ -32,9 +32,10 @@ clock = time.monotonic
 def told(what: str, total: int | None = None, asked: Any = None) -> Iterator[Callable[[int], None]]:
     """Around a long call, or a decorator of one: a function to call with how many more are done.
 
-    what : is counted, or done, such as "directions". total : how many there are; None: not known. asked : the `progress`
-    that a user gave: None: a line as this file has it; False: nothing; True: a line on stderr from the beginning on, be
-    it a terminal or not, that stays; a function: called with (done, total), in place of a line. Raises InputError.
+    what : is counted, or done, such as "directions". total : how many there are; None: not known.
+    asked : the `progress` that a user gave: None: a line as this file has it; False: nothing; True: a line on stderr
+        from the beginning on, be it a terminal or not, that stays; a function: called with (done, total), in place of a
+        line. Raises InputError for anything else.
     """
     if not (asked is None or isinstance(asked, bool) or callable(asked)):
         raise InputError("progress", "True, False, None, or a function of (done, total)", repr(asked)[:80])
@@ -56,11 +57,11 @@ def told(what: str, total: int | None = None, asked: Any = None) -> Iterator[Cal
 
 
 @contextmanager
-def steps() -> Iterator[Callable[[int, int | None, str], None]]:
+def steps(patience: float = PATIENCE) -> Iterator[Callable[[int, int | None, str], None]]:
     """A function to call with how many steps of a study are done, of how many, and what is done next. Nothing is drawn
-    within a step, which may be measuring times.
+    within a step, which may be measuring times. patience : how long it may take without a line [s].
     """
-    outer, line = getattr(_here, "line", None), _Line(_Count("", None), _after(None), False)
+    outer, line = getattr(_here, "line", None), _Line(_Count("", None), _after(None, patience), False)
     _here.line = _Line(_Count("", None), _NEVER, False)
     try:
         yield line.at
@@ -75,7 +76,7 @@ def tick(detail: str) -> None:
         line.tick(detail)
 
 
-def _after(asked: bool | None) -> float:
+def _after(asked: bool | None, patience: float = PATIENCE) -> float:
     """How long a call may take until there is a line [s]. Raises InputError for a variable that says nothing."""
     said = os.environ.get("HANDLCP_PROGRESS") or "auto"
     if said not in ("auto", "off"):
@@ -84,7 +85,7 @@ def _after(asked: bool | None) -> float:
         return 0.0 if asked else _NEVER
     alone = threading.current_thread() is threading.main_thread() and multiprocessing.parent_process() is None
     terminal = sys.stderr is not None and sys.stderr.isatty()
-    return PATIENCE if said == "auto" and alone and terminal else _NEVER
+    return patience if said == "auto" and alone and terminal else _NEVER
 
 
 def _calling(function: Callable[[int, int], None], total: int) -> Callable[[int], None]:

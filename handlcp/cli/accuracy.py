@@ -9,8 +9,9 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar, say, titled
+from handlcp.cli.app import Json, app, print_json, say, titled
 from handlcp.errors import HandLCPError, InputError, NoSolutionFound, UnknownName
+from handlcp.progress import steps
 from handlcp.show.file import checked, writable
 
 # ----------------------------------------------------------------
@@ -52,7 +53,7 @@ def gallery(
     if again:
         for one in models:
             (out / f"{one.name}.json").unlink(missing_ok=True)
-    with progress_bar() as told:
+    with steps() as told:
         shelves = run(models, out, contact_sheet, workers, told)
     file = out / "index.md"
     file.write_text(page(shelves), encoding="utf-8")
@@ -93,7 +94,7 @@ def accuracy(
         writable("csv", csv)
     grasp = file.build()
     try:
-        with progress_bar() as progress:
+        with steps() as progress:
             cost = accuracy_cost(grasp, seconds=seconds, progress=progress)
     except NoSolutionFound as error:
         status, why = error.solution.status.name, error.solution.diagnosis

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar, sides_of, titled
+from handlcp.cli.app import Json, app, print_json, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.show.file import checked
 from handlcp.show.page.file import checked as checked_page
@@ -67,12 +67,10 @@ def envelope(
     if page is not None and (flat or grasp.spec.plane is not None):
         got = directions if flat else "a planar scene, whose directions lie in its plane; --polar draws these"
         raise InputError("--page", "directions all around, which the page can turn", got)
-    with progress_bar() as progress:
-        found = envelope_of(
-            grasp, asked, of=of, geometry={None: None, True: "followed", False: "fixed"}[followed],
-            faces=sides, adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
-            progress=lambda done, total: progress(done, total, "directions"),
-        )  # fmt: skip
+    found = envelope_of(
+        grasp, asked, of=of, geometry={None: None, True: "followed", False: "fixed"}[followed], faces=sides,
+        adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
+    )  # fmt: skip
     drawn = [("Picture", plot, found.plot), ("Picture", polar, found.polar), ("Page", page, found.page)]
     for _, path, draw in drawn:
         if path is not None:

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.check import array
-from handlcp.cli.app import Json, app, print_json, print_tables, progress_bar, say, sides_of, titled
+from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
@@ -54,8 +54,7 @@ def motors(
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
     brief_ = _brief(grasp, load or [], turned)
     sides = sides_of(read.solve_with.faces, faces)
-    with progress_bar() as bar:
-        found = grasp.required_torque(brief_, safety, sides, progress=lambda done: bar(done, None, "grips tried"))
+    found = grasp.required_torque(brief_, safety, sides)
     if json:
         print_json({"title": read.title, **found.to_dict()})
     else:

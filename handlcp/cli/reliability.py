@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar, sides_of, titled
+from handlcp.cli.app import Json, app, print_json, sides_of, titled
 from handlcp.errors import InputError
 from handlcp.show.file import checked, writable
 
@@ -59,11 +59,10 @@ def reliability(
         writable("resume", resume)
     file = scenes.load(scene)
     sides = sides_of(file.solve_with.faces, faces)
-    with progress_bar() as bar:
-        found = study.reliability(
-            file.build(), spread, samples, seed=seed, faces=sides, by="check" if check else "solve",
-            confidence=confidence, resume=resume, progress=lambda done, total: bar(done, total, "samples"),
-        )  # fmt: skip
+    found = study.reliability(
+        file.build(), spread, samples, seed=seed, faces=sides, by="check" if check else "solve", confidence=confidence,
+        resume=resume,
+    )  # fmt: skip
     if plot is not None:
         found.plot(plot, title=file.title)
     if json:

@@ -184,7 +184,7 @@ def test_a_can_with_links_of_fingers_inside_it_is_not_called_held():
     assert one.held
     for v, when in ((one.verdict, "in the given posture"), (grasp.check(solution=one), "before stage 'squeeze'")):
         assert v.word != "HELD"
-        first = [r for r in v.about("link_inside") if r.severity == "decides"][0]
+        first = next(r for r in v.about("link_inside") if r.severity == "decides")
         assert first.sentence.startswith(f"{when}, finger_")
         deep = [link for r in v.about("link_inside") if r.severity == "decides" for link in r.values["links"]]
         assert {link["link"] for link in deep} == {f"finger_{k}_proximal_link" for k in (1, 2, 3)}

@@ -24,6 +24,7 @@ from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verdict.trials import stiffened
+from handlcp.progress import told
 from handlcp.text_table import TextTable, wrapped
 
 
@@ -121,6 +122,7 @@ class BestChange(Data):
         }  # fmt: skip
 
 
+@told("load limits with each change")
 def best_change(
     spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any, means: Means
 ) -> BestChange:  # fmt: skip

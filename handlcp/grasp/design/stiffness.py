@@ -26,6 +26,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
+from handlcp.progress import told
 from handlcp.text_table import wrapped
 
 Stiffened = Callable[[GraspSpec, float], GraspSpec | None]
@@ -72,6 +73,7 @@ class RequiredStiffness(Data):
         return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it{called}", "  ")
 
 
+@told("looking for the least stiffness")
 def required_stiffness(
     spec: GraspSpec, section: Section, motion: Any, tolerance: Any, stiffened: Stiffened
 ) -> RequiredStiffness:

@@ -19,6 +19,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.verify.bound import bound_of
+from handlcp.progress import told
 
 # ----------------------------------------------------------------
 # What is asked of a load limit: which load, which geometry, how far the object may move.
@@ -65,6 +66,7 @@ def tolerance(name: str, value: Any) -> float:
 # ----------------------------------------------------------------
 
 
+@told("load limit")
 def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None
 ) -> LoadLimit:  # fmt: skip

@@ -25,6 +25,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto
+from handlcp.progress import tick
 from handlcp.tolerances import SEMIDEFINITE
 
 _STEPS = 5  # of a stage
@@ -83,7 +84,10 @@ def _followed(trials: list[_Trial], section: Section, order: Any) -> Iterator[_T
     """Those that hold to the end of the loading."""
     promising = [t for t in trials if _bears(t.spec, section)]
     few = promising if len(promising) <= _FOLLOWED else [promising[k] for k in _spread(len(promising))]
-    yield from (t for t in few if _holds(t.spec, section, order))
+    for trial in few:
+        tick(f"trying {trial.text}")
+        if _holds(trial.spec, section, order):
+            yield trial
 
 
 def _spread(count: int) -> list[int]:

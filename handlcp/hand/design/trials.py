@@ -24,8 +24,8 @@ _BETTER = 1e-3  # a change that gains less is none
 
 
 def least(trials: Trials, starts: list[Array], tolerance: float) -> tuple[Trial, Trial | None]:
-    """The best grip found, and the largest share of it that does not hold (None: less holds, too, and needs no less).
-    Where nothing holds, the first is the one that gets furthest.
+    """The best grip found, and the largest smaller one of the same shape that does not hold; None: less grip holds,
+    too, but the motors need no less. Where nothing holds, the first is the grip that gets furthest.
 
     starts : grips (k,) [N] to go on from, the most promising first; a later one counts only where none before it holds.
     """

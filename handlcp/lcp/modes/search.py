@@ -21,6 +21,7 @@ from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.modes.generators import Cones
 from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
+from handlcp.progress import tick
 from handlcp.tolerances import RANK
 
 _PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
@@ -91,6 +92,7 @@ class ModeSearch:
         while not self.ended:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
+            tick(f"{self.nodes} choices of contact modes")
             ended = int(counts[2])
             budget = int(min(left, _PAUSE))
             with at_once(work / _A_CALL):

@@ -10,10 +10,10 @@ import numpy as np
 from handlcp.check import Ints, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.model.validate import lift, wrench
 from handlcp.grasp.path.follow import geometry_of
+from handlcp.progress import Progress
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, FORCE, WRENCH, Binds, Load, Question, load_of
 from handlcp.study.envelope.causes import Asked, read_directions
 from handlcp.study.envelope.grid import Grid
@@ -50,7 +50,8 @@ def envelope(
         directions more for each that was asked for; 0: not at all. (m, 3) and (m, 6) stay as they are.
     accuracy : the relative error of the factors that is asked for: followed paths take twice as many steps until a
         factor changes by no more. What was reached is `.accuracy` of the answer, in each direction.
-    progress : True: a bar on stderr. A function: called with (done, total).
+    progress : None: a line on the terminal once it takes long. False: none. True: a line on stderr that stays. A
+        function: called with (done, total).
 
     A direction in which nothing ever gives out has the factor infinity. Raises InputError; Unsupported for grasps that
     cannot be followed.

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from handlcp import words
 from handlcp.hand.find.candidate import Candidate
-from handlcp.study.gallery.shelf import Model, Row, Shelf, shelf, things
+from handlcp.study.gallery.shelf import Model, Row, Shelf, kept, shelf, things
 
 # ----------------------------------------------------------------
 # The page of the gallery: the text of `page.md` around a table for each hand.
@@ -78,8 +78,7 @@ def run(
     draw : what makes the picture; it has to be picklable. workers : processes; None: one a core. told : is called with
     hands done, all hands, and the last one's name.
     """
-    done = {m.name: Shelf.from_dict(json.loads(_numbers(folder, m).read_text("utf-8"))) for m in models
-            if _numbers(folder, m).is_file()}  # fmt: skip
+    done = {m.name: kept(_numbers(folder, m), m.name) for m in models if _numbers(folder, m).is_file()}
     left = [m for m in models if m.name not in done]
     if left:
         count = min(workers or os.cpu_count() or 1, len(left))

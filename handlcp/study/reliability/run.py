@@ -18,11 +18,11 @@ from scipy.stats import qmc
 
 from handlcp.check import Array
 from handlcp.errors import InputError, brief, writing
-from handlcp.grasp.batch.solve_many import Progress, told
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.lcp.compiler.when import at_once
+from handlcp.progress import Progress, told
 from handlcp.study.reliability.outcome import SOLVE, WORDS, Outcomes, among, checked, joined, solved
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.spread import WIDEST, Dimension
@@ -186,7 +186,7 @@ def run(placer: Placer, blocks: Blocks, method: Method, kept: Kept, progress: Pr
     size = _SLICE[method.by]
     quota = -(-method.decide * size // blocks.samples)
     written = time.monotonic()
-    with told(progress, blocks.samples) as say, at_once(blocks.samples):
+    with told("samples", blocks.samples, progress) as say, at_once(blocks.samples):
         say(begin)
         try:
             for at in range(begin, blocks.samples, size):
