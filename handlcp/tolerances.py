@@ -64,7 +64,7 @@ UNIT_NORMAL = 1e-6
 # Relative: how closely a limit in one posture is found, from event to event
 EVENTS_END = 1e-6
 
-# An object slides through where nothing that presses sticks any more and it gives way faster than `FASTER` times as
+# An object slides through where no contact that presses sticks any more and it gives way faster than `FASTER` times as
 # fast as while something stuck, once that has led it `RUNS` farther (of the contacts' distances, turns in radians:
 # 0.6 mm or 1.1° on a cube of 50 mm); a snap counts with all its way. It snaps where it goes `JUMPS` times farther than
 # it was about to, and by more than `NO_SNAP`.

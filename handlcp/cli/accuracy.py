@@ -12,9 +12,10 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
-from handlcp.cli.app import Json, app, check_files, print_json, progress_bar, say, say_files, titled
+from handlcp.cli.app import Json, app, check_files, print_json, say, say_files, titled
 from handlcp.errors import HandLCPError, InputError, NoSolutionFound, UnknownName
 from handlcp.hand import HandGrasp
+from handlcp.progress import steps
 from handlcp.show import tables
 from handlcp.show.file import writable
 
@@ -57,7 +58,7 @@ def gallery(
     if again:
         for one in models:
             (out / f"{one.name}.json").unlink(missing_ok=True)
-    with progress_bar() as told:
+    with steps() as told:
         shelves = run(models, out, contact_sheet, workers, told)
     file = out / "index.md"
     file.write_text(page(shelves), encoding="utf-8")
@@ -97,7 +98,7 @@ def accuracy(
         writable("csv", csv)
     grasp = file.build()
     try:
-        with progress_bar() as progress:
+        with steps() as progress:
             cost = accuracy_cost(grasp, seconds=seconds, progress=progress)
     except NoSolutionFound as error:
         status, why = error.solution.status.name, error.solution.diagnosis

@@ -13,7 +13,7 @@ import signal
 import stat
 import sys
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
@@ -101,19 +101,6 @@ def common(
     ] = False,
 ) -> None:
     """Grasp forces, slips and joint torques of robot hands."""
-
-
-@contextmanager
-def progress_bar() -> Iterator[Callable[[int, int | None, str], None]]:
-    """A bar on stderr if that is a terminal, drawn between steps: a drawing thread would disturb the measured times."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    console = Console(stderr=True)
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
-    bar = Progress(*columns, console=console, auto_refresh=False, transient=True, disable=not console.is_terminal)
-    with bar:
-        task = bar.add_task("", total=None)
-        yield lambda done, total, text: bar.update(task, completed=done, total=total, description=text, refresh=True)
 
 
 def print_json(value: dict[str, Any]) -> None:

@@ -17,7 +17,6 @@ from handlcp.cli.app import (
     app,
     check_files,
     print_json,
-    progress_bar,
     say,
     say_files,
     sides_of,
@@ -152,16 +151,21 @@ def envelope(
     """
     from handlcp import scene as scenes
     from handlcp.study.envelope import envelope as envelope_of
+    from handlcp.study.envelope.causes import read_directions
 
     check_files(plot, polar, page=page)
+    asked = _asked(directions)
+    flat = read_directions(asked).plane is not None  # raises before any work is done
     read = scenes.load(scene)
     sides = sides_of(read.solve_with.faces, faces)
-    with progress_bar() as progress:
-        found = envelope_of(
-            read.build(), _asked(directions), of=of, geometry={None: None, True: "followed", False: "fixed"}[followed],
-            faces=sides, adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
-            progress=lambda done, total: progress(done, total, "directions"),
-        )  # fmt: skip
+    grasp = read.build()
+    if page is not None and (flat or grasp.spec.plane is not None):
+        got = directions if flat else "a planar scene, whose directions lie in its plane; --polar draws these"
+        raise InputError("--page", "directions all around, which the page can turn", got)
+    found = envelope_of(
+        grasp, asked, of=of, geometry={None: None, True: "followed", False: "fixed"}[followed], faces=sides,
+        adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
+    )  # fmt: skip
     for path, draw in ((plot, found.plot), (polar, found.polar), (page, found.page)):
         if path is not None:
             draw(path, title=read.title)

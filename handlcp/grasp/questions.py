@@ -89,7 +89,8 @@ class Questions(ABC):
         that it is where joints are made stiffer or softer.
 
         wrench : (6,) the load that grows, beside the weight, as in `load_limit`; None: the grasp's own, or where it has
-        none, its weight once more. The load limit is found anew with each change, and `check()` judges the best one.
+        none, extra weight of the object. The load limit is found anew with each change, and `check()` judges the best
+        one.
         Raises InputError, Unsupported (known forces).
         """
         from handlcp.grasp.design.best_change import best_change

@@ -13,12 +13,14 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset, Reach
+from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.solve_spec import force_dependent
 from handlcp.hand.asked.asked import HandAsked
+from handlcp.hand.asked.load import weight_left_out, weight_of
 from handlcp.hand.design.questions import HandQuestions
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
@@ -144,7 +146,8 @@ class HandGrasp(HandQuestions):
 
         object : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
         given beside it stays. load : (6,) force [N] and torque [N·m] besides the weight, as `wrench` of `state.grasp`.
-        wrench : the whole load, in place of the weight and of what was given beside it; it comes beside none of these.
+        wrench : the whole load, in place of the weight and of what was given beside it: the object then weighs nothing
+        unless its weight is part of this wrench, and the verdict says so. To keep the weight, pass `load` instead.
         friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs (in a squeeze or a grip
         force by fingertip the others have 0). flexibility : in place
         of the hand's own; 0, or at least what the joints have where they also turn soft fingertips or bend under
@@ -176,14 +179,16 @@ class HandGrasp(HandQuestions):
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start, proof))
 
     def explain(self, faces: int | str | Pyramid = "cone", measure: bool = False) -> Explanation:
-        """As `Grasp.explain`; what is out of the joints' reach of preloads and overlaps stands beside them."""
-        found = super().explain(faces, measure)
-        words = "".join([f"; {reach}" for reach in self.out_of_reach if reach.carried])
-        lines = [
-            replace(line, why=line.why + words) if line.title == UnilateralContact.title else line
-            for line in found.effects
-        ]
-        return replace(found, effects=tuple(lines)) if words else found
+        """As `Grasp.explain`; what is out of the joints' reach of preloads and overlaps stands beside them, and beside
+        the object's balance its weight, where the load leaves that out.
+        """
+        found, own = super().explain(faces, measure), weight_of(self.target, self.given_gravity, self.reference)
+        more = {
+            UnilateralContact.title: "".join([f"; {reach}" for reach in self.out_of_reach if reach.carried]),
+            ObjectBalance.title: f"; {text}" if (text := weight_left_out(self.spec, own)) else "",
+        }
+        lines = [replace(line, why=line.why + more.get(line.title, "")) for line in found.effects]
+        return replace(found, effects=tuple(lines))
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""

@@ -23,7 +23,7 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.asked.load import load_of, weight_of
+from handlcp.hand.asked.load import load_of, weight_left_out, weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.stiffness import JointStiffness, tip_flexibility
 from handlcp.hand.objects.detect import touching
@@ -152,13 +152,16 @@ class HandMechanism(Varied, Mechanism):
             yield from torque_reasons(solution.torque_check)
             yield from doubt_reasons(self.posture.hand.doubts)
         yield from self.command_reasons(solution.spec)
-        yield from self.place_reasons(self.posture, self.target)
+        yield from self.place_reasons(self.posture, self.target, "in the given posture")
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
-        """What of a squeeze no command of the joints makes."""
+        """What of a squeeze no command of the joints makes; the weight, where the load leaves it out."""
+        from handlcp.grasp.answer.verdict import Reason
         from handlcp.hand.squeeze import reach_reasons
 
         yield from reach_reasons(spec)
+        if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
+            yield Reason("weight_left_out", "note", text)
 
     def squeezed(self, spec: GraspSpec, depth: float) -> GraspSpec:
         """By commands of the joints."""
@@ -180,7 +183,7 @@ class HandMechanism(Varied, Mechanism):
         at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
         yield from torque_reasons(self._check(at_limit, yielded))
         yield from doubt_reasons(self.posture.hand.doubts)
-        yield from self.place_reasons(*place)
+        yield from self.place_reasons(*place, "at the end of the loading")
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
@@ -251,12 +254,12 @@ class HandMechanism(Varied, Mechanism):
         asked = None if spec.asked is None else again(spec.asked, {"load": None, "wrench": load})
         return under(spec, whole, asked)
 
-    def place_reasons(self, posture: Posture | None, obj: Object | None) -> Iterator[Reason]:
+    def place_reasons(self, posture: Posture | None, obj: Object | None, when: str) -> Iterator[Reason]:
         """Of a posture, with the object there; None: not known."""
         from handlcp.hand.objects.inside import posture_reasons
 
         if posture is not None:
-            yield from posture_reasons(posture, obj, self.tips)
+            yield from posture_reasons(posture, obj, self.tips, when)
 
     def moved(self, posture: Posture, positions: Array, frames: Array) -> HandMechanism:
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""

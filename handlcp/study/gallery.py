@@ -10,16 +10,17 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from importlib import metadata, resources
 from multiprocessing import get_context
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
-from handlcp.errors import HandLCPError, Unsupported
+from handlcp.errors import HandLCPError, InputError, Unsupported, brief
 from handlcp.grasp.friction import SoftFinger
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.find import find_grasp
@@ -160,9 +161,46 @@ class Shelf:
 
     @classmethod
     def from_dict(cls, value: dict[str, Any]) -> Shelf:
-        """As written by `to_dict`."""
+        """As written by `to_dict`. Raises InputError, naming a key that is missing, unknown or no such value."""
+        _as_written(cls, value, "")
+        for k, row in enumerate(value["rows"]):
+            _as_written(Row, row, f"rows[{k}].")
+            if not all(isinstance(force, (int, float)) for force in row["forces"]):
+                raise InputError(f"rows[{k}].forces", "numbers", repr(row["forces"])[:80])
         rows = tuple([Row(**{**row, "forces": tuple(row["forces"])}) for row in value["rows"]])
         return cls(**{**value, "rows": rows})
+
+
+# What JSON has for the annotations of `Shelf` and `Row`
+_WRITTEN: dict[str, tuple[type, ...]] = {
+    "str": (str,), "bool": (bool,), "int": (int,), "float": (int, float), "float | None": (int, float, NoneType),
+    "str | None": (str, NoneType), "tuple[float, ...]": (list, tuple), "tuple[Row, ...]": (list, tuple),
+}  # fmt: skip
+
+
+def _as_written(kind: type[Shelf | Row], value: Any, where: str) -> None:
+    """Raises InputError unless a mapping holds what `asdict` makes of this class, and nothing else."""
+    if not isinstance(value, dict):
+        raise InputError(where.rstrip(".") or "the file", "a table of values by key", repr(value)[:80])
+    types = {field.name: str(field.type) for field in fields(kind)}
+    for key in (*types, *value):
+        if key not in types or key not in value:
+            known = ", ".join(types)
+            raise InputError(f"{where}{key}", f"the keys {known}", "another one" if key in value else "no such key")
+        if not isinstance(value[key], _WRITTEN[types[key]]):
+            raise InputError(f"{where}{key}", types[key], repr(value[key])[:80])
+
+
+def kept(file: Path, hand: str) -> Shelf:
+    """The shelf of this hand, as an earlier run wrote it. Raises InputError, naming the file and the key."""
+    try:
+        found = Shelf.from_dict(json.loads(file.read_text("utf-8")))
+        if found.hand != hand:
+            raise InputError("hand", repr(hand), repr(found.hand))
+    except (OSError, ValueError) as error:  # an InputError is a ValueError
+        expected = "numbers that an earlier run wrote (--again computes them anew)"
+        raise InputError("out", expected, f"{str(file)!r}: {brief(error)}") from None
+    return found
 
 
 def shelf(model: Model, objects: dict[str, Object]) -> tuple[Shelf, list[tuple[str, Candidate | None]]]:
@@ -255,7 +293,7 @@ def run(
     draw : what makes the picture; it has to be picklable. workers : processes; None: one a core. told : is called with
     hands done, all hands, and the last one's name.
     """
-    done = {m.name: Shelf.from_dict(json.loads(_numbers(folder, m).read_text("utf-8"))) for m in models
+    done = {m.name: kept(_numbers(folder, m), m.name) for m in models
             if _numbers(folder, m).is_file()}  # fmt: skip
     left = [m for m in models if m.name not in done]
     if left:

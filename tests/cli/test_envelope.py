@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene as scenes
 from handlcp.cli import app
+from tests.support.envelope import Question
 
 CUBE = str(pathlib.Path(__file__).parents[2] / "examples" / "cube_three_fingers.toml")
 FEW = ("--directions", "12", "--adaptive", "0", "--faces", "8")
@@ -53,11 +54,24 @@ def test_pictures_and_a_page_are_written(tmp_path):
         (("--of", "weight"), "of: expected"),
         (("--plot", "picture.txt"), "plot"),
         (("--page", "page.txt"), "page"),
+        (("--page", "page.html", "--directions", "xy"), "--page: expected directions all around"),
+        (("--directions", "xy,2"), "directions"),
         (("--motion", "-1"), "motion"),
     ],
 )
-def test_bad_input_is_one_message_and_exit_status_2(arguments, says):
+def test_bad_input_is_one_message_before_any_work_and_exit_status_2(arguments, says, monkeypatch):
+    def asked(*_arguments, **_options):
+        raise AssertionError("no direction is asked before the arguments are checked")
+
+    monkeypatch.setattr(Question, "ask", asked)
     done = run(CUBE, *arguments)
     assert done.exit_code == 2
     assert says in done.stderr
     assert done.stdout == ""
+
+
+def test_a_page_of_a_planar_scene_is_refused_before_any_work():
+    done = run(pathlib.Path(CUBE).with_name("planar_ring.toml"), "--page", "page.html")
+    assert done.exit_code == 2
+    assert "--page: expected directions all around" in done.stderr
+    assert "planar scene" in done.stderr

@@ -81,7 +81,8 @@ def test_without_a_load_of_its_own_the_weight_grows():
     assert found.before.factor > 0
     assert found.of_weight
     said = " ".join(str(found).split())
-    assert f"as it is the grasp holds {found.before.factor:.4g} × the weight, beside it" in said
+    assert f"as it is, the grasp holds {found.before.factor:.4g} × the weight in addition" in said
+    assert "added to the object's own" in said
     assert "the load check()" not in said
 
 

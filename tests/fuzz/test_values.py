@@ -92,7 +92,7 @@ def test_solver_settings(a, b, c, d):
         (hl.NSNGRK, ("tol", "max_iterations", "seed", "stride", "polish")),
         (hl.Lemke, ("max_iterations", "coverings", "seed", "pivot_tolerance")),
         (hl.SemismoothNewton, ("tol", "max_iterations")),
-        (hl.Auto, ("seed", "restarts")),
+        (hl.Auto, ("seed", "restarts", "search_work", "search_seconds")),
     ):
         values = dict(zip(names, (a, b, c, d, True), strict=False))
         for settings_ in (values, *({k: v} for k, v in values.items())):

@@ -60,19 +60,22 @@ def test_it_brings_no_unknowns(faces):
     assert line.cost == 0
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_sliding_is_on_the_ellipse_and_against_its_normal(seed):
-    s = ring(seed, RIBBED).solve("cone", throw=False)
-    assert s.status is not hl.Status.UNDECIDED
-    for i in range(len(s.forces) if s.held else 0):
-        x, y, n = s.forces[i]
-        assert (x / 0.6) ** 2 + (y / 0.2) ** 2 <= n**2 * (1 + 1e-9) + 1e-12
-        if s.contact_state[i] == "sliding":
-            assert np.hypot(x / 0.6, y / 0.2) == pytest.approx(n, rel=1e-8)
-            normal = np.array([x / 0.36, y / 0.04])
-            np.testing.assert_allclose(
-                s.slip[i] / np.linalg.norm(s.slip[i]), -normal / np.linalg.norm(normal), atol=1e-6
-            )
+def test_sliding_is_on_the_ellipse_and_against_its_normal():
+    slides = 0
+    for seed in range(8):
+        s = ring(seed, RIBBED).solve("cone", throw=False)
+        assert s.status is not hl.Status.UNDECIDED
+        for i in range(len(s.forces) if s.held else 0):
+            x, y, n = s.forces[i]
+            assert (x / 0.6) ** 2 + (y / 0.2) ** 2 <= n**2 * (1 + 1e-9) + 1e-12
+            if s.contact_state[i] == "sliding":
+                slides += 1
+                assert np.hypot(x / 0.6, y / 0.2) == pytest.approx(n, rel=1e-8)
+                normal = np.array([x / 0.36, y / 0.04])
+                np.testing.assert_allclose(
+                    s.slip[i] / np.linalg.norm(s.slip[i]), -normal / np.linalg.norm(normal), atol=1e-6
+                )
+    assert slides >= 3
 
 
 @pytest.mark.parametrize("seed", range(4))

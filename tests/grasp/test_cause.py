@@ -126,7 +126,7 @@ SEVERAL = {
 }  # fmt: skip
 OBJECT = {
     "equilibrium": "no forces balance more load", "motion": "the object moves farther than allowed",
-    "slides through": "the object slides through: nothing that presses sticks any more", "undecided": "undecided",
+    "slides through": "the object slides through: no contact that presses sticks any more", "undecided": "undecided",
 }  # fmt: skip
 
 

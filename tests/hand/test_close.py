@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from handlcp.errors import InputError, NotReached, UnknownName
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Sphere, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import gaps
+from tests.support.texts import same
 
 from .test_objects import box_file
 
@@ -90,6 +92,25 @@ def test_unreachable_fingers_are_named_with_what_is_left(five: Hand) -> None:
     assert (q <= five.upper).all()
     with pytest.raises(NotReached):
         five.close_on(Sphere(0.01, (1.0, 0.0, 0.0)))
+
+
+def test_two_points_on_one_finger_are_said_to_share_its_joints() -> None:
+    """The link in the middle has no joint of its own: with it the whole finger would move."""
+    hand = example_hand(
+        "three_finger", joint_stiffness=6.0, fingertips=["finger_1_tip", "finger_1_proximal_link", "finger_2_tip"]
+    )
+    with pytest.raises(NotReached) as caught:
+        hand.close_on(Sphere(0.02, (0.0, 0.0, 0.09)))
+    assert "finger_1_proximal_link" in caught.value.gaps
+    without = re.sub(r", got .*", "", str(caught.value))
+    same(
+        "hand/test_close: two points on one finger",
+        without,
+        "no joint moves finger_1_proximal_link without finger_1_tip",
+    )
+    with pytest.raises(NotReached) as alone:  # fingers with joints of their own are out of reach, and nothing else
+        hand.close_on(Sphere(0.01, (1.0, 0.0, 0.0)), fingers=["finger_2_tip"])
+    assert "without" not in str(alone.value)
 
 
 @pytest.mark.parametrize(

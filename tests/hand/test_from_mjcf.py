@@ -187,10 +187,12 @@ def test_masses_and_ranges_are_mujoco_s(mjcf, source):
         np.testing.assert_allclose((fact.lower, fact.upper), model.jnt_range[j], atol=1e-15)
     described = mjcf.describe()
     assert described.mass == pytest.approx(model.body_mass.sum())
-    by_name = {k.name: k.mass for k in described.links}
+    by_name, weighed = {k.name: k.mass for k in described.links}, 0
     for i in range(1, model.nbody):
         if model.body(i).name in by_name and not model.jnt_pos[model.jnt_bodyid == i].any():
             assert by_name[model.body(i).name] == pytest.approx(model.body_mass[i])
+            weighed += 1
+    assert weighed
 
 
 def test_torque_limits_are_those_of_the_actuators():

@@ -117,15 +117,17 @@ def test_a_hand_with_its_surfaces_loaded_is_pickled(write, tmp_path):
     assert depth(pickle.loads(pickle.dumps(hand)), ball) == depth(hand, ball) == pytest.approx(5e-3, abs=5e-5)
 
 
+def around(ball):
+    """(name, contact) of three fingertips around a ball."""
+    for k, a in enumerate((0.0, 2.1, 4.2)):
+        n = -np.array([np.cos(a), np.sin(a), 0.0])
+        yield f"finger_{k + 1}_tip", hl.Contact(ball.center_of_mass - 0.03 * n, n, hl.Coulomb(0.8))
+
+
 def test_a_ball_deep_in_the_palm_is_not_called_held():
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
-    contacts = {
-        f"finger_{k + 1}_tip": hl.Contact(ball.center_of_mass - 0.03 * n, n, hl.Coulomb(0.8))
-        for k, a in enumerate((0.0, 2.1, 4.2))
-        for n in [-np.array([np.cos(a), np.sin(a), 0.0])]
-    }
-    known = hand.at(hand.neutral).grasp(contacts, preload=1e-3, gravity=(0, 0, 0))
+    known = hand.at(hand.neutral).grasp(dict(around(ball)), preload=1e-3, gravity=(0, 0, 0))
     assert not known.solve().verdict.about("link_inside"), "contacts alone say nothing of the object's shape"
     found = links_inside(hand.at(hand.neutral), ball, ())
     assert [one.link for one in found] == ["palm"]
@@ -180,8 +182,20 @@ def test_a_can_with_links_of_fingers_inside_it_is_not_called_held():
     grasp = state.grasp(can, hl.Coulomb(0.8), squeeze=3e-3)
     one = grasp.solve("cone")
     assert one.held
-    for v in (one.verdict, grasp.check(solution=one)):
+    for v, when in ((one.verdict, "in the given posture"), (grasp.check(solution=one), "before stage 'squeeze'")):
         assert v.word != "HELD"
+        first = next(r for r in v.about("link_inside") if r.severity == "decides")
+        assert first.sentence.startswith(f"{when}, finger_")
         deep = [link for r in v.about("link_inside") if r.severity == "decides" for link in r.values["links"]]
         assert {link["link"] for link in deep} == {f"finger_{k}_proximal_link" for k in (1, 2, 3)}
         assert all(link["depth_m"] == pytest.approx(2e-3, abs=3e-4) for link in deep), "they lean out a little"
+
+
+def test_a_link_that_the_loading_brings_into_the_object_is_said_to_be_there_at_its_end():
+    """The same ball deep in the palm, as the place where hand and object end."""
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    state = hand.at(hand.neutral)
+    ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
+    mechanism = state.grasp(dict(around(ball)), preload=1e-3).spec.mechanism
+    said = [r.sentence for r in mechanism.end_reasons(np.zeros(6), np.zeros(6), (state, ball)) if "palm" in r.sentence]
+    same("hand/test_inside: at the end", "; ".join(said), "palm", "at the end of the loading")

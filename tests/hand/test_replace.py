@@ -136,6 +136,20 @@ def test_a_wrench_is_the_whole_load_and_a_weight_changes_beside_it(grasp):
     same("hand/test_replace: a wrench beside a mass", str(refused.value))
 
 
+def test_a_wrench_that_leaves_the_weight_out_says_so_where_the_grasp_is_judged(grasp):
+    """The weight is 0.2 × 9.81 N; a wrench that includes it needs no word."""
+    push, weight = np.array([0, 0.1, 0, 0, 0, 0]), np.array([0, 0, -0.2 * G, 0, 0, 0])
+    alone, both = grasp.replace(wrench=push), grasp.replace(wrench=push + weight)
+    (note,) = alone.solve().verdict.about("weight_left_out")
+    same("hand/test_replace: the weight is left out", note.sentence, "1.96 N", "load=")
+    assert note.severity == "note"
+    assert alone.check().about("weight_left_out") == (note,)
+    assert note.sentence in " ".join(str(alone.explain()).split())
+    for other in (both, grasp.replace(load=push), alone.replace(load=push)):
+        assert not other.solve().verdict.about("weight_left_out")
+        assert "left out" not in str(other.explain())
+
+
 LOADS = [(0.3, 0, -5.0, 0, 0, 0.01), np.zeros(6), [0, 4.0, 0, 0.02, 0, 0]]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -60,7 +62,8 @@ def test_a_problem_must_be_one():
     "make",
     [lambda: hl.Lemke(max_iterations=0), lambda: hl.Lemke(coverings=0), lambda: hl.Lemke(pivot_tolerance=-1),
      lambda: hl.SemismoothNewton(tol=0), lambda: hl.SemismoothNewton(max_iterations=0), lambda: hl.Auto(seed=-1),
-     lambda: hl.Auto(restarts=1.5)],
+     lambda: hl.Auto(restarts=1.5), lambda: hl.Auto(np.zeros(3)), lambda: hl.Auto(search_seconds=np.zeros(3)),
+     lambda: hl.Auto(search_seconds=-math.inf)],
 )  # fmt: skip
 def test_solvers_check_their_settings(make):
     with pytest.raises(hl.InputError):

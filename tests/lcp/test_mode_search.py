@@ -15,15 +15,17 @@ from tests.support.lcp import ModeSearch, misses_patch, nearest_point, patches
 @pytest.mark.parametrize("splits", [0, 1, 3])
 def test_every_slide_lies_in_one_of_the_patches(tangents, faces, splits):
     """A force on the limit and the slip that it opposes, by projecting points from outside onto the set."""
-    rng, every = np.random.default_rng(0), patches(tangents, faces, splits)
+    rng, every, outside = np.random.default_rng(0), patches(tangents, faces, splits), 0
     for _ in range(40):
         s = np.zeros(3)
         s[:tangents] = rng.standard_normal(tangents) * 3.0
         P = nearest_point(s, tangents, 0.7, faces)
         if np.linalg.norm(s - P) < 1e-9:
             continue
+        outside += 1
         force, motion = np.append(1.0, P[:tangents]), np.append(0.0, (P - s)[:tangents])
         assert min(misses_patch(0.7, faces, corners, force, motion) for corners in every) < 1e-9
+    assert outside >= 20
 
 
 def test_patches_of_the_disc_and_the_ball_shrink_to_the_set():

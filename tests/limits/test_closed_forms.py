@@ -54,6 +54,36 @@ def test_a_pinch_slips_at_twice_the_friction_of_one_contact(faces, degrees):
     assert found.factor == pytest.approx(2 * MU * N * polygon(faces, angle), rel=NEAR)
     assert kinds(found) == {"slips"}
     assert named(found) == {"finger 1", "finger 2"}
+    assert found.at_limit.held
+
+
+@pytest.mark.parametrize(("along", "mu"), [((0, 0, 1), 0.6), ((0, 1, 0), 0.3)])
+def test_an_anisotropic_pinch_slips_at_the_coefficient_of_its_direction(along, mu):
+    law = hl.AnisotropicCoulomb(0.6, 0.3, along=(0, 0, 1))
+    assert limit(pinch(law, None), (*along, 0, 0, 0)).factor == pytest.approx(2 * mu * N, rel=NEAR)
+
+
+def test_hard_fingers_do_not_resist_a_turn_about_their_line():
+    found = limit(pinch(), (0, 0, 0, 1, 0, 0))
+    assert found.factor == 0.0
+    assert kinds(found) == {"equilibrium"}
+
+
+def test_a_motion_that_is_allowed_ends_the_path_where_springs_say():
+    found = limit(pinch(), (0, 0, 1, 0, 0, 0), motion=1e-4)
+    assert found.factor == pytest.approx(1e-4 * 2 / C, rel=NEAR)  # two springs side by side
+    assert kinds(found) == {"motion"}
+
+
+def test_a_total_bound_on_the_normal_forces_gives_way():
+    found = limit(pinch(effects=[hl.TotalForceBound(1.2 * N)]), (0, 0, 1, 0, 0, 0))
+    assert found.factor == pytest.approx(MU * 1.2 * N, rel=NEAR)
+    assert found.bound == pytest.approx(found.factor, rel=1e-6)
+    assert found.some_equilibrium == found.factor
+
+
+def test_the_factor_on_the_own_load_is_its_safety():
+    assert limit(pinch(wrench=(0, 0, MU * N, 0, 0, 0)), None).factor == pytest.approx(2.0, rel=NEAR)
 
 
 def test_a_force_across_a_pinch_is_no_load_of_its_friction():
@@ -215,7 +245,15 @@ def standing(tmp_path, table=0.5, fingers=None, faces_along=(0, 1, 0)):
 def test_pressing_on_a_table_has_no_limit(tmp_path, faces):
     found = limit(standing(tmp_path), (0, 0, -1, 0, 0, 0), faces)
     assert found.factor == np.inf
-    assert found.events == ()
+    assert found.events == found.binds == ()
+    assert "nothing gives out" in found.why
+
+
+def test_what_only_stands_and_weighs_nothing_is_not_held_down():
+    feet = [hl.Contact((x, y, 0), (0, 0, 1), hl.Coulomb(0.5)) for x in (-HALF, HALF) for y in (-HALF, HALF)]
+    grasp = hl.Grasp(feet, flexibility=C)
+    assert limit(grasp, (0, 0, 1, 0, 0, 0)).factor == 0.0
+    assert limit(grasp, (0, 0, -1, 0, 0, 0)).factor == np.inf
 
 
 @pytest.mark.parametrize("faces", ["cone", 8])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.limits import limits_of_grasp
+from tests.support.limits import balanced, limits_of_grasp
 
 LAWS = {
     "coulomb": lambda rng: hl.Coulomb(rng.uniform(0.2, 0.4)),
@@ -26,17 +26,9 @@ def random_grasp(seed, law):
 
 
 def holds(grasp, load, faces):
-    """Whether `follow` reaches a load, and the contacts balance it: no damper does."""
+    """Whether `follow` reaches a load, and the contacts balance it."""
     end = grasp.follow(load, geometry="fixed", faces=faces)
-    forces, lost = end.steps.forces[-1], np.array(load, dtype=float)
-    for i, R in enumerate(grasp.spec.frames):
-        f = R @ forces[i]
-        lost[:3] += f
-        lost[3:] += np.cross(grasp.spec.positions[i] - grasp.spec.reference, f)
-        if end.steps.states[-1].read.torsion[i]:
-            lost[3:] += end.steps.states[-1].read.torsion[i] * R[:, 2]
-    lost[3:] /= 0.05
-    return end.reached and bool(abs(lost).max() <= 1e-6 * abs(forces).max())
+    return end.reached and balanced(end, load)
 
 
 CASES = [(0, "coulomb", 6), (0, "coulomb", "cone"), (2, "coulomb", "cone")]

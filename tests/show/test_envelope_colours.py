@@ -50,6 +50,7 @@ def test_kinds_differ_in_hue_and_shades_stay_near_the_hue_of_their_kind():
             mean[kind] = np.angle(ways.mean(), deg=True)
             assert abs(np.angle(ways / ways.mean(), deg=True)).max() < 50.0, kind
     kinds = list(mean)
+    assert len(kinds) > 3
     for k, one in enumerate(kinds):
         for other in kinds[k + 1 :]:
             assert abs((mean[one] - mean[other] + 180.0) % 360.0 - 180.0) > 25.0, (one, other)

@@ -13,6 +13,7 @@ from scipy.spatial import ConvexHull
 
 import handlcp as hl
 from tests.support.envelope import without_limits
+from tests.support.texts import same
 
 MU, N, R, K = 0.5, 2.0, 0.02, 1e-3  # friction, grip [N], half width [m], flexibility [m/N]
 G = 9.81
@@ -46,7 +47,8 @@ def kinds(binds):
 def test_a_pinch_holds_2_mu_n_in_every_tangential_direction():
     env = hl.envelope(pinch(), ("yz", 24))
     np.testing.assert_allclose(env.factors, 2 * MU * N, rtol=1e-9)
-    assert all(set(b.who for b in binds) == {"left", "right"} for binds in env.binds if kinds(binds) == {"slips"})
+    assert [kinds(binds) for binds in env.binds] == [{"slips"}] * 24
+    assert [{b.who for b in binds} for binds in env.binds] == [{"left", "right"}] * 24
     np.testing.assert_allclose(env.directions[:, 0], 0.0, atol=1e-15)
 
 
@@ -154,6 +156,7 @@ def test_an_accuracy_is_reached_or_it_is_said_where_it_is_not():
 def test_the_mass_that_is_held_is_that_of_a_limit_and_of_following_a_heavier_object():
     ways = [(0, 0, -1), (0, 0.6, 0.8)]
     env = hl.envelope(cube(), geometry="fixed", directions=ways, of="gravity", faces=8)
+    followed = 0
     for k, d in enumerate(env.directions):
         bare = cube().replace(mass=0.0)
         assert env.factors[k] == pytest.approx(bare.load_limit(env.wrenches[k], geometry="fixed", faces=8).factor)
@@ -163,6 +166,8 @@ def test_the_mass_that_is_held_is_that_of_a_limit_and_of_following_a_heavier_obj
         for share, holds in ((0.98, True), (1.02, False)):
             heavy = cube().replace(mass=float(share * env.factors[k]), gravity=G * d)
             assert heavy.follow(geometry="fixed", faces=8).reached is holds
+            followed += 1
+    assert followed
     assert env.question.load.mass == 0.2
     assert "times the object" in str(env)
 
@@ -263,9 +268,19 @@ def test_no_direction_holds_more_than_its_bound():
     env = of_cube(42, 1)
     assert (env.factors <= env.bound * (1 + 1e-6)).all()
     c = env.compliance
+    said = next(line for line in str(env).replace("\n  ", " ").splitlines() if "alone" in line)
+    same("study/test_envelope: what compliance gives away", said, f"{c.least:.0%}".replace("%", " %"))
     kept = env.factors / env.bound
     assert c.least == kept.min() == kept[c.number]
     assert c.least < c.median < 1.0
+
+
+def test_wrenches_out_of_the_plane_of_a_planar_scene_are_refused():
+    left, right = hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)
+    grasp = hl.Grasp([left, right], flexibility=K, preload=K * N)
+    assert hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0)]).factors[0] == pytest.approx(2 * MU * N, rel=1e-6)
+    with pytest.raises(hl.InputError, match="directions: expected forces in the plane"):
+        hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0), (0, 0, 1.0, 0, 0, 0)])
 
 
 def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():

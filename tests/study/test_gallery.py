@@ -74,6 +74,30 @@ def test_hands_that_are_done_are_read_and_not_computed(tmp_path):
     assert found.to_dict() == Shelf.from_dict(made()).to_dict()
 
 
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ({"rows": None}, "rows: expected"), ({"licence": ...}, "licence: .*no such key"), ({"colour": 1}, "colour: "),
+        ({"rows": [{**ROWS[0], "forces": [1.0, "2"]}]}, r"rows\[0\]\.forces: expected numbers"),
+        ({"rows": [ROWS[0], {**ROWS[1], "margin": "0.5"}]}, r"rows\[1\]\.margin: "), ({"rows": [3]}, r"rows\[0\]: "),
+        ({"hand": "allegro"}, "hand: expected 'three_finger'"),
+    ],
+)  # fmt: skip
+def test_a_file_made_by_hand_is_refused_by_file_and_key(change, what, tmp_path):
+    told = {key: x for key, x in (made() | change).items() if x is not ...}
+    (tmp_path / "three_finger.json").write_text(json.dumps(told), encoding="utf-8")
+    with pytest.raises(hl.InputError, match=rf"out: .*three_finger\.json': {what}"):
+        run([model("three_finger")], tmp_path, None)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "3"])
+def test_a_file_that_holds_no_hand_is_refused(text, tmp_path):
+    (tmp_path / "three_finger.json").write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(app, ["gallery", "--out", str(tmp_path), "--hand", "three_finger"])
+    assert result.exit_code == 2
+    assert "three_finger.json" in result.stderr
+
+
 def test_household_objects_are_in_metres():
     """A golf ball is 42.7 mm wide, a can of soup 68 mm (YCB)."""
     found = things()

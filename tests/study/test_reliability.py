@@ -354,3 +354,46 @@ def test_a_run_all_of_whose_contacts_are_past_an_edge_has_no_chance_but_ends():
     sure = hl.reliability(held_cube(), {"positions": {"finger_1_tip": far}}, 64)
     assert sure.counts["UNDECIDED"] == sure.samples
     assert (sure.chance_held.low, sure.chance_held.high) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("codes", np.full(64, 4)), ("codes", np.zeros(64)), ("codes", np.zeros((64, 1), int)), ("margin", np.ones(63)),
+        ("margin", np.full(64, "x")), ("again", np.zeros(64)), ("unplaced", np.zeros((2, 32), bool)), ("codes", None),
+        ("codes", np.array(3)),
+    ],
+)  # fmt: skip
+def test_a_file_made_by_hand_is_refused_by_the_name_of_its_array(name, value, tmp_path):
+    file = tmp_path / "run.npz"
+    hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
+    with np.load(file) as found:
+        kept = dict(found)
+    assert len(kept["codes"]) == 64
+    np.savez(file, **{key: x for key, x in (kept | {name: value}).items() if x is not None})
+    with pytest.raises(hl.InputError, match=rf"resume: .*run\.npz'.*{name}"):
+        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
+
+
+def test_a_file_with_more_samples_than_are_asked_for_is_refused(tmp_path):
+    file = tmp_path / "run.npz"
+    hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
+    with np.load(file) as found:
+        kept = {key: x if key == "question" else np.tile(x, 2) for key, x in found.items()}
+    np.savez(file, **kept)
+    with pytest.raises(hl.InputError, match="128 samples that are done of 64"):
+        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
+
+
+def test_one_array_alone_is_no_file_of_a_run(tmp_path):
+    file = tmp_path / "run.npz"
+    with file.open("wb") as out:
+        np.save(out, np.zeros(3))
+    with pytest.raises(hl.InputError, match="resume: expected a file that an earlier run"):
+        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
+
+
+@pytest.mark.parametrize("spread", [{"friction": 1e6}, {"friction": {"left": 1e6}}, {"stiffness": 101.0}])
+def test_a_spread_without_a_derivative_is_refused_by_its_own_name(spread):
+    with pytest.raises(hl.InputError, match=r"^spread\['[a-z]*'\].*: expected a standard deviation of at most"):
+        hl.reliability(pinch(), spread, 64)

@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from handlcp.study.envelope import ask
+from handlcp.study.envelope.ask import Question
 
-__all__ = ["without_limits"]
+__all__ = ["Question", "without_limits"]
 
 
 def without_limits(monkeypatch):

@@ -121,7 +121,7 @@ class Explanation(Data):
             takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
             cost = f" [{brings or 'no unknowns'}{takes}]" if e.on else ""
             lines.append(wrapped(f"{e.title}: {e.why}{cost}", "     ", "on   " if e.on else "off  "))
-        what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "mixed problem"
+        what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "none eliminated"
         if self.rcond is not None:
             what += f" (condition of their block {1.0 / self.rcond:.1e})" if self.rcond > 0.0 else " (singular block)"
         lines.append(wrapped(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}", "  "))

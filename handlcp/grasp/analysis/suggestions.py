@@ -82,16 +82,16 @@ class Suggestions(Data):
         """What it prints, one sentence each."""
         lines = [str(s) for s in self.found]
         if self.word == HELD:
-            lines.append("it holds as it moves: grasp.check() says so, where one solve finds no equilibrium")
+            lines.append("grasp.check() follows the grasp as it moves, and says HELD; one solve finds no equilibrium")
         if self.word and not lines:
             tried = f": neither {' nor '.join(self.tried)}" if self.tried else ""
             lines = [f"nothing was found that would make it hold{tried}"]
         if not lines:
-            lines = [f"nothing that is judged changes the answer by {_percent(self.least)}"]
+            lines = [f"no effect that was judged changes the answer by as much as {_percent(self.least)}"]
         if self.small:
-            lines.append("small: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
+            lines.append("changes little: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
         if self.unjudged:
-            lines.append("not judged (no numbers given, or not beside what is on): " + ", ".join(self.unjudged))
+            lines.append("not judged (they need numbers, or do not go with what is on): " + ", ".join(self.unjudged))
         return tuple(lines)
 
     def __str__(self) -> str:

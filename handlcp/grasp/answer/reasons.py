@@ -210,7 +210,7 @@ def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], w
         yield Reason("friction", "warning", text, values)
     elif sticks and (most := max(x for x, _ in sticks)) > _LITTLE:
         who = next(n for x, n in sticks if x >= (1.0 - 1e-6) * most)  # the first of equals
-        others = "of the others " if slides else ""
+        others = "of those that stick " if slides else ""
         text = f"friction {others}is used up to {words.percent(most)}{when} ({who})"
         if most >= HARDLY:
             warning = f"{who} uses {words.percent(most)} of its friction: a little more load makes it slide"
@@ -241,7 +241,7 @@ def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
 def no_load(spec: Any) -> Iterator[Reason]:
     """Of a grasp whose object nothing loads: a mass may have been forgotten."""
     if not spec.wrench.any():
-        text = "no load: the object has no weight and no wrench was given"
+        text = "no load: no weight acts on the object, and no wrench was given"
         yield Reason("no_load", "note", text)
 
 
@@ -253,7 +253,7 @@ def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
         text = "other forces satisfy the same conditions; the smallest are given"
         yield Reason("forces_open", "warning", text)
     if k := free.loose_motions:
-        text = f"the object is loose in {k} direction{'s' if k > 1 else ''}; the smallest motion is given"
+        text = f"nothing resists {k} motion{'s' if k > 1 else ''} of the object; the smallest is given"
         yield Reason("loose", "warning", text, {"directions": k})
     if free.others:
         text = "friction can hold the object in other ways, too; grasp.equilibria() lists them"

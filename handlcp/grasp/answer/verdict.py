@@ -16,6 +16,7 @@
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
 | `no_load` | neither a weight nor a wrench loads the object |
+| `weight_left_out` | `replace(wrench=...)` gave the whole load, without the object's weight |
 | `friction` | how much of their friction the contacts use that stick |
 | `forces_open`, `loose`, `others` | what the equations leave open |
 | `snaps` | the object leaves its place on the way, and comes to rest at another |

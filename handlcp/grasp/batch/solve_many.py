@@ -1,11 +1,10 @@
-"""Many grasps in one call, with their progress."""
+"""Many grasps in one call."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from concurrent.futures import Executor
-from contextlib import contextmanager
 
 from handlcp.check import integer
 from handlcp.errors import InputError
@@ -17,40 +16,7 @@ from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.lcp.compiler.when import soon
-
-# ----------------------------------------------------------------
-# How far a batch has come: told to a function, or drawn as a bar.
-
-Progress = bool | Callable[[int, int], None] | None
-
-
-@contextmanager
-def told(progress: Progress, total: int) -> Iterator[Callable[[int], None]]:
-    """A function to call with how many more are done. Raises InputError."""
-    if progress is None or progress is False:
-        yield lambda more: None
-    elif progress is True:
-        from rich.console import Console  # rich takes a while to import, and most batches want no bar
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn, TimeRemainingColumn
-
-        columns = TextColumn("grasps"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-        with Bar(*columns, console=Console(stderr=True)) as bar:
-            task = bar.add_task("", total=total)
-            yield lambda more: bar.advance(task, more)
-    elif callable(progress):
-        done = 0
-
-        def say(more: int) -> None:
-            nonlocal done
-            done += more
-            progress(done, total)
-
-        if not total:
-            progress(0, 0)
-        yield say
-    else:
-        raise InputError("progress", "True, False, None, or a function of (done, total)", repr(progress)[:80])
-
+from handlcp.progress import Progress, told
 
 # ----------------------------------------------------------------
 # Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
@@ -66,7 +32,8 @@ def solve_many(
     workers : how many at a time on this machine; None: one a core.
     executor : any `concurrent.futures` executor, which then does all the work, such as `client.get_executor()` of a
         Dask cluster; None: this machine. handlcp has to be installed where it works.
-    progress : True: a bar on stderr; a function: called with (grasps done, all grasps) from time to time.
+    progress : None: a line on the terminal once it takes long; False: none; True: a line on stderr that stays; a
+        function: called with (grasps done, all grasps) from time to time.
     proof : where no answer is found, whether to search for a proof that there is none, up to some seconds a grasp;
         False: stop there, in bounded time, and say UNDECIDED.
 
@@ -89,7 +56,7 @@ def solve_many(
     count = (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
     answers: list[Answers] = []
     singles: dict[int, GraspSolution] = {}
-    with told(progress, len(batch)) as say, soon(len(batch)):
+    with told("grasps", len(batch), progress) as say, soon(len(batch)):
         for found in on_cores(batch, count) if executor is None else on_executor(batch, executor):
             if isinstance(found, Single):
                 singles[found.at] = found.solution

@@ -76,7 +76,7 @@ _GIVES_OUT = {  # of one, of several
 _OF_OBJECT = {
     EQUILIBRIUM: "no forces balance more load",
     MOTION: "the object moves farther than allowed",
-    SLIDES: "the object slides through: nothing that presses sticks any more",
+    SLIDES: "the object slides through: no contact that presses sticks any more",
     UNDECIDED: "undecided",
 }
 _HAPPENS = {  # of one, of several
@@ -96,7 +96,7 @@ _HAPPENS = {  # of one, of several
     "range end": ("passes the end of its range", "pass the ends of their ranges"),
     "range": ("is within its range again", "are within their ranges again"),
     "range end by turns": ("leaves its range and returns by turns", "leave their ranges and return by turns"),
-    "slides through": ("begins to slide through: nothing that presses sticks any more", "slide through"),
+    "slides through": ("begins to slide through: no contact that presses sticks any more", "slide through"),
     "snaps": ("snaps to another place", "snap to another place"),
     "snaps by turns": ("snaps to other places, several times", "snap to other places, several times"),
 }  # fmt: skip

@@ -23,6 +23,7 @@ from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import by_effort
 from handlcp.grasp.parameter.wrench import beside_weight, loaded
+from handlcp.progress import told
 from handlcp.text_table import TextTable, wrapped
 
 
@@ -45,8 +46,8 @@ class BestChange(Data):
     wrench (6,) : the load that grows, beside the weight [N, N·m]. share : of every change. before : the load limit
     without a change. tried : the changes; empty where nothing binds before. between : factor on the load, between the
     limits before and after the best change, at which `check()` was asked; NaN where no change buys anything.
-    verdicts : its words there, with the best change and without. of_weight : whether the load that grows is the weight
-    once more, beside the weight, as none was said and the grasp has none.
+    verdicts : its words there, with the best change and without. of_weight : whether the load that grows is added to
+    the object's weight and acts as that does, because no load was given and the grasp has none.
     """
 
     wrench: Array
@@ -73,7 +74,7 @@ class BestChange(Data):
         rows = [("as it is", _times(self.before.factor), "", _gives_out(self.before))]
         rows += [(t.what, _times(t.factor), _gain(t.gain), _gives_out(t.limit)) for t in self.tried]
         return TextTable(
-            ("change", "holds more\n× weight" if self.of_weight else "holds\n× load", "gain", "then gives out"),
+            ("change", "holds extra\n× weight" if self.of_weight else "holds\n× load", "gain", "then gives out"),
             tuple(rows),
             "<>><",
         )
@@ -90,11 +91,11 @@ class BestChange(Data):
             return "none of these changes buys load"
         told, load = f"{best.what} buys most: {_gain(best.gain)} load", "the load"
         if self.of_weight:
-            load, has = "the weight, beside it,", f"{self.before.factor:.4g} × the weight, beside it"
-            told = f"the load that grows is the weight once more; as it is the grasp holds {has}; {told}"
+            load, has = "extra weight", f"{self.before.factor:.4g} × the weight in addition"
+            told = f"no load was given, so weight is added to the object's own: as it is, the grasp holds {has}; {told}"
         if self.confirmed:
-            return wrapped(f"{told}; at {self.between:.4g} × {load} check() says HELD, and not without it")
-        given = " and ".join([f"{w} {how} it" for w, how in zip(self.verdicts, ("with", "without"), strict=True)])
+            return wrapped(f"{told}; at {self.between:.4g} × {load} check() says HELD with the change, and not without")
+        given = f"{self.verdicts[0]} with the change and {self.verdicts[1]} without"
         return wrapped(f"{told}; but at {self.between:.4g} × {load} check() says {given}")
 
     def to_dict(self) -> dict[str, Any]:
@@ -110,6 +111,7 @@ class BestChange(Data):
         }  # fmt: skip
 
 
+@told("load limits with each change")
 def best_change(
     spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any
 ) -> BestChange:  # fmt: skip

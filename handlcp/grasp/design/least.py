@@ -16,6 +16,7 @@ from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.lcp import Auto
+from handlcp.progress import told
 
 # ----------------------------------------------------------------
 # The least value that holds, closed in on from a value that should be near it.
@@ -118,6 +119,7 @@ class Changed:
         return not path.reached and path.lost_stage == ORDER[0]
 
 
+@told("looking for the least value")
 def least_value(changed: Changed, start: float, most: float, tolerance: float, unit: str) -> Required:
     """The least number with which the grasp holds to the end of its loading, to a relative tolerance, and what `check`
     says of it. start : near it, > 0.
@@ -159,6 +161,7 @@ def confirmed_preload(spec: GraspSpec, section: Section, tolerance: float) -> Re
     return _confirmed(found, spec.squeezed, section)
 
 
+@told("looking for the least value")
 def _confirmed(found: Required, make: Callable[[float], GraspSpec], section: Section) -> Required:
     """The same with what `check` says of it. Where contacts move as the hand does, what `check` says counts: unless
     the grasp holds at the value, and not below, it is searched for anew from there, by following.

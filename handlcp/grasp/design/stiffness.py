@@ -27,6 +27,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import named
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.tangent.solutions import without_slip
+from handlcp.progress import told
 from handlcp.text_table import wrapped
 
 _MOST = 256.0
@@ -72,6 +73,7 @@ class RequiredStiffness(Data):
         return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it{called}", "  ")
 
 
+@told("looking for the least stiffness")
 def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance: Any) -> RequiredStiffness:
     """See `Grasp.required_stiffness`."""
     allowed, near = number("motion", motion, above=0.0), tolerance_of(tolerance)

@@ -116,7 +116,7 @@ class JointOffset(Effect):
         assert scene.mechanism is not None  # `needs_joints` saw to it
         moved = [f"{name} {x:+.3g}" for name, x in zip(scene.mechanism.names, self.command.tolist(), strict=True) if x]
         given = "" if self.reach is None else f"{self.reach}; "
-        return f"{given}{listed(moved) or 'no joint moved, 0'} rad: data, in the offsets"
+        return f"{given}{listed(moved) or 'no joint moved, 0'} rad, part of the offsets"
 
     def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """-J δq, and the turns of soft fingertips likewise."""

@@ -45,7 +45,9 @@ _ON = 1e-9  # of the largest force or motion
 
 
 class Start(NamedTuple):
-    """place : with squeeze and weight; None where they are not held, and why."""
+    """place : the state with squeeze and weight on; None where they are not held. why : they are not, in words; ""
+    where they are.
+    """
 
     place: Place | None
     why: str
@@ -67,7 +69,9 @@ def begun_of(spec: GraspSpec, section: Section, wrench: Array) -> tuple[System, 
 
 @lru_cache(maxsize=_KEPT)
 def _kept(spec: GraspSpec, section: Section) -> tuple[System, Start] | None:
-    """None: neither squeeze nor weight, and the load sets the units."""
+    """The arrays of a grasp and the state that a load finds, kept for the next load. None where there is neither
+    squeeze nor weight: the load itself then sets the natural units, so that nothing can be kept.
+    """
     system = system_of(spec, section, None)
     return None if system is None else (system, _start_of(system))
 
@@ -99,7 +103,7 @@ def _squeezed(system: System) -> Start:
         return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
     if not sags and not (spec.offset[:, 2] > _NONE * size).any():
         found = solve_spec(alone, system.section, proof=False)
-        stays = "sliding" not in found.contact_state  # what slides remembers its way
+        stays = "sliding" not in found.contact_state  # the force of a contact that slides depends on its path
         if found.held and stays and abs(found.forces).max() > _ON * scene.units.force:
             return Start(_from_solution(system, found), "")
     return _followed(system, ("squeeze",))
@@ -192,7 +196,7 @@ def fixed_limit(
     )
     factor = over_nothing(factor, w, place)
     path = TracedPath(system, wrench, points[:count].copy(), place)
-    if status == GIVES_UP:  # where a contact opens while it slides, for one: steps of any size find the way
+    if status == GIVES_UP:  # for example where a contact opens while it slides: small steps find the path
         return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
     if status == LOST and factor > 0.0 and not ends_plainly(system) and not path.ends():
         return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
@@ -212,14 +216,16 @@ def fixed_limit(
 
 
 def ends_plainly(system: System) -> bool:
-    """Whether a path ends where a trace or a walk says so. With soft fingers or anisotropic friction one in ten goes on
-    by a way that neither finds.
+    """Whether the end that a trace or a walk finds is the limit. With soft fingers or anisotropic friction one path in
+    ten goes on in a way that neither of them finds.
     """
     return not system.scene.soft and not system.scene.anisotropic
 
 
 def over_nothing(factor: float, w: Array, place: Place) -> float:
-    """The factor on a load w (dof,), or 0 where so little load is borne by dampers alone."""
+    """The factor on a load w (dof,); 0 where that load is so small beside the forces of the squeeze that numerical
+    dampers alone may bear it.
+    """
     return factor if factor * np.linalg.norm(w) > _NOTHING * np.linalg.norm(place.r) else 0.0
 
 

@@ -38,8 +38,8 @@ _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
 _STEPS = 8  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
 _RAY = 1e4  # times that load: nothing binds that has not bound by then
-_AT = 1e-6  # of a limit: what is as near to it binds, too
-_NEAR = 1e-3  # of a load: what slides so near to where the object slides through is what gives way there
+_AT = 1e-6  # relative: limits that are this near to being reached bind, too
+_NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
 
 
@@ -60,7 +60,7 @@ def followed_limit(
     stands = start.where.q if body.follows else None
     limits = limits_of(spec, motion=most, ranges=body.follows, stands=stands)
 
-    # What stands at its limit before the load comes is at it no more than it was, and beyond it as everywhere
+    # What is at its limit already before the load comes ends the path only where it goes beyond the limit
     stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
 
     def beyond(state: State) -> float:

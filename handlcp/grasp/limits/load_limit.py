@@ -19,6 +19,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.verify.bound import bound_of
+from handlcp.progress import told
 
 # ----------------------------------------------------------------
 # What is asked of a load limit: which load, which geometry, how far the object may move.
@@ -41,8 +42,20 @@ def load_of(spec: GraspSpec, wrench: Any) -> Array:
     if spec.mechanism is not None:
         own -= spec.mechanism.weight_of_object(spec.reference)
     if not abs(own).max() > 1e-12 * abs(spec.wrench).max():
-        raise InputError("wrench", "a load: this grasp has none beside the object's weight", wrench)
+        raise InputError("wrench", _LOAD + _down(spec.wrench), wrench)
     return read_only(own)
+
+
+_LOAD = "the load that is to grow, force [N] and torque [N·m], as this grasp has none of its own"
+
+
+def _down(weight: Array) -> str:
+    """Which load (6,) acts as the weight (6,) does: 1 N of it."""
+    size = float(np.linalg.norm(weight[:3]))
+    if size == 0.0:
+        return ""
+    row = ", ".join([f"{round(x, 3) + 0.0:g}" for x in (weight / size).tolist()])
+    return f" beside the weight, which acts along ({row})"
 
 
 def tolerance(name: str, value: Any) -> float:
@@ -53,6 +66,7 @@ def tolerance(name: str, value: Any) -> float:
 # ----------------------------------------------------------------
 
 
+@told("load limit")
 def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None
 ) -> LoadLimit:  # fmt: skip

@@ -31,10 +31,11 @@ _KINDS = ("slips", "sticks", "opens", "touches", "yields", "holds")
 
 
 def binds_of(system: System, status: int, which: int, closed: Ints, active: Ints) -> tuple[Bind, ...]:
-    """status, which : as `trace` returns them; closed (n,), active (f,) : of the place where it ended.
+    """What binds at the end of a path. status, which : as `trace` returns them; closed (n,), active (f,) : of the place
+    where it ended.
 
-    Where no rates exist that balance more load: the contacts that open there; if there are none, all that slide; if
-    there are none either, balance itself.
+    Where contact forces cannot change so as to balance more load, what binds are the contacts that open there; if none
+    does, all that slide; if none does that either, balance itself.
     """
     if status in (RAY, REACHED, GIVES_UP):
         return ()
@@ -91,7 +92,9 @@ _MORE = 1e-3  # load, where a path seems to end
 
 @dataclass(frozen=True, eq=False)
 class _Moved(Effect):
-    """How far slips and turns before the last step have moved the contacts. Without a title: in no list."""
+    """How far slips and turns before the last step have moved the contacts. It has no title, so that no list of effects
+    shows it.
+    """
 
     shift: Array
 
@@ -174,7 +177,9 @@ class TracedPath:
         return certified(spec, build(spec), system.section, candidate, "the end of a path")
 
     def ends(self) -> bool:
-        """Whether no solver knows an answer under a little more load, from how contacts stand at its end."""
+        """Whether no solver finds an equilibrium under slightly more load, started from the contact states at the
+        path's end.
+        """
         system, place = self.system, self.place
         if place is None or place.give.any():
             return True

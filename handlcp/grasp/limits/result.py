@@ -59,7 +59,9 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Rest:
-    """Of a whole path: the factor at which the object is lost, how far it has moved where it matters, what happens."""
+    """What is known of the whole path: the factor at which the object is lost, how far it has moved where it matters,
+    and what happens.
+    """
 
     lost: float | None
     marks: dict[str, Reached]
@@ -88,10 +90,10 @@ class LoadLimit(Data):
     comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are not held.
     wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
     several. geometry : "fixed" or "followed".
-    first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides :
-    nothing that presses sticks any more, and the object has gone farther than ten times the rate while something stuck
-    explains, or it snaps: from here inertia and damping decide how far it jumps. lost : no static rest on the path
-    beyond.
+    first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides : no
+    contact that presses sticks any more, and the object gives way more than ten times as fast as it did while one
+    stuck, or it snaps: from here inertia and damping decide how far it jumps. lost : beyond this load the path has no
+    state at rest.
     accuracy : estimated relative error of the factor; NaN: not asked for. made : computes what is asked for later.
     question : what was asked, as which it is pickled.
     """
@@ -117,7 +119,9 @@ class LoadLimit(Data):
 
     @property
     def lost(self) -> float | None:
-        """The factor beyond which the path has no static rest; None: it has, or a joint's limit ends it before."""
+        """The factor beyond which the path has no state at rest; None: it has one, or a joint's limit ends the path
+        before.
+        """
         return self._rest.lost
 
     @property

@@ -176,8 +176,10 @@ class Mechanism:
         """The same of the end of a loading: torques (nv,), how far joints yield (nv,), and `at_end`."""
         return ()
 
-    def place_reasons(self, posture: Any, obj: Any) -> Iterable[Any]:
-        """The same of a posture alone, with the object where it is then; None for what is not known."""
+    def place_reasons(self, posture: Any, obj: Any, when: str) -> Iterable[Any]:
+        """The same of a posture alone, with the object where it is then; None for what is not known. when : that is,
+        such as "at the end of the loading".
+        """
         return ()
 
     def elsewhere(self, spec: Any, shift: Array) -> Any:

@@ -89,7 +89,7 @@ def _flat(positions: Array) -> float:
     return 1e-6 * (float(abs(positions - positions.mean(0)).max(initial=0.0)) or 1.0)
 
 
-def wrench(value: Any, normal: Array | None, lift: float = 0.0) -> Array:
+def wrench(value: Any, normal: Array | None, lift: float = 0.0, argument: str = "wrench") -> Array:
     """(6,) force and torque; a planar scene also takes (3,): two forces in the xy plane and the moment.
 
     lift [m]: how far above the reference, along the normal, a planar scene's forces act. A force f then has the moment
@@ -98,10 +98,10 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0) -> Array:
     if value is None:
         return read_only(np.zeros(6))
     shapes: tuple[tuple[int, ...], ...] = ((6,),) if normal is None else ((6,), (3,))
-    w = array("wrench", value, *shapes, what=WRENCH)
+    w = array(argument, value, *shapes, what=WRENCH)
     if w.shape == (3,):
         if normal is None or abs(normal[2]) != 1.0:
-            raise InputError("wrench", "shape (6,) unless the plane is xy", "shape (3,)")
+            raise InputError(argument, "shape (6,) unless the plane is xy", "shape (3,)")
         f = np.array([w[0], w[1], 0.0])
         w = read_only(np.append(f, lift * cross_rows(normal, f) + w[2] * normal))
     if normal is not None:
@@ -110,7 +110,7 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0) -> Array:
         if max(abs(float(f @ normal)), float(abs(tilt).max())) > 1e-9 * float(abs(w).max(initial=0.0)):
             where = f" that lies {lift:.3g} m above the reference (or a reference in it)" if lift else ""
             expected = f"forces in the plane of the contacts{where} and a moment about its normal"
-            raise InputError("wrench", expected, w.tolist())
+            raise InputError(argument, expected, w.tolist())
     return w
 
 

@@ -13,36 +13,38 @@ from typing import NamedTuple
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.stability import GROWS, MOVES, REST, flow, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
+from handlcp.progress import tick
 from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
 
-FINEST = 2.0**-9  # of a step: what has no end then has none
-_EXACT = 2.0**-16  # of a step: where a snap or the last static state is found, once it is known that there is one
+FINEST = 2.0**-9  # of a step: where one as short as this has no solution, there is none
+_EXACT = 2.0**-16  # of a step: how closely a snap or the last static state is located once there is known to be one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
-_TELLS = 2.0**-5  # of a step: the shortest whose rate counts as one while something stuck
+_TELLS = 2.0**-5  # of a step: shorter ones tell nothing of how fast the object gives way
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _BEHIND = 0.98  # of a step up to a change: short of it
-_ALONE = 2.0**-4  # of a step: a shorter one without an end is tried from where it stands, too
+_ALONE = 2.0**-4  # of a step: a shorter one without a solution is also tried without a prediction
 _MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
 _PUSH = 1e-3  # of the forces
 _SAME = 1e-3  # of the contacts' distances: the same place
-_BENDS = 0.5  # of a step: it may end so far from where it was expected
+_BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
 
 
 class Open(NamedTuple):
     """A last stage that goes on beyond its end until something ends it. first : its first step, as a share. most : the
-    share beyond which nothing will. over : of a state, how far it is beyond a limit that was set, as a share of it.
-    coarse : times as long as usual are later steps.
+    share at which it is given up: nothing will end it. over : of a state, how far it is beyond a limit that was set, as
+    a share of that limit. coarse : how many times as long as usual later steps are.
     """
 
     first: float
@@ -52,9 +54,8 @@ class Open(NamedTuple):
 
 
 def advance(stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int) -> Run:
-    """Every stage in about so many steps, until the end or until the object is lost.
-
-    first : the controls before anything is done.
+    """Follow every stage in about so many steps, until the end or until the object is lost. first : the controls before
+    anything is done.
     """
     state = stepper.beginning(first)
     run = Run([state], [0], [0.0])
@@ -82,16 +83,18 @@ class Leg:
             self.base = beyond.first
         self.begin = run.states[-1].controls
         self.share, self.step, self.count = 0.0, self.base, 0
-        self.ends = np.inf  # a snap or the last static state comes before this share, and is looked for
-        self.leaves = False  # that it is the last one is known, too
-        self.failed = False  # the last try
+        self.ends = np.inf  # the share before which there is a snap or the last static state, once that is known
+        self.leaves = False  # whether it is known, too, that the object leaves there
+        self.failed = False  # whether the last try had no solution
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
-        self.calm: tuple[str, ...] = ()  # contact states in which a push that seemed to grow did not
+        self.calm: tuple[str, ...] = ()  # contact states for which a small push that seemed to grow died away
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
         self.rate = Rate(_TELLS * self.base, bool(load.any()) or weight)
 
     def through(self, pause: bool = False) -> bool:
-        """Whether its end is reached; called again it goes on. pause : also where it slides through."""
+        """Whether the end of the stage is reached. pause : stop where the object begins to slide through, too; called
+        again it goes on from there.
+        """
         run = self.run
         while self.share < self.last * (1.0 - 1e-12):
             self.count += 1
@@ -108,6 +111,8 @@ class Leg:
     def _advanced(self) -> bool:
         """One try of a step; whether the path goes on."""
         run, share = self.run, self.share
+        at = words.percent(share) if self.beyond is None else f"{share:.3g} times the load"
+        tick(f"stage {self.goal.name!r} at {at}")
         state, size = run.states[-1], min(self.step, self.last - share)
         if share + size > self.last * (1.0 - 1e-9):
             size = self.last - share
@@ -148,18 +153,20 @@ class Leg:
         return min(step, most)
 
     def _failed(self, state: State, why: Failure, size: float) -> bool:
-        """A step without an end is halved; the shortest moves on by a flow. Whether the path goes on."""
+        """A step without a solution is halved; where the shortest has none, the object moves on in a viscous flow.
+        Whether the path goes on.
+        """
         run, share, known = self.run, self.share, self.ends < np.inf
         self.failed = True
         if size > (_EXACT if known else FINEST) * self.base:
             self.step = size / 2.0
             return True
         if known and self._gives_way(state):
-            return True  # who waits for that stops here
+            return True  # `through` may pause where the object slides through
         if known and self.leaves:
             return run.ends(Outcome.LOST, why)
         until, near = self.ends if known else share + size, np.inf
-        if not known and self._may_slide(state):  # whether it rests, or where, is asked from where exactly it snaps
+        if not known and self._may_slide(state):  # where it comes to rest is asked once the snap is located exactly
             near = max(self._no_snap(size), RUNS - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
         if how != MOVES:
@@ -174,8 +181,8 @@ class Leg:
         return True
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:
-        """Whether the step ends much farther away than the last one led, or far from where it was expected; without a
-        last one, whether half of it ends far from its middle. It may end on the other side of a jump.
+        """Whether the step may have jumped over a snap: it ends much farther away than the last step did, or far from
+        where the last two led. Without a last step: whether its half ends far from its middle.
         """
         last, far = self.rate.last, self.stepper.far(state.where.pose, found.where.pose)
         if last > 0.0 and far > self._no_snap(size):
@@ -206,7 +213,7 @@ class Leg:
         return state if isinstance(found, Failure) else found
 
     def _found(self, state: State, share: float, size: float) -> State | Failure:
-        """One step, from where the path leads; and where that has no end, from where it stands."""
+        """One step, solved from where the last two led; where that has no solution, from the last state."""
         controls, guess = self.controls(share + size), None
         if self.before is not None:
             guess = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
@@ -218,8 +225,8 @@ class Leg:
         return found
 
     def _last_resort(self, size: float) -> bool:
-        """Whether all methods are asked for the answer of a step: where contacts stay it is one solve, however long,
-        elsewhere once no shorter step has an end.
+        """Whether all solvers are asked for a step that Newton's method does not solve: where contacts stay where they
+        are it is one solve however long the step is, elsewhere only once no shorter step has a solution.
         """
         return self.ends == np.inf and (size <= FINEST * self.base or not self.stepper.geometry.follows)
 
@@ -236,7 +243,7 @@ class Leg:
         return found if isinstance(found, State) and found.kinds == state.kinds else None
 
     def _at(self, state: State, found: State, share: float, size: float, part: float) -> State | Failure:
-        """The state at a part of a step that is known to have an end."""
+        """The state at a part of a step that is known to have a solution."""
         controls, guess = self.controls(share + part * size), _part(self.stepper, state, found, part)
         return self._second(state, controls, guess, part * size) or self.stepper.step(state, controls, guess)
 
@@ -248,8 +255,8 @@ class Leg:
         return part * size, found
 
     def _stable(self, state: State, found: State, share: float, size: float) -> tuple[float, State, bool]:
-        """The step up to where a small push begins to grow, and that it does; all of it where a push that seemed to
-        grow comes to rest where the object was.
+        """(size, state, whether a small push grows): the step up to where a push begins to grow; the whole step where a
+        push that seemed to grow comes to rest where the object was.
         """
         end, how = flow(self.stepper, found, found.controls, self._push(found, self._growing(found)))
         if how == REST and self.stepper.far(found.where.pose, end.where.pose) < _SAME:
@@ -266,7 +273,9 @@ class Leg:
         return low * size, best, True
 
     def _breaks(self, state: State, share: float) -> bool:
-        """Whether the object comes to rest elsewhere, pushed a little under a little more load: the path goes on."""
+        """Whether the object, pushed a little under slightly more load, comes to rest elsewhere, so that the path goes
+        on.
+        """
         if share > self.share:
             self._add(state, share)
             self.share = share
@@ -302,7 +311,7 @@ class Leg:
         moved = self.stepper.between(state.where.pose, end.where.pose)
         distance, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
         if rests and distance / self.stepper.length + turn < self._no_snap(until - share):
-            return  # it goes on as it went: only Newton's method found no way there
+            return  # no snap: it moved on as before, only Newton's method had found no solution
         last = run.snaps[-1] if run.snaps else None
         if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.base:
             distance, turn, share = distance + last.moved, turn + last.turned, last.share
@@ -315,7 +324,7 @@ class Leg:
         return state.loaded and self.rate.loads and self.run.slides is None
 
     def _gives_way(self, state: State) -> bool:
-        """Whether it is here that the object begins to slide through, at the last state before a snap."""
+        """Note that the object begins to slide through here, at the last state before a snap; whether it does."""
         may = self._may_slide(state)
         if may:
             self.run.slides = Slides(self.number, self.share, len(self.run.states) - 1)
@@ -358,7 +367,9 @@ class Leg:
                 self.run.slides = Slides(self.number, share + part * size, len(self.run.states) - 1)
 
     def _stays(self, state: State, found: State, share: float, size: float) -> bool:
-        """Whether something sticks in most of a step at whose end nothing does; the rate that it reaches is noted."""
+        """Whether something sticks during most of a step at whose end nothing does. Then the rate at which the object
+        gives way there is noted.
+        """
         middle, last = [self._at(state, found, share, size, part) for part in (0.5, _BEHIND)]
         if isinstance(last, Failure) or STICKS not in last.kinds:
             return False

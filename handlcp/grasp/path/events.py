@@ -27,9 +27,9 @@ class Event:
     """kind : "slips", "sticks", "opens", "touches" (a contact), "over limit", "within limit", "yields", "holds",
     "range end", "range" (a joint), "snaps" (the object, which comes to rest again elsewhere), "slides through" (the
     object), "lost". who : the finger, the joint or "the object"; for "lost" the reason. stage : its name.
-    share : of the stage, 0 to 1, when it was there; it came after the step before. number : of the stage, from 0.
-    moved [m], turned [rad] : how far the object snaps. pushed (6,) : it was in balance, and snaps as a small push in
-    this motion makes it; (): no state was left to be in.
+    share : of the stage, 0 to 1, at the end of the step in which it happens. number : of the stage, from 0.
+    moved [m], turned [rad] : how far the object snaps. pushed (6,) : where the object was in balance, but not stable:
+    the motion in which a small push makes it snap; (): no state in balance was left.
     """
 
     kind: str

@@ -36,10 +36,11 @@ from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import certified
 from handlcp.lazy import lazy
+from handlcp.progress import told
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
-_COARSER = 100.0  # steps of differences of a path, beside those of one solve: its own steps are no finer
+_COARSER = 100.0  # times as wide as differences of one solve are those of whole paths, whose steps limit them
 TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 
 
@@ -189,6 +190,7 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
     return solve_spec(made, section, start=state.start, proof=False)
 
 
+@told("following the loading")
 def follow(
     spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
     accuracy: Any = None,

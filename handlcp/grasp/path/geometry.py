@@ -3,7 +3,7 @@
 A geometry answers one question: with the joints at q, the pads deformed by s and the object in this pose, where are the
 contacts, how far apart are their bodies, and how do joints move them? `FixedGeometry` answers from one posture, for
 small motions. A hand that knows its object answers from kinematics and contact detection
-(`handlcp.hand.following`).
+(`handlcp.hand.followed`).
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from handlcp.check import Array
 from handlcp.grasp.path.state import Controls, Failure, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.lcp.kernels.dense import kernel
+from handlcp.progress import tick
 
 # ----------------------------------------------------------------
 # A viscous flow at constant load: where an object goes that no static state holds, and whether it comes to rest.
@@ -38,6 +39,7 @@ def flow(
     h, start, speed = _FIRST, state, 0.0
     reach = float(np.sqrt(((state.look.positions - state.look.reference) ** 2).sum(axis=1)).max()) / stepper.length
     for count in range(_MOST):
+        tick("the object moves on to another place")
         under = controls if push is None or count >= _PUSHED else controls._replace(load=controls.load + push)
         found = stepper.step(state, under, None, h, _ROUGH)
         if isinstance(found, Failure) or stepper.far(state.where.pose, found.where.pose) > _STEP:
@@ -58,7 +60,7 @@ def flow(
             rest = stepper.step(state, controls)
             if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _NEAR:
                 return rest, REST
-            if push is not None:  # longer steps would lead back to what it was pushed out of
+            if push is not None:  # longer steps would lead back to the state that it was pushed out of
                 return state, CREEPS
         h = min(2.0 * h, stepper.slow)
     return state, CREEPS
@@ -114,8 +116,8 @@ def shrinks(S: Array, most: float) -> bool:
 
 
 def growing(state: State, freedom: Array, placement: Array) -> Array:
-    """(6,) unit motion that grows, world axes, moments over the contacts' distance. The way along the object's own axes
-    (placement (3, 3)) is the one that counts: of two that are as likely, always the same is taken.
+    """(6,) unit motion that grows, world axes, moments over the contacts' distance. Of two opposite motions that are as
+    likely, always the same is taken: the one along the object's own axes (placement (3, 3)).
     """
     values, vectors = np.linalg.eig(state.met)
     motion: Array = np.real(vectors[:, int(values.real.argmax())]) @ freedom

@@ -178,7 +178,7 @@ class State(NamedTuple):
 
     @property
     def same(self) -> Guess:
-        """That the next step changes nothing."""
+        """What is expected of a step that changes nothing."""
         return Guess(self.where, self.start, self.gives)
 
 
@@ -193,8 +193,9 @@ class Guess(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """Why a step has no end. kind : "no answer" (these fingers create no forces that balance the load), "runs away"
-    (the end moves on however often it is looked at), "too far" (the object moves farther than a step may).
+    """Why a step has no solution. kind : "no answer" (these fingers create no forces that balance the load), "runs
+    away" (each look at the step ends farther on than the one before), "too far" (the object moves farther than a step
+    may).
     """
 
     kind: str
@@ -216,8 +217,8 @@ class Outcome(Enum):
 class Snap(NamedTuple):
     """The object moves at constant load from one static state to another, or leaves. stage, share : where it begins,
     and `until` where a chain of them ends. moved [m], turned [rad] : of the object in all. rests : whether it comes to
-    rest. pushed (6,) : it leaves a state that is static, too, as a column that buckles does: the motion of the small
-    push that grows there, world axes, of two that are alike always the same; (): no static state is left.
+    rest. pushed (6,) : where it leaves a state in balance, as a column that buckles does: the motion of the small push
+    that grows there, world axes, the same one of two that are alike; (): no state in balance is left.
     """
 
     stage: int
@@ -230,8 +231,8 @@ class Snap(NamedTuple):
 
 
 class Slides(NamedTuple):
-    """Where nothing that presses sticks any more, and the object has gone too far (`path/watch`), or it snaps.
-    stage, share : where. number : of the last state before.
+    """Where the object begins to slide through: no contact that presses sticks any more, and it has gone too far
+    (`path/watch`), or it snaps. stage, share : where. number : of the last state before.
     """
 
     stage: int
@@ -262,6 +263,6 @@ class Run:
         self.shares.append(share)
 
     def ends(self, outcome: Outcome, failure: Failure | None = None) -> bool:
-        """That the program is not finished: False."""
+        """Note how the path ends before its program is finished. Returns False."""
         self.outcome, self.failure = outcome, failure
         return False

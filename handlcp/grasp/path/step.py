@@ -28,10 +28,10 @@ from handlcp.lcp import Auto
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
 # the certifier, and closed forms are met to nine digits
 _SLOW = 1e8
-_HELD_BACK = 1e-6  # of the forces: where contacts stay and the damper takes more, it holds the object, not they
-_NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: less is what the damper makes
-_MOST = 9  # looks at one step, before it counts as one that does not settle
-_CONTRACTS, _PARTS = 0.6, 1.5  # from the fourth look on each has to come nearer by this factor; none may go so far off
+_HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
+_NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
+_MOST = 9  # looks at one step, after which it counts as one that does not settle
+_CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the looks from the fourth on, and any look
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 _LEAST = 0.2  # of the way from a look to its end
 _SEED = Auto().seed
@@ -145,8 +145,8 @@ class Stepper:
         return Failure("runs away")
 
     def sought(self, state: State, controls: Controls) -> State | Failure | None:
-        """A step from where all that one grasp is solved with, contacts as they stand, expects its end; None: they know
-        no answer either. Steps themselves ask the first method alone.
+        """A step solved by all methods that a single grasp is solved with, at the contacts where they are; None: these
+        find no answer either. Other steps ask the first method alone.
         """
         if self.grasp.general:
             return None

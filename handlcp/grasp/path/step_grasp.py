@@ -124,7 +124,9 @@ _NONE, _TOUCHES = 1e-7, 3e-5
 
 @dataclass(frozen=True, eq=False)
 class _Turned(Effect):
-    """How far soft fingertips are turned at the look, for the rows of their moments. Without a title: in no list."""
+    """How far soft fingertips are turned at the look, for the rows of their moments. It has no title, so that no list
+    of effects shows it.
+    """
 
     spin: Array
 
@@ -154,12 +156,12 @@ class StepGrasp:
     def __init__(self, spec: GraspSpec, geometry: Geometry, first: Look, weight: Array) -> None:
         self.spec, self.geometry, self.weight, self.posture = spec, geometry, weight, geometry.posture
         self._weighs = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
-        told = (JointOffset, FingerWeight, GeometricStiffness)  # what a step knows of anew
+        told = (JointOffset, FingerWeight, GeometricStiffness)  # what each step works out anew
         self._effects = tuple([e for e in spec.effects if not isinstance(e, told)])
         self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
-        # What closing leaves of touching comes with the squeeze: else one finger is first, and pushes the object away
+        # Gaps and overlaps that closing left fade in with the squeeze: else the first finger pushes the object away
         fingers = np.arange(spec.n) < spec.of_fingers
         self._touching = np.where(fingers & (abs(first.gap) <= _TOUCHES * size), first.gap, 0.0)
         self._overlap = np.maximum(self._touching - first.gap, 0.0)
@@ -191,7 +193,7 @@ class StepGrasp:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """Those that a step knows nothing of."""
+        """The effects that a step does not work out itself."""
         return self._effects
 
     def made(self, look: Look, loads: Loads) -> GraspSpec:
@@ -199,7 +201,7 @@ class StepGrasp:
         return self._made(look, loads, self._effects)
 
     def plain(self, look: Look, loads: Loads) -> GraspSpec:
-        """The same without the effects that a step knows nothing of."""
+        """The same without the effects that a step does not work out itself."""
         return self._made(look, loads, ())
 
     def _made(self, look: Look, loads: Loads, effects: tuple[Effect, ...]) -> GraspSpec:

@@ -1,10 +1,10 @@
 """What is watched while a grasp is loaded: states of contacts, torque limits, ends of joint ranges, and how fast the
 object gives way.
 
-While something that presses sticks, fingers hold the object, and the fastest that it gives way then is what they allow.
-Once nothing sticks, all that it goes beyond `FASTER` times that rate adds up, and what it falls short of that is taken
-off again; at `RUNS` it slides through. A short burst of speed, as where a contact's slip turns to the next face of its
-friction pyramid, goes nowhere, and does not count.
+While something that presses sticks, fingers hold the object. The fastest rate at which it gives way then is compared
+with what comes: once nothing sticks, all that the object moves beyond `FASTER` times that rate is added up, and what it
+falls short of that is taken off again; where the sum reaches `RUNS`, the object slides through. A short burst of speed,
+as where a contact's slip turns to the next face of its friction pyramid, goes nowhere, and does not count.
 """
 
 from __future__ import annotations
@@ -136,9 +136,10 @@ def watch_of(spec: GraspSpec, geometry: Geometry) -> Watch:
 
 
 class Rate:
-    """Of a stage. least : the shortest step that tells, a shorter one lies between changes at one load. loads : whether
-    a load changes in the stage. stuck : the fastest while something stuck. last : of the last step; 0 at the beginning
-    and after a snap. beyond : how far the object has gone too far, as `Stepper.far` has it.
+    """How fast the object gives way in a stage. least : the shortest step whose rate counts; a shorter one lies between
+    changes that come at one load. loads : whether a load changes in the stage. stuck : the fastest rate while something
+    stuck. last : of the last step; 0 at the beginning and after a snap. beyond : how far the object has gone too far,
+    as `Stepper.far` has it.
     """
 
     def __init__(self, least: float, loads: bool) -> None:
@@ -151,7 +152,9 @@ class Rate:
             self.stuck = max(self.stuck, rate)
 
     def runs(self, rate: float, size: float) -> float | None:
-        """The part of a step of this size in which nothing sticks at which the object slides through; None: none."""
+        """Of a step of this size in which nothing sticks: the part at which the object slides through; None: it does
+        not.
+        """
         more = (rate - FASTER * self.stuck) * size
         before, self.beyond = self.beyond, max(self.beyond + more, 0.0)
         return None if self.beyond < RUNS else min(max((RUNS - before) / more, 0.0), 1.0)

@@ -31,6 +31,7 @@ from handlcp.grasp.verdict.path_reasons import (
 )
 from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
+from handlcp.progress import told
 
 # ----------------------------------------------------------------
 # What to change: effects left out that matter to an answer, and where a grasp fails, what was tried and holds.
@@ -39,8 +40,9 @@ from handlcp.lcp import Auto, Status
 def suggested(
     spec: GraspSpec, section: Section, solution: GraspSolution, least: float, verdict: Verdict
 ) -> Suggestions:
-    """Verdict : of this grasp by `check`, or the solution's own where that is HELD. Without an answer no effect can be
-    judged; then its advice is all there is.
+    """Which effects that are left out matter, and what would help. verdict : of this grasp by `check`, or the
+    solution's own where that is HELD. Without an answer no effect can be judged; then the advice of the verdict is all
+    there is.
     """
     effects = suggest(spec, section, solution, least) if solution.held else Suggestions((), (), (), least)
     if verdict.ok and solution.held:
@@ -66,10 +68,12 @@ def _suggestion(r: Reason) -> Suggestion:
 # ----------------------------------------------------------------
 
 _CHAIN = Auto(search_seconds=0.0)
+_ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
 STEPS = 8  # of a stage; where something happens there are more
-_MORE = 2  # times as many are twice as many, where fewer end differently
+_MORE = 2  # how often the number of steps is doubled, where fewer steps end differently
 
 
+@told("checking")
 def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
     """See `Grasp.check`; solution : one solve of this grasp."""
     verdict = judged(spec, scene, section, order, solution)
@@ -100,8 +104,9 @@ def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution
 
 
 def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading, bool]:
-    """The loading, and whether its end is the same with half the steps; where it is not, with twice as many, and twice
-    as many again. Where nothing slides and nothing happens it has half the steps. Raises Unsupported.
+    """The loading in STEPS steps a stage, and whether it ends as with half as many. Where it does not, the number is
+    doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough. Raises
+    Unsupported.
     """
     coarse, count = follow(spec, section, None, order, None, STEPS // 2, None), STEPS
     if _sticks(coarse):
@@ -134,7 +139,7 @@ def _reasons(
             yield from compared(solution, path)
             yield from other_equilibria(spec, scene, section, solution, path.solution)
         elif solution.status is not Status.UNDECIDED:
-            text = "one solve, all at once about this posture, finds no equilibrium: the grasp holds as it moves"
+            text = f"{_ONE_SOLVE}, finds no equilibrium: the grasp holds as it moves"
             yield Reason("only_followed", "warning", text, {"status": solution.status.name})
         return
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
@@ -145,7 +150,7 @@ def _reasons(
     yield from place_reasons(spec, path)
     yield from rigid_reasons(spec)
     if solution.held:
-        text = "one solve, all at once about this posture, finds an equilibrium, which this loading does not reach"
+        text = f"{_ONE_SOLVE}, finds an equilibrium, which this loading does not reach"
         yield Reason("followed_forces", "note", text)
 
 

@@ -25,8 +25,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
 
-_SLIDES = 1e-4  # of the grasp's size: what slides less on its way, and sticks at its end, is not said to slide
-_BEFORE = 0.98  # of the load at which it is lost: what slides through only from there on is not said to
+_SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
+_BEFORE = 0.98  # of the load at which the object is lost: if it slides through only from here on, that is not said
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn
 
 
@@ -48,10 +48,11 @@ def slides_reason(path: Loading) -> Reason:
     moved = steps.geometry.between(steps.states[first].where.pose, steps.states[-1].where.pose)
     shift, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
     at = f"from {words.percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
-    end = f"loaded slowly it moves by {words.length(shift)} and {words.angle(turn)} in all"
-    text = f"the object slides through {at}: no finger that presses sticks any more; {end}; a jerk takes it further"
+    far = f"{words.length(shift)} and {words.angle(turn)}"
+    end = f"loaded slowly it moves by {far} in all; a sudden load moves it farther"
+    text = f"the object slides through {at}: no finger that presses sticks any more; {end}"
     if any(e.kind == "snaps" for e in path.events):
-        text = f"the object snaps {at}: it jumps to another place; {end}; a jerk takes it further"
+        text = f"the object snaps {at}: it jumps to another place; {end}"
     values = {"stage": path.stages[slides.stage], "share": slides.share, "moved_m": shift, "turned_rad": turn}
     return Reason("slides_through", "decides", text, values)
 
@@ -101,7 +102,8 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
     """Of the posture before anything is loaded."""
     first, mechanism = path.steps.states[0].where, spec.mechanism
     if mechanism is not None and path.steps.geometry.follows:
-        yield from mechanism.place_reasons(*mechanism.at_end(first.q, first.pose))
+        when = f"before stage {path.stages[0]!r}" if path.stages else "in the given posture"
+        yield from mechanism.place_reasons(*mechanism.at_end(first.q, first.pose), when)
 
 
 def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
@@ -113,12 +115,12 @@ def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
     if size > 0.0 and (share := float(off[k]) / size) > NOTICED:
         name = solution.names[k]
         off_by = f"{words.percent(share)} of the largest force ({name})"
-        text = f"one solve, all at once about this posture, is off by {off_by}"
+        text = f"one solve, with squeeze and load at once in this posture, is off by {off_by}"
         yield Reason("followed_forces", "note", text, {"finger": name, "force_error": share})
 
 
 def _about(r: Reason) -> tuple[object, ...]:
-    """What a reason of a posture is about."""
+    """What tells reasons of two postures apart: with the same key they say the same of both."""
     links = tuple(sorted(str(link["link"]) for link in r.values.get("links", ())))
     return r.code, r.severity, r.values.get("joint"), links
 

@@ -22,6 +22,7 @@ from handlcp.grasp.parameter.parameter import BALANCE, FORCES, TORQUE, Trial, by
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.lcp import Auto
+from handlcp.progress import tick
 
 _STEPS = 5  # of a stage
 _SHIFTS = (0.1, 0.2)  # of the size, of the place where the object is gripped
@@ -56,7 +57,10 @@ def _followed(trials: list[Trial], section: Section, order: Any) -> Iterator[Tri
     """Those that hold to the end of the loading."""
     promising = [t for t in trials if _bears(t.spec, section)]
     few = promising if len(promising) <= _FOLLOWED else [promising[k] for k in _spread(len(promising))]
-    yield from (t for t in few if _holds(t.spec, section, order))
+    for trial in few:
+        tick(f"trying {trial.text}")
+        if _holds(trial.spec, section, order):
+            yield trial
 
 
 def _spread(count: int) -> list[int]:

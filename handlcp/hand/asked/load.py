@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.kind import cross_rows
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
 
 
@@ -34,6 +36,22 @@ def load_of(
         expected = "an object whose centre of mass lies in the plane of a planar scene"
         raise InputError("target", expected, f"one {abs(off):.3g} m off it")
     return read_only(load + weight_of(obj, gravity, point))
+
+
+def weight_left_out(spec: GraspSpec, weight: Array) -> str:
+    """In words, where the load was given as one wrench in place of the object's weight (6,), and pulls less than that
+    along gravity; "" where it was not.
+    """
+    size = float(np.linalg.norm(weight[:3]))
+    if getattr(spec.asked, "load", None) is None or size == 0.0:
+        return ""
+    along = float(spec.wrench[:3] @ weight[:3]) / size
+    if along >= (1.0 - 1e-9) * size:
+        return ""
+    return (
+        f"the object's weight of {words.force(size)} is left out: replace(wrench=...) gave the whole load, which pulls "
+        f"along gravity with {words.force(along)}; replace(load=...) comes beside the weight"
+    )
 
 
 def weight_of(obj: Object | None, gravity: Array, point: Array) -> Array:

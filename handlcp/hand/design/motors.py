@@ -98,8 +98,9 @@ class RequiredTorque(Data):
     limits : (nv,) of the hand as it is [N·m], inf where there is none or none is known. known : nv booleans.
     verdicts : what `check()` says of each load, with `torque` as the limits. reasons : of each load that is not HELD,
         why; the answer is confirmed only where there is none.
-    fails : the largest share of the grip that was tried and does not hold; None: none was found, less grip needs as
-        much torque. lost : the load that this share loses, and why; where nothing holds, those of `grip`.
+    fails : the largest share of the grip that was tried and does not hold; None: none was found, because less grip
+        needs as much torque. lost : the load that this share does not hold, and why; where nothing holds, those of
+        `grip`.
     """
 
     joints: tuple[str, ...]

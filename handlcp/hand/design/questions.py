@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
+from handlcp.progress import told
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.required import Required
@@ -18,7 +19,7 @@ class HandQuestions(Grasp):
 
     def required_torque(
         self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
-        *, progress: Callable[[int], object] | None = None,
+        *, progress: bool | Callable[[int], object] | None = None,
     ) -> RequiredTorque:  # fmt: skip
         """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
 
@@ -28,19 +29,25 @@ class HandQuestions(Grasp):
             grasp's own load.
         safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
         tolerance : of the grip: to that share the least is found. faces : as in `solve`.
-        progress : called with the number of grips tried so far.
+        progress : None: a line on the terminal once it takes long; False: none; True: a line on stderr that stays; a
+            function: called with the number of grips tried so far.
 
         The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
-        in `check`. Of all grips with which every load holds, the one is looked for with which the largest torque is
-        least, from the first touch to the whole load: as a share of the joints' limits where all of them have one, in
-        N·m otherwise. It begins with the grip that is best where nothing slips (a linear program), then every grip is
-        followed. Before it is given, `check()` judges every load with the answer as torque limits (`verdicts`);
-        the answer is confirmed where all of them are HELD.
+        in `check`. Many grips hold every load. The one is looked for that keeps the torque of the joint that is loaded
+        most as small as possible, from the first touch to the whole load: as a share of the joints' limits where all of
+        them have one, in N·m otherwise. The search starts from the grip that is best where nothing slips (a linear
+        program); every grip that it tries is followed. Before it is given, `check()` judges every load with the answer
+        as torque limits (`verdicts`); the answer is confirmed where all of them are HELD.
         Raises InputError, UnknownName, Unsupported (known forces).
         """
         from handlcp.hand.design.required_torque import required_torque
 
-        return required_torque(self.spec, self._section(faces), loads, safety, tolerance, progress)
+        def by_count(tried: int, _: int) -> None:
+            if tried and callable(progress):
+                progress(tried)
+
+        with told("grips tried", None, by_count if callable(progress) else progress) as say:
+            return required_torque(self.spec, self._section(faces), loads, safety, tolerance, lambda _: say(1))
 
     def required_grip(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which

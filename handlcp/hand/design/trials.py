@@ -24,8 +24,8 @@ _BETTER = 1e-3  # a change that gains less is none
 
 
 def least(trials: Trials, starts: list[Array], tolerance: float) -> tuple[Trial, Trial | None]:
-    """The best grip found, and the largest share of it that does not hold (None: less holds, too, and needs no less).
-    Where nothing holds, the first is the one that gets furthest.
+    """The best grip found, and the largest smaller one of the same shape that does not hold; None: less grip holds,
+    too, but the motors need no less. Where nothing holds, the first is the grip that gets furthest.
 
     starts : grips (k,) [N] to go on from, the most promising first; a later one counts only where none before it holds.
     """
@@ -181,7 +181,8 @@ def _beyond(path: Loading) -> str | None:
         return None
     for number in (0, -1):
         at = path.steps.states[number].where
-        found = [r for r in mechanism.place_reasons(*mechanism.at_end(at.q, at.pose)) if r.severity == "decides"]
+        there = mechanism.at_end(at.q, at.pose)
+        found = [r for r in mechanism.place_reasons(*there, "at the end of the loading") if r.severity == "decides"]
         if found:
-            return None if number == 0 else str(found[0].sentence)
+            return None if number == 0 else f"not held: {found[0].sentence}"
     return None

@@ -23,6 +23,7 @@ from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.state import HandState
+from handlcp.progress import tick, told as counted
 
 # ----------------------------------------------------------------
 # Where to begin: postures all over the joint ranges, with the object between their fingertips.
@@ -140,6 +141,7 @@ class Search:
         """Those from the first one on that the check is sure of; none where it is of none of the first so many."""
         for k, candidate in enumerate(found[:most]):
             self.tried["checked"] += 1
+            tick(f"checking grasp {self.tried['checked']}")
             if candidate.sure:
                 return found[k:]
             self.refused.append(candidate)
@@ -150,6 +152,7 @@ class Search:
         ready: list[tuple[float, Touch, Array]] = []
         for place in places:
             self.tried["tried"] += 1
+            tick(f"{self.tried['tried']} placements tried")
             touch = brought_together(self._hand, self._tips, self._links, self._home, place)
             if touch is None:
                 continue
@@ -213,6 +216,7 @@ class Search:
 # ----------------------------------------------------------------
 
 
+@counted("looking for a grasp")
 def find_grasp(
     hand: HandModel,
     obj: Object,

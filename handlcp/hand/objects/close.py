@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.hand.objects.detect import nearest
@@ -53,10 +54,25 @@ def close_on(
             finger.step(q, near.gap + finger.depth, near.normal @ J, tolerance)
     if far := {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}:
         expected = f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)"
+        expected += "".join([_on_one_finger(hand, f.tip) for f in all_fingers if hand.fingertips[f.tip] in far])
         lost = NotReached("obj", expected, far)
         lost.q = read_only(q)  # type: ignore[attr-defined]
         raise lost
     return read_only(q)
+
+
+def _on_one_finger(hand: HandModel, tip: int) -> str:
+    """Of a fingertip that no joint of its own moves: which others its joints move, too; "" of any other."""
+    moves = hand.moves
+    others = [name for name, row in zip(hand.fingertips, moves, strict=True) if (row & moves[tip]).any()]
+    own = moves[tip] & (moves.sum(axis=0) == 1)
+    if own.any() or len(others) < 2:
+        return ""
+    others.remove(hand.fingertips[tip])
+    return (
+        f"; no joint moves {hand.fingertips[tip]} without {words.either(others)}, so that they cannot be closed on the "
+        "object one by one: close a hand with one fingertip a finger, or give the posture"
+    )
 
 
 class _Finger:

@@ -166,9 +166,12 @@ _DEEP = 1e-3  # [m] a link deeper in the object cannot be there
 _DEEP_BESIDE_TIP = 4e-3  # [m] the same of a link with a fingertip on the object, half the radius of a usual one
 
 
-def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...]) -> Iterator[Reason]:
-    """Of a hand that touches an object with the fingertips numbered `tips`; None: an object that is not known."""
-    yield from _ranges(posture)
+def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...], when: str) -> Iterator[Reason]:
+    """Of a hand that touches an object with the fingertips numbered `tips`; None: an object that is not known.
+
+    when : the hand is in this posture, such as "before the hand squeezes".
+    """
+    yield from _ranges(posture, when)
     if obj is None:
         return
     try:
@@ -185,25 +188,25 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...])
         for far in (True, False):
             these = [one for one in seen if (one.tip is not None) is beside_tip and (one.depth > deep) is far]
             if these:
-                yield _inside(these, beside_tip, far)
+                yield _inside(these, beside_tip, far, when)
 
 
-def _inside(links: list[Inside], beside_tip: bool, far: bool) -> Reason:
+def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str) -> Reason:
     """Links of one kind, the deepest first."""
     values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}
     first, more = links[0], len(links) - 1
     who = f"{first.link} and {more} more link{'s' if more > 1 else ''} are up to" if more else f"{first.link} is"
     if beside_tip:
         than = "their fingertips" if more else f"its fingertip {first.tip}"
-        text = f"{who} {words.length(first.depth)} deeper in the object than {than}"
+        text = f"{when}, {who} {words.length(first.depth)} deeper in the object than {than}"
     else:
-        text = f"{who} {words.length(first.depth)} inside the object"
+        text = f"{when}, {who} {words.length(first.depth)} inside the object"
     if far:
         return Reason("link_inside", "decides", f"{text}: the hand cannot take this posture", values)
     return Reason("link_inside", "warning", f"{text}: only fingertips are taken to touch it", values)
 
 
-def _ranges(posture: Posture) -> Iterator[Reason]:
+def _ranges(posture: Posture, when: str) -> Iterator[Reason]:
     hand, q = posture.hand, posture.q
     past = np.maximum(hand.lower - q, q - hand.upper)
     limits = Limits((), hand.joint_names, hand.torque_limits, hand.lower, hand.upper)
@@ -212,7 +215,7 @@ def _ranges(posture: Posture) -> Iterator[Reason]:
         name, by = hand.joint_names[k], float(past[k])
         kinds = {f.name: f.kind for f in hand.kinematics.facts}
         much = words.length(by) if kinds[name] == "prismatic" else words.angle(by)
-        text = f"{name} is {much} past the end of its range"
+        text = f"{when}, {name} is {much} past the end of its range"
         values = {"joint": name, "position": float(q[k]), "lower": float(hand.lower[k]), "upper": float(hand.upper[k])}
         if by > _FAR:
             yield Reason("joint_range", "decides", f"{text}: the hand cannot take this posture", values)

@@ -47,7 +47,7 @@ def _placeholders(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     efforts, advice = {f.effort for f in facts}, "torque_limits with the torque of each actuator [N·m]"
     serious = ("serious", "torque limit")
     if len(facts) > 1 and len(efforts) == 1 and efforts <= PLACEHOLDERS:
-        what = f"every effort limit is {efforts.pop():g} N·m: a placeholder, not a measurement"
+        what = f"every effort limit is {efforts.pop():g} N·m: one round number for all joints is often a placeholder"
         yield from together(facts, what, advice, *serious)
         return
     most = {f.name: LARGEST_FORCE if f.kind == "prismatic" else LARGEST_TORQUE for f in facts}

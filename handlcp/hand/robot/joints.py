@@ -193,7 +193,7 @@ class Doubt:
         """For a verdict, where many joints are shortened to four."""
         who = words.listed(self.joint.split(", "))
         if self.about == "torque limit":
-            return f"the torque limits of {who} are doubtful: {self.what}; pass torque_limits"
+            return f"the torque limits of {who} are doubtful: {self.what}; torque_limits= confirms or corrects them"
         return f"{who}: {self.what}; pass {self.advice}"
 
     def __str__(self) -> str:

@@ -16,9 +16,9 @@ from handlcp.lcp.modes.active_columns import Active, add, drop, put_rest, put_we
 from handlcp.lcp.modes.generators import Cones, reach, support
 
 _FITS = 1e-11  # of |b|: what is left may be rounding
-_REACHES = 1e-13  # of |r|: a generator reaches along the rest by more than rounding
+_REACHES = 1e-13  # of |r|: a generator that reaches less far along the rest counts as orthogonal to it
 _FURTHER = 1.0 + 1e-9  # of two that reach equally far the first is taken, whatever rounding says
-_TINY = 1e-11  # a column this short is rounding, as of slips that the object's own motion makes
+_TINY = 1e-11  # a column this short is rounding: the object's own motion makes such slips without any force
 _MOST = 20  # changes of the active columns, in numbers of equations; a dozen in all is usual
 
 
@@ -97,8 +97,8 @@ def _put_column(c: Cones, i: int, kind: int, of: Array, a: Active) -> None:
 
 @kernel
 def _begin(c: Cones, a: Active) -> int:
-    """Of the generators to begin with those that fit with positive weights: the most negative goes first. Returns
-    multiply-adds spent.
+    """Keep of the generators to begin with those whose weights are positive in the best fit; the most negative goes
+    first. Returns multiply-adds spent.
     """
     wanted, R = a.used[0], len(a.b)
     a.used[0] = 0
@@ -148,9 +148,9 @@ def _settle(a: Active) -> int:
 
 @kernel
 def proves_none(c: Cones, codes: Ints, corners: Array, rest: Array, b: Array, most: Array, slack: float) -> bool:
-    """Whether rest (R,) proves that nothing within `most` (n, 2), of each contact's normal force and of its motion,
-    fits: whatever its generators gain along rest by rounding, b gains more. slack : what the equations hold to, as a
-    share of |rest|.
+    """Whether rest (R,) proves that no forces and motions within `most` (n, 2), of each contact's normal force and of
+    its motion, fit: b reaches farther along it than rounding lets all generators together reach. slack : to which share
+    of |rest| the equations hold.
     """
     of, along, gain, loss, size = np.zeros((2, 4)), np.zeros((len(codes), 2, 4)), 0.0, 0.0, 0.0
     reach(c, rest, along)

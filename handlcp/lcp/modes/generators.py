@@ -10,7 +10,7 @@ two unit vectors; a triangle of the ball between three. On disc and ball the cor
 (tangent planes) of two corners meet, (n_a + n_b) / (1 + n_a·n_b), and where all three do enclose the patch. Patches are
 split until they decide.
 
-Nothing lists the generators: asked is which of them points most along a given vector (`support`).
+The generators are never listed: `support` finds the one that points most along a given vector.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ from handlcp.lcp.compiler.when import soon
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.modes.generators import Cones
 from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
+from handlcp.progress import tick
 from handlcp.tolerances import RANK
 
 _PAUSE = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
@@ -117,6 +118,7 @@ class ModeSearch:
         while not self.exhausted:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
+            tick(f"{self.nodes} choices of contact modes")
             ended, budget = int(counts[2]), int(min(left, _PAUSE))
             with soon(work / _A_CALL):
                 what = advance(

@@ -52,7 +52,7 @@ class Node(NamedTuple):
 
 
 class Claim(NamedTuple):
-    """What "none" speaks of, as in `proves_none`: bounds most (n, 2), and slack of the equations."""
+    """Within which bounds "none" is claimed, as in `proves_none`: most (n, 2), and slack of the equations."""
 
     most: Array
     slack: float
@@ -75,7 +75,7 @@ def new_tree(c: Cones) -> Tree:
 
 @kernel
 def new_node(c: Cones) -> Node:
-    """Room for one."""
+    """Arrays for one node."""
     n = len(c.tangents)
     return Node(np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64), np.zeros((n, 4)), np.zeros((n, 4)))
 

@@ -69,8 +69,8 @@ class Auto:
         for name in ("seed", "restarts"):
             integer(name, getattr(self, name), 0)
         number("search_work", self.search_work, minimum=0.0)
-        if self.search_seconds != math.inf:
-            number("search_seconds", self.search_seconds, minimum=0.0)
+        if self.search_seconds is not math.inf:
+            number("search_seconds", self.search_seconds, minimum=0.0, finite=False)
 
     def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a plain LCP, each computed when asked for."""

@@ -11,7 +11,6 @@ import numpy as np
 from handlcp.check import Array, Bools, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.batch.solve_many import Progress, told
 from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.directions import limits_of
@@ -20,6 +19,7 @@ from handlcp.grasp.model.validate import lift
 from handlcp.grasp.verify.bound import bound_of
 from handlcp.hand import HandGrasp
 from handlcp.lcp.compiler.when import soon
+from handlcp.progress import Progress, told
 
 # ----------------------------------------------------------------
 # What an envelope loads the object with: a force, a torque, its weight in any orientation of the hand, or wrenches.
@@ -124,7 +124,7 @@ class Question:
         """
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds, off = np.empty(m), list[Binds]([()] * m), np.empty(m)
-        with told(progress, m) as done, soon(m):
+        with told("directions", m, progress) as done, soon(m):
             done(0)
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)

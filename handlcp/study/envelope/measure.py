@@ -10,9 +10,10 @@ import numpy as np
 from handlcp.check import Ints, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.model.validate import lift, wrench
 from handlcp.grasp.path.follow import geometry_of
+from handlcp.progress import Progress
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, FORCE, WRENCH, Binds, Load, Question, load_of
 from handlcp.study.envelope.causes import Asked, read_directions
 from handlcp.study.envelope.grid import Grid
@@ -49,7 +50,8 @@ def envelope(
         directions more for each that was asked for; 0: not at all. (m, 3) and (m, 6) stay as they are.
     accuracy : the relative error of the factors that is asked for: followed paths take twice as many steps until a
         factor changes by no more. What was reached is `.accuracy` of the answer, in each direction.
-    progress : True: a bar on stderr. A function: called with (done, total).
+    progress : None: a line on the terminal once it takes long. False: none. True: a line on stderr that stays. A
+        function: called with (done, total).
 
     A direction in which nothing ever gives out has the factor infinity. Raises InputError; Unsupported for grasps that
     cannot be followed.
@@ -62,9 +64,10 @@ def envelope(
     wide = None if turn is None else number("turn", turn, above=0.0)
     near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
     rounds = integer("adaptive", adaptive, 0, 12)
+    section = as_section(faces, planar=grasp.scene.kind.planar)
     asked, load = _read(grasp, directions, of, at)
     how = geometry or (FOLLOWED if len(asked.grid.points) <= _FEW and _is_quick(grasp) else FIXED)
-    question = Question(load, as_section(faces, planar=grasp.scene.kind.planar), how, far, wide, near)
+    question = Question(load, section, how, far, wide, near)
     grid, (factors, binds, off) = asked.grid, question.ask(asked.grid.points, asked.wrenches, progress)
     room = round(_MORE * len(grid.points))
     for _ in range(rounds if asked.divides else 0):
@@ -89,6 +92,9 @@ def _read(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[Asked, Load]
     if of == WRENCH or asked.wrenches is not None:
         if asked.wrenches is None or of not in (FORCE, WRENCH):
             raise InputError("of", '"force", "torque" or "gravity" for directions, none for wrenches', repr(of)[:80])
+        height = lift(grasp.spec.positions, grasp.spec.reference, normal)
+        for row in asked.wrenches:
+            wrench(row, normal, height, "directions")
         return asked, load_of(grasp, WRENCH, at)
     load = load_of(grasp, of, at)
     if normal is None:

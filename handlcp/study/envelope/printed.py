@@ -124,14 +124,16 @@ def given_away(env: Any) -> str:
     c = env.compliance
     if np.isnan(c.median):
         return ""
-    text = f"friction and torque limits alone would hold {amount(env, float(env.bound.min()))} in the weakest direction"
+    least, ways = amount(env, float(env.bound.min())), "wrenches" if env.of == "wrench" else "directions"
+    weakest = "of the weakest wrench" if env.of == "wrench" else "in the weakest direction"
+    text = f"friction and torque limits alone would allow {least} {weakest}"
     if env.geometry == FOLLOWED:  # which may end in postures that hold more
         return f"in this posture, {text}"
     if c.least > 1.0 - 1e-6:
-        return f"{text}: compliance gives nothing away"
+        return f"{text}; the compliant fingers hold all that these limits allow"
     return (
-        f"{text}; with passive compliance it holds {words.percent(c.median)} of what they would in the median "
-        f"direction, {words.percent(c.least)} {_way(env, c.number)}"
+        f"{text}; the compliant fingers do not create all of these forces: in half of the {ways} they hold at most "
+        f"{words.percent(c.median)} of what the limits allow there, {_way(env, c.number)} only {words.percent(c.least)}"
     )
 
 

@@ -25,7 +25,7 @@ from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 _ROWS = 8  # of the printed table
-_MARGIN = "margin: what is left of all friction, or of a joint’s torque limit, in % of it"
+_MARGIN = "margin: unused share of all friction or of a joint’s torque limit, the smaller"
 OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes
 
 
@@ -237,7 +237,8 @@ class Reliability(Data):
         if not looked.any() or not (~looked & ~self.outcomes.unplaced & (self.codes == UNDECIDED)).any():
             return said
         held = int((looked & (self.codes < NOT_HELD)).sum())
-        return f"{said}; {held} of {int(looked.sum())} such samples hold, solved in full, and so the rest is counted"
+        full = int(looked.sum())
+        return f"{said}; of the undecided ones {full} were solved in full, {held} of them hold: the rest counts alike"
 
     def _told(self, sample: Sample) -> str:
         """With the values that matter most."""

@@ -18,14 +18,14 @@ from scipy.stats import qmc
 
 from handlcp.check import Array
 from handlcp.errors import InputError, brief, writing
-from handlcp.grasp.batch.solve_many import Progress, told
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.lcp.compiler.when import soon
-from handlcp.study.reliability.outcome import SOLVE, Outcomes, among, checked, joined, solved
+from handlcp.progress import Progress, told
+from handlcp.study.reliability.outcome import SOLVE, WORDS, Outcomes, among, checked, joined, solved
 from handlcp.study.reliability.place import Placer
-from handlcp.study.reliability.spread import Dimension
+from handlcp.study.reliability.spread import WIDEST, Dimension
 from handlcp.version import VERSION
 
 # ----------------------------------------------------------------
@@ -56,13 +56,16 @@ class Kept:
         expected = "a file that an earlier run with resume= wrote, or a new one"
         try:
             with np.load(self.path, allow_pickle=False) as found:
-                question = json.loads(str(found["question"]))
+                question = dict(json.loads(str(found["question"])))
                 arrays = [found[name] for name in _FIELDS]
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        except (OSError, ValueError, TypeError, KeyError, zipfile.BadZipFile, EOFError) as error:
             raise InputError("resume", expected, f"{str(self.path)!r}: {brief(error)}") from None
         names = [name for name in (*self.question, *question) if self.question.get(name) != question.get(name)]
         if others := list(dict.fromkeys(names)):
             raise InputError("resume", "a file of the same question", f"{str(self.path)!r} of another {others[0]}")
+        for name, array in zip(_FIELDS, arrays, strict=True):
+            if why := _no_outcomes(name, array, len(arrays[0]) if arrays[0].ndim else 0, self.question["samples"]):
+                raise InputError("resume", expected, f"{str(self.path)!r} whose array {name!r} {why}")
         return Outcomes(*arrays)
 
     def write(self, done: Outcomes) -> None:
@@ -77,6 +80,18 @@ class Kept:
                 out.flush()
                 os.fsync(out.fileno())
             new.replace(self.path)
+
+
+def _no_outcomes(name: str, array: Any, count: int, most: int) -> str:
+    """Why an array is not one of `Outcomes` of `count` samples, of `most` in all; "": it is."""
+    kind = {"codes": "i", "margin": "f"}.get(name, "b")
+    if array.dtype.kind != kind:
+        return f"holds {array.dtype} in place of {dict(i='integers', f='numbers', b='truth values')[kind]}"
+    if array.shape != (count,) or not 0 < count <= most:
+        return f"has the shape {array.shape}, for {count} samples that are done of {most}"
+    if name == "codes" and not ((array >= 0) & (array < len(WORDS))).all():
+        return f"has codes other than 0 to {len(WORDS) - 1}"
+    return ""
 
 
 def _digest_of(spec: GraspSpec) -> str:
@@ -148,7 +163,7 @@ def blocks_of(seed: int, dimensions: int, samples: int) -> Blocks:
 
 _SLICE = {SOLVE: 512, "check": 8}  # samples between two looks at the clock: long beside what a batch costs
 _OFTEN = 2.0  # seconds between two writings of what is done
-_STEP = 0.01  # of the standard deviation, on either side, for a derivative
+_STEP = 1.0 / WIDEST  # of the standard deviation, on either side, for a derivative
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +186,7 @@ def run(placer: Placer, blocks: Blocks, method: Method, kept: Kept, progress: Pr
     size = _SLICE[method.by]
     quota = -(-method.decide * size // blocks.samples)
     written = time.monotonic()
-    with told(progress, blocks.samples) as say, soon(blocks.samples):
+    with told("samples", blocks.samples, progress) as say, soon(blocks.samples):
         say(begin)
         try:
             for at in range(begin, blocks.samples, size):

@@ -37,6 +37,7 @@ from handlcp.grasp.parameter import Parameter, parameters
 # lognormal with the nominal value as its mean; as a length or an angle it is normal about zero.
 
 CUT = 1e-6  # chance of impossible values that is cut off; a distribution with more of them is refused
+WIDEST = 100.0  # times the distance from the mean to the least possible value: no standard deviation may be larger
 _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apart
 
 
@@ -80,6 +81,7 @@ def law_of(argument: str, value: Any, mean: float | None, least: float) -> Law:
         return Law(frozen.ppf, 0.0, spread)
     if mean <= 0.0:
         raise InputError(argument, "a distribution: a share of zero is zero", value)
+    _not_too_wide(argument, mean, mean * spread, least)
     width = math.sqrt(math.log1p(spread * spread))
     lognormal = stats.lognorm(width, scale=mean * math.exp(-0.5 * width * width))
     return Law(lognormal.ppf, mean, mean * spread)
@@ -97,7 +99,15 @@ def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least
         if below > CUT:
             expected = f"values of at least {least:g}; scipy.stats.lognorm and truncnorm have no others"
             raise InputError(argument, expected, f"values below it with a chance of {below:.2g}")
+    _not_too_wide(argument, float(frozen.mean()), float(sd), least)
     return Law(quantile, float(frozen.mean()), float(sd), below)
+
+
+def _not_too_wide(argument: str, mean: float, sd: float, least: float) -> None:
+    """Raises InputError where a hundredth of sd to either side of the mean, as a derivative takes it, is impossible."""
+    if sd > WIDEST * (mean - least):
+        most = f"{WIDEST * (mean - least):g}, {WIDEST:g} times the mean's distance from the least possible value"
+        raise InputError(argument, f"a standard deviation of at most {most}", f"one of {sd:g}")
 
 
 # ----------------------------------------------------------------

@@ -8,9 +8,9 @@ import numpy as np
 
 from handlcp.check import integer, number
 from handlcp.errors import InputError
-from handlcp.grasp.batch.solve_many import Progress
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
+from handlcp.progress import Progress
 from handlcp.study.reliability.interval import Chance, chance_of, influences
 from handlcp.study.reliability.outcome import CHECK, SOLVE, WORDS, Outcomes
 from handlcp.study.reliability.place import Placer

@@ -1,7 +1,7 @@
-"""What may happen next on a path: conditions that are positive until it does, and what the place is like then.
+"""Events that may come next on a path: for each a condition that is positive until the event, and the state after it.
 
-In this order: the normal force of each contact, its gap, the room of each face, the slack and the give of each limit,
-what is watched, the motion and the turn. A condition that cannot come next is `_NEVER`.
+The conditions, in this order: the normal force of each contact, its gap, the room of each face, the slack and the give
+of each limit, what is watched, the motion and the turn. An event that cannot come next has `_NEVER`.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from handlcp.grasp.limits.kernels.parts import CLOSED, CLOSES, OPEN, OPENS, Part
 from handlcp.grasp.limits.kernels.rates import Rates
 from handlcp.lcp.kernels.dense import kernel
 
-# How a path ends, that it does not, and that a force turns on its cone
+# The status of a path: how it ends, that it goes on, or that a force turns on its round cone
 REACHED, LOST, WATCHED, RAY, GIVES_UP, CONTINUES, TURNS = 0, 1, 2, 3, 4, 5, 6
-_TIE = 1e-11  # of the largest force, gap or motion: what is no farther from its end is there
+_TIE = 1e-11  # of the largest force, gap or motion: an event that is no farther away has come
 _NEVER = 1e300
 
 
@@ -136,7 +136,9 @@ def put(s: Place, rates: Rates, step: float) -> None:
 
 @kernel
 def settle_at(p: Parts, s: Place, watch: Watch, which: int, step: float) -> tuple[int, float, int]:
-    """(status, step, what was watched): write into s what condition `which`, and all that are as near, change."""
+    """(status, step, what was watched): write into s what contacts and limits do after event `which`, and after all
+    events that come at the same load.
+    """
     n, f, k = len(p.mu), len(p.owner), len(p.rows)
     first = 2 * n + f + 2 * k
     if which >= first:

@@ -1,8 +1,8 @@
 """A path to its end: exact from event to event, then a walk in steps, and an end that is certified.
 
-A path that is exact ends where no rates balance more load. That is an end if its place obeys the laws, and no step
-leads to a place beyond it, from there or from contacts that all stick. Else, and where a force turns on its cone, the
-path goes on as a walk.
+The exact path ends where forces cannot change so as to balance more load. That is the limit if the state there obeys
+the laws, and no step leads to a state under more load, neither from there nor from contacts that all stick. Otherwise,
+and where a force turns on its cone, the path goes on as a walk.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ def is_sound(p: Parts, s: Place, load: Array, allowed: float) -> bool:
 
 @kernel
 def faces_reached(p: Parts, r: Array, closed: Ints, active: Ints, near: float) -> None:
-    """Write into `active` (f,) which faces the forces of closed contacts lie on; round ones are turned to them."""
+    """Write into `active` (f,) which faces the forces of closed contacts lie on. A round set has one face, which is
+    turned to the force.
+    """
     for f in range(len(p.owner)):
         active[f] = 0
         if closed[p.owner[f]] == CLOSED:
@@ -151,7 +153,7 @@ def _copy(s: Place) -> Place:
 
 @kernel
 def _stands(p: Parts, s: Place, w: Array, factor: float, sets: Sets) -> tuple[Still, Array, Array, Ints]:
-    """(what walks, x, z, kinds) at a place under factor · w."""
+    """What a walk starts from at a place under factor · w: (its problem, unknowns x, slips z, contact states kinds)."""
     m, dof, k, n = len(p.E), len(p.G), len(p.rows), len(p.mu)
     x = np.concatenate((s.r, s.u, s.give))
     v, room, load = np.zeros(m), s.slack.copy(), np.empty(dof)
@@ -184,7 +186,7 @@ def _stands(p: Parts, s: Place, w: Array, factor: float, sets: Sets) -> tuple[St
 
 @kernel
 def _bounds(watch: Watch, m: int, size: int) -> Bounds:
-    """With rows over all of x."""
+    """What is watched, as bounds of a walk: its rows reach over all unknowns x."""
     rows, dof = np.zeros((len(watch.level), size)), watch.moves.shape[1]
     for h in range(len(watch.level)):
         for j in range(watch.rows.shape[1]):

@@ -1,7 +1,8 @@
-"""Small complementarity problems of rates: γ ≥ 0, y = M γ + q ≥ 0, γᵀ y = 0; matrices of any kind.
+"""Small complementarity problems of rates: γ ≥ 0, y = M γ + q ≥ 0, γᵀ y = 0, where M may be any matrix.
 
-First what continues the path, then pivots from there, then Lemke's, then every choice of up to `_ALL` pairs, which
-proves that there is none; of more, Lemke's from several sides, which proves nothing.
+Tried in this order: the pairs that were active before; pivots from there; Lemke's method; every choice of up to `_ALL`
+pairs, after which it is proven that there is no solution. With more pairs Lemke's method is started from several sides,
+and where it fails nothing is proven.
 """
 
 from __future__ import annotations

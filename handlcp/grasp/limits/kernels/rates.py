@@ -33,7 +33,7 @@ from handlcp.tolerances import FASTER, RUNS
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
 _TURNS, _WHOLE, _TURNED = 100, 20, 1e-12
 _TINY = 1e-9
-_DRIVEN = 1e-9  # of the load: more of it along a motion that nothing resists is no balance
+_DRIVEN = 1e-9  # of the load: with more of it along a motion that nothing resists there is no balance
 
 
 class Rates(NamedTuple):
@@ -133,7 +133,7 @@ def _is_driven(known: Inverse, w: Array) -> bool:
 
 @kernel
 def _penetrates(s: Place, closed: Ints, gap: Array) -> bool:
-    """Whether a contact that was to open moves inward."""
+    """Whether a contact that was chosen to open moves into the object."""
     largest = 0.0
     for g in gap:
         largest = max(largest, abs(g))
@@ -176,7 +176,7 @@ def _slips(
                 before = p.normals[index[c]].copy()
                 face_of_force(p, index[c], x)
                 change = max(change, np.max(np.abs(before - p.normals[index[c]])))
-                if turn >= _WHOLE:  # turned whole, they may go back and forth between two places
+                if turn >= _WHOLE:  # after a full turn they may go back and forth between two places
                     mean = before + p.normals[index[c]]
                     size = np.sqrt(np.sum(mean * mean))
                     if size > 0.0:
@@ -218,9 +218,9 @@ def _settle(p: Parts, s: Place, closed: Ints, kinds: Ints, index: Ints, gamma: A
 
 
 # ----------------------------------------------------------------
-# Where on a path the object begins to slide through: nothing that presses sticks any more, and the object has gone
-# farther than ten times the rate while something stuck explains, or it jumps. The same rule as on a path in steps
-# (`path/advance`).
+# Where on a path the object begins to slide through: no contact that presses sticks any more, and the object
+# gives way more than ten times as fast as it did while one stuck, or it jumps. The same rule as on a path in steps
+# (`path/watch`).
 
 _STICKS = 1e-6  # of the largest motion at any contact: a smaller one is none
 _PRESSES = 1e-9  # of the largest force

@@ -5,8 +5,9 @@ With x = (r, u, s), forces, motion of the object and motions of limits that give
     v = E r + Gᵀ u + Aᵀ s + d,    0 = G r + w - (u - u⁻) / h,    0 ≤ s ⟂ b - A r ≥ 0
 
 and the laws of contact and friction between r and v, where d holds the gaps and, along the tangents, how far contacts
-have slipped until the step begins: v_T is the slip of the step. What stays from step to step is that slip alone. h is
-so large that the damper takes nothing, but where the object leaves: there it says how much of the load is too much.
+have slipped until the step begins: v_T is the slip of the step. These slips are all that one step passes to the next.
+h is so large that the damper bears nothing, except where the object leaves: there the force of the damper says by how
+much the load is too large.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def euler(g: Still, x: Array, z: Array, start: Array, factor: float, cold: bool,
         taken = _SLOW * (out[m + a] - x[m + a])
         square += taken * taken
         work += taken * g.load[a]
-    off = r * max(1.0, np.max(np.abs(out)))  # motions without end excuse no imbalance
+    off = r * max(1.0, np.max(np.abs(out)))  # absolute: where motions are huge, an imbalance is no smaller
     if max(np.sqrt(square), off) <= _HELD * max(largest, 1e-300):
         return 2, 0.0
     if np.sqrt(square) <= _NEARLY * largest:
@@ -192,7 +193,7 @@ def kinds_of(g: Still, out: Array, slip: Array, kinds: Ints) -> None:
 
 @kernel
 def _slid(g: Still, i: int, slip: Array) -> float:
-    """How far a contact slips, as a force."""
+    """How far a contact slips, in units of force."""
     total, rho = 0.0, g.problem.rho
     for a in range(1, 4):
         j = g.contacts[i, a]
@@ -256,8 +257,9 @@ def margins_of(g: Still, kinds: Ints, out: Array, slip: Array, margin: Array) ->
 def lost_at(
     g: Still, x: Array, z: Array, from_: float, factor: float, too_much: float, start: Array, out: Array
 ) -> float:
-    """The load factor at which a step from x ends being held, seen from there, and the state just below it in `out`;
-    NaN where that is not found. factor : that is not held, by too_much; `start` (N,) with the damper there.
+    """The load factor beyond which no step from x is held, and the state just below it in `out`; NaN where it is not
+    found. Seen from another x it may differ. factor : one that is not held, too large by too_much; start (N,) : the
+    state there, which the damper holds.
     """
     there, below = start.copy(), start.copy()
     for _ in range(8):
@@ -283,9 +285,9 @@ def finer(
     g: Still, x: Array, z: Array, factor: float, size: float, kinds: Ints, first: Array, tolerance: float, out: Array,
     slips: Array,
 ) -> tuple[int, int]:  # fmt: skip
-    """A step of this size while nothing changes, by extrapolation of 1, 2, 3 ... steps to steps without end: writes its
-    end into out (N,) and the slips there into slips (m,). first (N,) : the end of one step. Returns (1: done, 0: not
-    accurate, -1: something changes in it; rows taken).
+    """A step of this size in which no contact changes its state: taken as 1, 2, 3 ... smaller steps, extrapolated to
+    infinitely many. Writes its end into out (N,) and the slips there into slips (m,). first (N,) : the end of one step.
+    Returns (1: done, 0: not accurate, -1: something changes in it; rows taken).
     """
     N, m = len(x), g.m
     table, last = np.empty((_ROWS, N + m)), np.empty((_ROWS, N + m))

@@ -1,9 +1,9 @@
 """A walk under a load that grows, in one posture, from change to change of contact states until no state follows.
 
 Where nothing slides on a round cone, one step is exact however long it is. Elsewhere steps are extrapolated, and grow
-while they are accurate. A change of states is located on margins. Where a step has no end, the end is looked for: the
-damper of a step beyond it says by how much the load is too large. It is believed once it no longer depends on where it
-is seen from, and no state beyond it is found from contacts that all stick either.
+while they are accurate. A change of contact states is located on margins. Where a step has no solution, the limit of
+the load is looked for: the damper of a step beyond it says by how much the load is too large. The limit is accepted
+once it is the same from two places, and no state under more load is found, also not from contacts that all stick.
 """
 
 from __future__ import annotations
@@ -65,8 +65,9 @@ class Log(NamedTuple):
 
 @kernel
 def goes_on(g: Still, x: Array, z: Array, kinds: Ints, factor: float) -> float:
-    """The factor a little above this one, if a state is found there, which x, z, kinds are changed to; NaN if none is:
-    from x, from contacts that all stick, and where the object comes to rest as it moves on against a damper.
+    """A factor slightly above this one under which a state is found, to which x, z and kinds are changed; NaN if there
+    is none. It is looked for from x, from contacts that all stick, and where the object comes to rest when it moves on
+    against a damper.
     """
     more = factor + _PAST * max(abs(factor), 1e-3 * _size(g, x))
     out, slip = np.empty(len(x)), np.empty(len(x))
@@ -109,7 +110,7 @@ def _rests(g: Still, x: Array, z: Array, kinds: Ints, factor: float) -> bool:
         at[:] = out
         moved = np.max(np.abs(at[m : m + g.dof] - x[m : m + g.dof]))
         if (even and step > 0.1 * _STRIDE) or moved > gone:
-            return False  # it goes on and on at the same forces
+            return False  # it moves on without end, at the same forces
         if step * slow < _CALM * np.max(np.abs(at[:m])) and tried > 3:
             held_, _ = euler(g, at, slips, at, factor, False, out)
             if held_ == 2 and np.max(np.abs(out[m : m + g.dof] - at[m : m + g.dof])) < _STRIDE:
@@ -330,7 +331,7 @@ def _located(
         if held != 2:
             held, _ = euler(g, x, z, x, factor + part, True, trial)
         if held != 2:
-            high = part  # should not be: there is a state beyond
+            high = part  # not expected, as there is a state beyond
             continue
         along(g, x, trial, z, between)
         kinds_of(g, trial, between, own)
