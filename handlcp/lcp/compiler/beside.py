@@ -232,11 +232,11 @@ def _work(requests: queue.SimpleQueue[Request]) -> int:
         if time.monotonic() > until:
             return _BUSY
         time.sleep(0.05)
-    from handlcp.lcp.compiler.dispatch import kept_now
-
     with file, contextlib.suppress(queue.Empty):
         while True:
-            module, name, types = requests.get(timeout=_IDLE)
-            if not kept_now(attrgetter(name)(importlib.import_module(module)), pickle.loads(types)):
-                return _CANNOT
+            module, name, pickled = requests.get(timeout=_IDLE)
+            jit, types = attrgetter(name)(importlib.import_module(module)).dispatcher, pickle.loads(pickled)
+            jit.compile(types)
+            if not jit._cache.stamp(types, jit.targetctx):
+                return _CANNOT  # nobody else can load it
     return 0

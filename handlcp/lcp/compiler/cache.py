@@ -37,6 +37,10 @@ class KernelCache:
         """The first folder."""
         return str(next(iter(folders.folders()), ""))
 
+    def stamp(self, types: Any, target: Any) -> int:
+        """A number that changes when code for these types is kept anew; 0 where there is none."""
+        return folders.stamp(self._file(types, target.codegen()))
+
     def has(self, types: Any, target: Any) -> bool:
         """Whether there is compiled code for these types; the next `load_overload` finds it ready."""
         found = self.load_overload(types, target)
@@ -51,7 +55,7 @@ class KernelCache:
         if not self.inside:
             return None
         try:
-            if (data := folders.read(self.file(types, target.codegen()))) is None:
+            if (data := folders.read(self._file(types, target.codegen()))) is None:
                 return None
             target.refresh()
             large, needs, reduced = pickle.loads(data)
@@ -73,7 +77,7 @@ class KernelCache:
         if large:
             link.keep_apart(found, self.name, types)
         try:
-            why = folders.put(self.file(types, found.codegen), dumps((large, needs, found._reduce())))
+            why = folders.put(self._file(types, found.codegen), dumps((large, needs, found._reduce())))
         except Exception as error:
             why = f"{type(error).__name__}: {error}"
         if why is not None:
@@ -88,7 +92,7 @@ class KernelCache:
     def flush(self) -> None:
         """Nothing: files of an earlier source are never read."""
 
-    def file(self, types: Any, codegen: Any) -> str:
+    def _file(self, types: Any, codegen: Any) -> str:
         """The name of a file: all that the code depends on, as types, processor, versions, and the function itself."""
         versions = numba.__version__, llvmlite.__version__, np.__version__
         said = repr((types, codegen.magic_tuple(), versions, self._code))

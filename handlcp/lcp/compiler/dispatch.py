@@ -9,7 +9,7 @@ import numba
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
-from handlcp.lcp.compiler import beside, folders, link, when
+from handlcp.lcp.compiler import beside, link, when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.when import waiting
 
@@ -89,7 +89,7 @@ def _writable(one: Any) -> Any:
 
 def _is_kept(kernel: Any, jit: Any, types: Any) -> bool:
     """Whether compiled code for these types is there to load; a file that could not be loaded is not read again."""
-    file = folders.stamp(jit._cache.file(types, jit.targetctx.codegen()))
+    file = jit._cache.stamp(types, jit.targetctx)
     if kernel.missing.get(types) == file:
         return False
     if jit._cache.has(types, jit.targetctx):
@@ -110,10 +110,3 @@ def _is_compiled(kernel: Any, jit: Any, types: Any) -> bool:
     with waiting(kernel.compiling_takes):
         jit.compile(types)
     return True
-
-
-def kept_now(kernel: Any, types: Any) -> bool:
-    """Compile a kernel, unless there is code for it. Returns whether there is now, for other processes, too."""
-    jit = dispatcher(kernel)
-    jit.compile(types)
-    return bool(folders.stamp(jit._cache.file(types, jit.targetctx.codegen())))
