@@ -21,6 +21,8 @@ from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
+from handlcp.grasp.tangent.active_set import Laws, active_rows
+from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States
 from handlcp.lcp import Auto, ContactSolver, SemismoothNewton, Solver, Status, as_chain
 from handlcp.lcp.kernels.contact_rows import row_scales
 from handlcp.lcp.solve import AnySolver
@@ -29,16 +31,15 @@ from handlcp.tolerances import ACTIVE, RANK
 # ----------------------------------------------------------------
 # How far the forces of an answer are from those that solve its laws exactly: an estimate from the answer itself.
 #
-# The laws are rows F(x) = 0, y = M x + q (Alart & Curnier 1991, as in `contact_rows`), ρ > 0 a scale for each contact:
+# The laws are rows F(x) = 0, y = M x + q. In a piece, which says what every contact and every pair does, they are those
+# of an active set (`grasp/tangent/active_set`), F = A x - B (q, 0). With ρ > 0 a scale of each contact, as in
+# `contact_rows` (Alart & Curnier 1991), a contact that slides is at the face e = (x_T - ρ y_T) / |x_T - ρ y_T|, and
+# friction turns with the slip by α = (|x_T - ρ y_T| - μ x_N) / (ρ μ x_N). Then
 #
-# free F = y     pair F = ρ y (it touches) or x (it is open)     stick F = ρ y_T     slide F = x_T - μ x_N e
-#
-# with e = (x_T - ρ y_T) / |x_T - ρ y_T|. In a piece, a choice for every contact, F is smooth with derivative J. Then
-#
-# |Δx| ≤ |J⁻¹ F| + |J⁻¹| δ
+# |Δx| ≤ |A⁻¹ F| + |A⁻¹| δ
 #
 # to first order: Newton's step, and what rounding can have done to F in making M, q and y, entry by entry (Higham,
-# Accuracy and Stability of Numerical Algorithms, 2002, section 7.2). Where J is singular, something is not determined:
+# Accuracy and Stability of Numerical Algorithms, 2002, section 7.2). Where A is singular, something is not determined:
 # its pseudoinverse leaves that out, so that any member of the family counts as exact.
 #
 # A contact so near the border between two choices that this very bound covers it may be on either side: every choice of
@@ -47,7 +48,8 @@ from handlcp.tolerances import ACTIVE, RANK
 _EPS = float(np.finfo(float).eps)
 _ROUNDING = 4.0 * _EPS  # of a sum, over the sum of its terms' sizes: data, product and sum
 _MOST_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; of more, each alone and all at once
-_REGULAR = 1e-9  # 1 / condition above which J is inverted; below, its rank is looked at
+_REGULAR = 1e-9  # 1 / condition above which A is inverted; below, its rank is looked at
+_NO_RADIUS = 1e-12  # of |x_T - ρ y_T|: limits below it turn with any slip
 
 
 def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
@@ -75,19 +77,24 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
 
 
 class _Laws:
-    """The rows at x (n,): y, what rounding can have done to it, ρ and s = x - ρ y, (n,) each; of each block's s_T the
-    length and direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
+    """At x (n,): what rounding can have done to y, ρ and s = x - ρ y, (n,) each; of each block's s_T the length and
+    direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
     """
 
     def __init__(self, problem: GraspContactProblem, x: Array) -> None:
-        self.M, self.x, self.blocks, self.limits = problem.M, x, problem.blocks, problem.limits
-        self.y, self.noise, self.rho = self.M @ x + problem.q, _noise(problem, x), row_scales(self.M, self.blocks)
-        self.s, self.pair = x - self.rho * self.y, problem.role == 1
+        self.M, self.q, self.x, self.blocks, self.limits = problem.M, problem.q, x, problem.blocks, problem.limits
+        self.noise, self.rho = _noise(problem, x), row_scales(self.M, self.blocks)
+        self.s, self.pair = x - self.rho * (self.M @ x + self.q), problem.role == 1
         tangential = self._of_tangents(self.s)
         self.size = np.hypot(*tangential.T)
         self.along = tangential / np.where(self.size > 0.0, self.size, 1.0)[:, None]
         self.radius = self.limits * np.maximum(x[self.blocks[:, 0]], 0.0)
         self.piece: Bools = np.concatenate([self.pair & (self.s > 0.0), self.size <= self.radius])
+        pairs = np.flatnonzero(self.pair)
+        self.own = np.searchsorted(pairs, self.blocks[:, 0])  # which of the pairs each block belongs to
+        contacts, limits = np.full((len(pairs), 4), -1), np.zeros(len(pairs))
+        contacts[:, 0], contacts[self.own], limits[self.own] = pairs, self.blocks, self.limits
+        self.laws = Laws(self.M.copy(), problem.role == 0, contacts, limits, 1.0)
 
     def _of_tangents(self, values: Array) -> Array:
         """(k, 2) those of each block's tangents, 0 for the one that is missing in a plane."""
@@ -95,31 +102,24 @@ class _Laws:
         return np.where(tangents >= 0, values[tangents], 0.0)
 
     def bound(self, piece: Bools) -> Array:
-        """(n,) |J⁻¹ F| + |J⁻¹| δ, the largest error of every unknown in this piece."""
-        J, F, off = self._rows(piece)
-        largest = abs(J).max(axis=1)
-        largest[largest == 0.0] = 1.0
-        inverse = _inverse(J / largest[:, None])
-        return np.asarray(abs(inverse @ (F / largest)) + abs(inverse) @ (off / largest))
+        """(n,) |A⁻¹ F| + |A⁻¹| δ, the largest error of every unknown in this piece."""
+        n, x = len(self.x), self.x
+        A, B = active_rows(self.laws, self._states(piece[:n], piece[n:]))
+        F = A @ x - B[:, :n] @ self.q
+        on_limit = (B[:, n:] != 0.0).any(axis=1)
+        off = abs(B[:, :n]) @ self.noise + np.where(on_limit, _ROUNDING * (abs(A) @ abs(x)), 0.0)
+        inverse = _inverse(A)
+        return np.asarray(abs(inverse @ F) + abs(inverse) @ off)
 
-    def _rows(self, piece: Bools) -> tuple[Array, Array, Array]:
-        """J (n, n), F (n,) and the rounding of F (n,)."""
-        n, x, M = len(self.x), self.x, self.M
-        J, F, off = M.copy(), self.y.copy(), self.noise.copy()
-        apart = self.pair & ~piece[:n]
-        J[apart], F[apart], off[apart] = np.eye(n)[apart], x[apart], 0.0
-        for b in np.flatnonzero(~piece[n:]):
-            N, T = self.blocks[b, 0], self.blocks[b, 1:][self.blocks[b, 1:] >= 0]
-            e, rho, radius, one = self.along[b, : len(T)], self.rho[T[0]], self.radius[b], np.eye(len(T))
-            # The projection's derivative turns e by what lies across it; nothing does in a plane
-            share = radius / max(self.size[b], radius) if radius > 0.0 and len(T) > 1 else 0.0
-            across = share * (one - np.outer(e, e))
-            J[T] = rho * across @ M[T]
-            J[np.ix_(T, T)] += one - across
-            J[T, N] -= self.limits[b] * e
-            F[T] = x[T] - self.limits[b] * x[N] * e
-            off[T] = _ROUNDING * abs(x[T]) + rho * abs(across) @ self.noise[T]
-        return J, F, off
+    def _states(self, touches: Bools, sticks: Bools) -> States:
+        """Of all pairs; a contact that has no friction glides."""
+        pairs = self.laws.contacts[:, 0]
+        kind, faces, turn = np.full(len(pairs), GLIDING), np.zeros((len(pairs), 3, 3)), np.zeros(len(pairs))
+        kind[self.own], faces[self.own, 0, :2] = np.where(sticks, STICKING, SLIDING), self.along
+        beyond = np.maximum(self.size - self.radius, 0.0)
+        turn[self.own] = beyond / (self.rho[self.blocks[:, 1]] * np.maximum(self.radius, _NO_RADIUS * self.size))
+        kind[~touches[pairs]] = SEPARATED
+        return States(kind, (kind == SLIDING).astype(np.int64), faces, turn)
 
     def doubtful(self, bound: Array) -> Bools:
         """(n + k,) pairs and blocks that may be on the other side of their border, for all the bound (n,) says."""

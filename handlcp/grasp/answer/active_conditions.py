@@ -49,7 +49,7 @@ def free_branches(
     for kind, active in itertools.product(_choices(scene, states.kind), limited.choices()):
         laws = laws_of(scene, scene.limits(section), limited.rows, active)
         A, _ = active_rows(laws, states._replace(kind=kind))
-        if rank_of(A) == len(A):
+        if rank_of(A.copy()) == len(A):
             continue
         _, free = smallest(A, np.zeros((len(A), 0)), RANK)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)

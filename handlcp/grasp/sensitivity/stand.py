@@ -69,7 +69,7 @@ def find(given: Given, at: Numbers, contacts: Ints, friction: Friction) -> Found
     kept[c : c + dof] = True
     kept[c + dof :] = at.gives
     softness = force / motion
-    K = saddle(at.tangent * softness, natural, at.rows)
+    K = saddle(at.tangent, softness, natural, at.rows)
     laws = Laws(K, kept, contacts, friction.limits, softness)
     A, B = active_rows(laws, states)
     inverse, regular = inverted(A, B, RANK)

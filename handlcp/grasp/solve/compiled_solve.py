@@ -176,7 +176,7 @@ def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: Sta
     for k in states.kind:
         if k == RESTING:
             return False
-    K = saddle(E * softness, every, np.empty((0, every.shape[1])))
+    K = saddle(E, softness, every, np.empty((0, every.shape[1])))
     kept = np.arange(len(K)) >= len(E)
     A, _ = active_rows(Laws(K, kept, contacts, limits, softness), states)
     return bool(rank_of(A) == len(A))

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
-from handlcp.grasp.verify.contact_states import RESTING, SEPARATED, SLIDING, STICKING, States
+from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
 from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
 from handlcp.tolerances import RANK
 
@@ -46,17 +46,24 @@ class Laws(NamedTuple):
 
 
 @kernel
-def saddle(E: Array, G: Array, A: Array) -> Array:
-    """K of E (c, c), G (dof, c) and A (m, c), natural units."""
+def saddle(E: Array, softness: float, G: Array, A: Array) -> Array:
+    """K of E (c, c) [m/N], and G (dof, c) and A (m, c) in natural units."""
     c, dof, m = len(E), len(G), len(A)
     K = np.zeros((c + dof + m, c + dof + m))
-    K[:c, :c] = E
     for j in range(c):
+        for i in range(c):
+            K[j, i] = E[j, i] * softness
         for i in range(dof):
             K[c + i, j] = K[j, c + i] = G[i, j]
         for i in range(m):
             K[c + dof + i, j] = K[j, c + dof + i] = A[i, j]
     return K
+
+
+@kernel
+def all_stick(n: int) -> States:
+    """The states of n contacts that stick."""
+    return States(np.full(n, STICKING), np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n))
 
 
 @kernel
@@ -66,38 +73,34 @@ def active_rows(laws: Laws, states: States) -> tuple[Array, Array]:
     states : RESTING counts as separated. Rows are scaled to a largest entry of one.
     """
     n, k = len(laws.contacts), len(laws.K)
-    A, B = np.zeros((k, k)), np.zeros((k, k + n))
-    for i in range(k):
-        if laws.kept[i]:
-            _keep(A, B, laws.K, i)
-        else:
-            A[i, i] = 1.0
+    A, B, kept = laws.K.copy(), np.zeros((k, k + n)), laws.kept.copy()
     for i in range(n):
         own, kind = laws.contacts[i], states.kind[i]
-        if own[0] < 0 or kind in (SEPARATED, RESTING):
-            continue
-        _keep(A, B, laws.K, own[0])
-        if kind == SLIDING:
-            _slide(A, B, laws, states, i)
-        elif kind == STICKING:
+        if own[0] >= 0 and kind != SEPARATED and kind != RESTING:
+            kept[own[0]] = True
             for j in own[1:]:
-                if j >= 0:
-                    _keep(A, B, laws.K, j)
+                if j >= 0 and kind != GLIDING:
+                    kept[j] = True
     for i in range(k):
-        largest = 0.0
-        for value in A[i]:
+        if kept[i]:
+            B[i, i] = -1.0
+        else:
+            A[i] = 0.0
+            A[i, i] = 1.0
+    for i in range(n):
+        if states.kind[i] == SLIDING:
+            _slide(A, B, laws, states, i)
+    for i in range(k):
+        row, largest = A[i], 0.0
+        for value in row:
             largest = max(largest, abs(value))
         if largest > 0.0:
-            A[i] /= largest
-            B[i] /= largest
+            scale, right = 1.0 / largest, B[i]
+            for j in range(k):
+                row[j] *= scale
+            for j in range(k + n):
+                right[j] *= scale
     return A, B
-
-
-@kernel
-def _keep(A: Array, B: Array, K: Array, i: int) -> None:
-    """Make row i that of K, which keeps its value."""
-    A[i] = K[i]
-    B[i, i] = -1.0
 
 
 @kernel
@@ -109,7 +112,8 @@ def _slide(A: Array, B: Array, laws: Laws, states: States, i: int) -> None:
     complement(states.faces[i], count, d, across)
     for a in range(d):
         j = own[a + 1]
-        A[j, j] = 0.0
+        A[j] = 0.0
+        B[j, j] = 0.0
         if a < count:
             A[j, own[0]] = -laws.limits[i]
             B[j, len(A) + i] = 1.0
@@ -152,9 +156,9 @@ def complement(normals: Array, count: int, d: int, across: Array) -> None:
 
 @kernel
 def rank_of(A: Array) -> int:
-    """How many of the rows of A (k, k) are independent; rows have a largest entry of one."""
+    """How many of the rows of A (k, k) are independent; A is overwritten."""
     k = len(A)
-    return solve_ranked(A.copy(), np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)
+    return solve_ranked(A, np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)
 
 
 @kernel

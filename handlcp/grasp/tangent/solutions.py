@@ -17,7 +17,7 @@ def laws_of(scene: Scene, limits: Array, rows: Array, gives: Bools) -> Laws:
     natural units; gives (m,) : those that give way.
     """
     softness = scene.units.force / scene.units.motion
-    K = saddle(scene.flexibility * softness, scene.natural.every, rows)
+    K = saddle(scene.flexibility, softness, scene.natural.every, rows)
     kept = np.concatenate([np.zeros(scene.components, bool), np.ones(scene.dof, bool), gives])
     return Laws(K, kept, scene.kind.contact_components, limits, softness)
 
@@ -48,7 +48,8 @@ def without_slip(scene: Scene, flexibility: Array, offsets: Array, loads: Array)
     index, posed = scene.kind.index, scene.geometry
     e0 = float(np.diagonal(scene.flexibility).mean()) or 1.0
     rows = scene.freedom / np.repeat([1.0, posed.length], 3)
-    K = saddle(flexibility[np.ix_(index, index)] / e0, rows @ posed.grasp_matrix[:, index], np.zeros((0, len(index))))
+    E, G = flexibility[np.ix_(index, index)], rows @ posed.grasp_matrix[:, index]
+    K = saddle(E, 1.0 / e0, G, np.zeros((0, len(index))))
     answer = np.linalg.lstsq(K, -np.vstack([offsets[index] / e0, rows @ loads]), rcond=_OPEN)[0]
     forces = np.zeros((scene.components, offsets.shape[1]))
     forces[index] = answer[: len(index)]

@@ -13,7 +13,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.limits.kernels.parts import CLOSED, Parts, Place
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.lcp.kernels.dense import kernel, solve_wide
 from handlcp.lcp.kernels.lemke import SOLVED, lemke
 from handlcp.tolerances import PIVOT
 
@@ -179,16 +179,15 @@ def _miss(M: Array, q: Array, basis: Ints, gamma: Array, size: float) -> int:
         if basis[i] == 1:
             at[k] = i
             k += 1
-    A, x = np.empty((k, k)), np.empty(k)
-    largest = 0.0
+    wide, largest = np.empty((k, k + 1)), 0.0
     for i in range(k):
-        x[i] = -q[at[i]]
+        wide[i, k] = -q[at[i]]
         for j in range(k):
-            A[i, j] = M[at[i], at[j]]
-            largest = max(largest, abs(A[i, j]))
-    if not solved(A, x, _SINGULAR * largest):
+            wide[i, j] = M[at[i], at[j]]
+            largest = max(largest, abs(wide[i, j]))
+    if not solve_wide(wide, _SINGULAR * largest):
         return -2
-    biggest = 0.0
+    x, biggest = wide[:, k], 0.0
     for i in range(k):
         gamma[at[i]] = x[i]
         biggest = max(biggest, abs(x[i]))
@@ -207,31 +206,3 @@ def _miss(M: Array, q: Array, basis: Ints, gamma: Array, size: float) -> int:
         for i in range(p):
             gamma[i] = max(gamma[i], 0.0)
     return worst
-
-
-@kernel
-def solved(A: Array, x: Array, tiny: float) -> bool:
-    """X ← A⁻¹ x with row pivoting; False where A is singular."""
-    k = len(x)
-    for s in range(k):
-        at, best = s, abs(A[s, s])
-        for i in range(s + 1, k):
-            if abs(A[i, s]) > best:
-                at, best = i, abs(A[i, s])
-        if best <= tiny:
-            return False
-        if at != s:
-            for j in range(s, k):
-                A[s, j], A[at, j] = A[at, j], A[s, j]
-            x[s], x[at] = x[at], x[s]
-        for i in range(s + 1, k):
-            f = A[i, s] / A[s, s]
-            if f != 0.0:
-                for j in range(s + 1, k):
-                    A[i, j] -= f * A[s, j]
-                x[i] -= f * x[s]
-    for s in range(k - 1, -1, -1):
-        for j in range(s + 1, k):
-            x[s] -= A[s, j] * x[j]
-        x[s] /= A[s, s]
-    return True

@@ -18,6 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
+from handlcp.grasp.tangent.active_set import Laws, active_rows, all_stick, inverted, saddle
+from handlcp.grasp.verify.contact_states import SEPARATED, States
 from handlcp.lcp.kernels.dense import kernel
 
 OPEN, CLOSED, OPENS, CLOSES = 0, 1, 2, 3  # the last two: no force and no gap, after a force or after a gap
@@ -102,117 +104,52 @@ def update(p: Parts, closed: Ints, yields: Ints, known: Inverse) -> None:
     known.closed[:] = closed
     known.yields[:] = yields
     m, dof, k = len(p.E), len(p.G), len(p.rows)
-    on, count = np.empty(m + dof + k, np.int64), 0
-    used = np.zeros(m, np.int64)
+    kept, states = np.zeros(m + dof + k, np.bool_), all_stick(len(closed))
+    kept[m : m + dof] = True
+    kept[m + dof :] = yields == 1
     for i in range(len(closed)):
-        for a in range(4):
-            if closed[i] != OPEN and p.contacts[i, a] >= 0:
-                used[p.contacts[i, a]] = 1
-    for j in range(m + dof + k):
-        if (j < m and used[j] == 1) or m <= j < m + dof or (j >= m + dof and yields[j - m - dof] == 1):
-            on[count] = j
-            count += 1
-    on = on[:count]
-    K = np.empty((count, count))
+        if closed[i] == OPEN:
+            states.kind[i] = SEPARATED
+    laws = Laws(saddle(p.E, 1.0, p.G, p.rows), kept, p.contacts, p.mu, 1.0)
     known.loose[0] = 0
-    _saddle(p, on, K)
-    if not _inverted(K):
-        known.loose[0] = _loose(p, on, known.Z)
-        _saddle(p, on, K)
-        _hold(on, m, known, K)
-        if not _inverted(K):
-            _saddle(p, on, K)
-            _hold(on, m, known, K)
-            soft = _RIGID * max(np.trace(p.E) / max(m, 1), 1e-30)
-            for i in range(count):
-                if on[i] < m:
-                    K[i, i] += soft
-            _inverted(K)
-    known.W[:, :] = 0.0
-    for i in range(count):
-        for j in range(count):
-            known.W[on[i], on[j]] = K[i, j]
+    if _put_inverse(laws, states, known):
+        return
+    known.loose[0] = _loose(p, laws, states, known.Z)
+    loose = known.Z[:, : known.loose[0]].copy()
+    laws.K[m:, m:] -= np.dot(loose, loose.T)  # motions that no contact feels are zero
+    if _put_inverse(laws, states, known):
+        return
+    soft = _RIGID * max(np.trace(p.E) / max(m, 1), 1e-30)
+    for i in range(m):
+        laws.K[i, i] += soft
+    _put_inverse(laws, states, known)
 
 
 @kernel
-def _saddle(p: Parts, on: Ints, K: Array) -> None:
-    m, dof = len(p.E), len(p.G)
-    for i in range(len(on)):
-        a = on[i]
-        for j in range(i + 1):
-            b = on[j]
-            if a < m:
-                value = p.E[a, b]
-            elif b >= m:
-                value = 0.0
-            else:
-                value = p.G[a - m, b] if a < m + dof else p.rows[a - m - dof, b]
-            K[i, j] = K[j, i] = value
+def _put_inverse(laws: Laws, states: States, known: Inverse) -> bool:
+    """Write W; False where there is none."""
+    A, B = active_rows(laws, states)
+    X, found = inverted(A, B[:, : len(A)], _NO_PIVOT)
+    known.W[:] = -X
+    return found
 
 
 @kernel
-def _loose(p: Parts, on: Ints, Z: Array) -> int:
+def _loose(p: Parts, laws: Laws, states: States, Z: Array) -> int:
     """Write motions that no contact feels into the columns of Z; returns how many."""
-    m, dof, count = len(p.E), len(p.G), len(on)
-    moves = 0
-    for a in on:
-        moves += 1 if a >= m else 0
-    C = np.zeros((count - moves, moves))
-    for i in range(count - moves):
-        for j in range(moves):
-            b = on[count - moves + j] - m
-            C[i, j] = p.G[b, on[i]] if b < dof else p.rows[b - dof, on[i]]
+    m = len(p.E)
+    moves, C = np.flatnonzero(laws.kept[m:]), np.zeros((m, len(Z)))
+    for i in range(len(p.contacts)):
+        for j in p.contacts[i]:
+            if j >= 0 and states.kind[i] != SEPARATED:
+                C[j] = laws.K[j, m:]
+    C = C[:, moves]
     values, vectors = np.linalg.eigh(np.dot(C.T, C))
     loose = 0
     Z[:, :] = 0.0
-    for c in range(moves):
+    for c in range(len(moves)):
         if values[c] <= _LOOSE * max(values[-1], 1.0):
-            for j in range(moves):
-                Z[on[count - moves + j] - m, loose] = vectors[j, c]
+            for j in range(len(moves)):
+                Z[moves[j], loose] = vectors[j, c]
             loose += 1
     return loose
-
-
-@kernel
-def _hold(on: Ints, m: int, known: Inverse, K: Array) -> None:
-    """Subtract Z Zᵀ, so that motions that no contact feels are zero."""
-    for i in range(len(on)):
-        for j in range(len(on)):
-            if on[i] >= m and on[j] >= m:
-                for c in range(known.loose[0]):
-                    K[i, j] -= known.Z[on[i] - m, c] * known.Z[on[j] - m, c]
-
-
-@kernel
-def _inverted(K: Array) -> bool:
-    """K ← K⁻¹ in place, by Gauss and Jordan with row pivoting; whether every pivot is one."""
-    n = len(K)
-    swaps = np.empty(n, np.int64)
-    for s in range(n):
-        best, at = 0.0, s
-        for i in range(s, n):
-            if abs(K[i, s]) > best:
-                best, at = abs(K[i, s]), i
-        if best <= _NO_PIVOT:
-            return False
-        swaps[s] = at
-        if at != s:
-            for j in range(n):
-                K[s, j], K[at, j] = K[at, j], K[s, j]
-        f = 1.0 / K[s, s]
-        K[s, s] = 1.0
-        top = K[s]
-        top *= f
-        for i in range(n):
-            if i != s:
-                g = K[i, s]
-                if g != 0.0:
-                    K[i, s] = 0.0
-                    row = K[i]
-                    for j in range(n):
-                        row[j] -= g * top[j]
-    for s in range(n - 1, -1, -1):
-        if swaps[s] != s:
-            for i in range(n):
-                K[i, s], K[i, swaps[s]] = K[i, swaps[s]], K[i, s]
-    return True

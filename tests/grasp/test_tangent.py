@@ -1,0 +1,132 @@
+"""The equations of an active set: against their definition, contact by contact, and against whole solves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from tests.grasp.effect_rows import ROWS
+from tests.grasp.scenes import pinch, ring
+from tests.support import tangent as t
+from tests.support.sensitivity import misses
+
+MU = 0.7
+DIAGONAL = np.array([1.0, 1.0]) / np.sqrt(2.0)
+# kind, faces that it slides against, slip over friction
+WHAT = {
+    "separated": (t.SEPARATED, [], 0.0),
+    "resting": (t.RESTING, [], 0.0),
+    "sticking": (t.STICKING, [], 0.0),
+    "gliding": (t.GLIDING, [], 0.0),
+    "sliding against a face": (t.SLIDING, [DIAGONAL], 0.0),
+    "sliding at a corner": (t.SLIDING, [np.array([1.0, 0.0]), DIAGONAL], 0.0),
+    "sliding on a round set": (t.SLIDING, [-DIAGONAL], 0.3),
+}
+
+
+def system(names, rng):
+    """(laws, states, parts): contacts that do these things, and two limits of which the second gives way."""
+    n = len(names)
+    c = 3 * n
+    B = rng.normal(size=(c, c))
+    E, G, A = B @ B.T + np.eye(c), rng.normal(size=(6, c)), rng.normal(size=(2, c))
+    kind = np.array([WHAT[name][0] for name in names])
+    faces, against = np.zeros((n, 3, 3)), np.array([len(WHAT[name][1]) for name in names])
+    for i, name in enumerate(names):
+        for a, normal in enumerate(WHAT[name][1]):
+            faces[i, a, :2] = normal
+    turn = np.array([WHAT[name][2] for name in names])
+    contacts = np.array([[3 * i + 2, 3 * i, 3 * i + 1, -1] for i in range(n)])
+    kept = np.array([False] * c + [True] * 6 + [False, True])
+    softness = 2.0
+    laws = t.Laws(t.saddle(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
+    return laws, t.States(kind, against, faces, turn), (E * softness, G, A)
+
+
+def reference(names, parts, b, more, softness):
+    """The changes, from the laws written down one by one: balance, limits, then each contact's three equations."""
+    E, G, A = parts
+    n, c = len(names), len(E)
+    V = np.hstack([E, G.T, A.T])  # of the motions
+    rows, right = [np.hstack([G, np.zeros((6, 8))])], [-b[c : c + 6]]
+    nothing = np.zeros(c + 8)
+    nothing[c + 6] = 1.0  # the first limit does not give way
+    rows += [nothing[None], np.hstack([A[1:], np.zeros((1, 8))])]
+    right += [[0.0], -b[c + 7 : c + 8]]
+    force = np.eye(c, c + 8)
+    for i, name in enumerate(names):
+        kind, faces, turn = WHAT[name]
+        T, N = [3 * i, 3 * i + 1], 3 * i + 2
+        if kind in (t.SEPARATED, t.RESTING):
+            rows, right = [*rows, force[[*T, N]]], [*right, np.zeros(3)]
+            continue
+        rows, right = [*rows, V[[N]]], [*right, -b[[N]]]
+        if kind == t.STICKING:
+            rows, right = [*rows, V[T]], [*right, -b[T]]
+        elif kind == t.GLIDING:
+            rows, right = [*rows, force[T]], [*right, np.zeros(2)]
+        else:
+            for normal in faces:
+                rows, right = [*rows, (normal @ force[T] - MU * force[N])[None]], [*right, more[[i]]]
+            if len(faces) == 1:
+                across = np.array([-faces[0][1], faces[0][0]])
+                rows.append((across @ (V[T] + turn * softness * force[T]))[None])
+                right.append([-across @ b[T]])
+    return np.linalg.solve(np.concatenate(rows), np.concatenate(right)), n
+
+
+@pytest.mark.parametrize("name", WHAT)
+@pytest.mark.parametrize("seed", range(3))
+def test_each_contact_state_has_its_equations(name, seed):
+    rng = np.random.default_rng(seed)
+    names = ["sticking", name, "sliding against a face", "sticking"]
+    laws, states, parts = system(names, rng)
+    A, B = t.active_rows(laws, states)
+    inverse, regular = t.inverted(A, B, 1e-10)
+    b, more = rng.normal(size=len(A)), rng.normal(size=4)
+    expected, _ = reference(names, parts, b, more, laws.softness)
+    assert regular
+    np.testing.assert_allclose(inverse @ np.append(b, more), expected, atol=1e-9 * abs(expected).max())
+    again, free = t.smallest(A, (B @ np.append(b, more))[:, None], 1e-10)
+    np.testing.assert_allclose(again[:, 0], expected, atol=1e-9 * abs(expected).max())
+    assert free.shape == (len(A), 0)
+    assert t.rank_of(A) == len(A)
+
+
+def test_what_no_law_resists_is_found():
+    """All contacts open: the object may go anywhere, and nothing answers a load."""
+    laws, states, _ = system(["separated", "resting"], np.random.default_rng(0))
+    laws = laws._replace(kept=np.append(laws.kept[:-2], [False, False]))  # no limit gives way
+    A, B = t.active_rows(laws, states)
+    found, free = t.smallest(A, B[:, [6]], 1e-10)
+    assert free.shape[1] == 6
+    assert np.isnan(found).all()
+    assert not t.inverted(A, B, 1e-10)[1]
+    assert t.rank_of(A) == len(A) - 6
+
+
+# ---------------------------------------------------------------- against whole solves
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_with_every_effect_the_answer_to_a_load_is_that_of_whole_solves(row):
+    grasp = row.on()
+    solution = grasp.solve(row.faces)
+    s = solution.sensitivity()
+    assert not [k for k in s.kinks if not k.by]
+    for index in ((0,), (2,), (5,)):
+        missed = misses(grasp, solution, row.faces, "wrench", index)
+        assert max(missed.values()) < 1e-6, (index, missed)
+
+
+def test_without_slip_the_forces_are_those_of_a_solve_where_every_contact_sticks():
+    contacts, data = ring(np.random.default_rng(1), n=3, mu=50.0, preload=0.02)
+    g = hl.Grasp(contacts, **data)
+    s = g.solve()
+    assert s.contact_state == ("sticking",) * 3
+    np.testing.assert_allclose(t.without_slip(g), s.forces, atol=1e-9 * abs(s.forces).max())
+
+
+def test_without_slip_what_is_left_open_is_smallest():
+    """Two rigid points, squeezed together by nothing: each bears half of the load, and no more."""
+    g = pinch(squeeze=0.0, flexibility=0.0)
+    np.testing.assert_allclose(t.without_slip(g), [[0.5, 0.0, 0.0], [0.5, 0.0, 0.0]], atol=1e-9)
