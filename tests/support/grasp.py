@@ -11,6 +11,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.grasp.analysis import required as _required
+from handlcp.grasp.analysis.least import least
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.answer.diagnosis import Sentences
 from handlcp.grasp.assembly.candidate import Candidate
@@ -19,6 +20,7 @@ from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.batch.first_stage import rows_of
 from handlcp.grasp.friction import as_section, limit_set
 from handlcp.grasp.model import validate as _validate
+from handlcp.grasp.parameter.friction import with_friction as _with_friction
 from handlcp.grasp.solve import compiled_answer as _first
 from handlcp.grasp.solve.scene_row import write_row
 from handlcp.grasp.solve.solve_spec import force_dependent, missed
@@ -39,6 +41,7 @@ __all__ = [
     "holds_with",
     "judge_of",
     "judged",
+    "least",
     "limit_surface",
     "load_about",
     "nearest_in_polygon",
@@ -49,7 +52,6 @@ __all__ = [
     "residuals",
     "section",
     "section_of",
-    "smallest",
     "with_friction",
     "with_preload",
 ]
@@ -249,10 +251,9 @@ def with_preload(grasp: hl.Grasp, extra: float) -> Any:
 
 def with_friction(grasp: hl.Grasp, mu: float) -> Any:
     """The grasp with this coefficient at all contacts that have friction."""
-    return type(grasp)(_required.with_friction(grasp.spec, mu))
+    return type(grasp)(_with_friction(grasp.spec, mu))
 
 
-smallest = _required.smallest
 Check = Callable[[Any], bool]
 
 

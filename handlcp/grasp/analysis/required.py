@@ -1,9 +1,7 @@
 """How much squeeze, or how much friction, it takes: the smallest common value that holds, found by certified solves.
 
-Whether a grasp holds need not be monotone in either: more squeeze can push a finger off, more friction can let an
-equilibrium vanish. So the search goes upwards from the least that could hold, doubling its steps, stops at the first
-value that holds and closes in on it from below. What comes back holds; the value a tolerance below it does not, as
-`Grasp.solve` says. A narrower window further down may have been stepped over.
+The search (`least`) goes upwards from the least value that could hold. What comes back holds; the value a tolerance below
+it does not, as `Grasp.solve` says.
 """
 
 from __future__ import annotations
@@ -15,6 +13,7 @@ from typing import Any
 
 from handlcp.check import number
 from handlcp.errors import InputError
+from handlcp.grasp.analysis.least import least
 from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
@@ -30,7 +29,6 @@ from handlcp.text_table import wrapped
 from handlcp.views import view
 
 Holds = Callable[[GraspSpec, Section], bool]
-Test = Callable[[float], bool]
 
 CHAIN = Auto(search_work=BRIEF)
 _FIRST = 2.0**-10  # of the natural size: the first step upwards
@@ -122,7 +120,8 @@ def required_preload(
     if _escapes(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
     tests = [lambda x, t=t: t(spec.squeezed(x), section) for t in (test, sure)]
-    return smallest(tests[0], 0.0, _FIRST * size, most, tolerance, "m", tests[1])
+    found = least(tests[0], 0.0, most, tolerance, step=_FIRST * size, sure=tests[1])
+    return Required(found.value, found.fails, False, "m", most, tolerance, found.tried)
 
 
 def required_friction(
@@ -147,60 +146,13 @@ def required_friction(
         low, high = (middle, high) if _escapes(with_friction(spec, middle), section) else (low, middle)
     step = max(0.25 * tolerance * high, 1e-6)
     tests = [lambda x, t=t: t(with_friction(spec, x), section) for t in (test, sure)]
-    found = smallest(tests[0], high, step, most, tolerance, "", tests[1])
+    first = least(tests[0], high, most, tolerance, step=step, floor=high, sure=tests[1])
+    found = Required(first.value, first.fails, False, "", most, tolerance, first.tried)
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
         return replace(found, fails=low, proven=True)
     if found.value is None and (build(spec).offset[2 : 3 * spec.n : 3][spec.free_fingers] >= 0.0).all():
         return replace(found, hint="no finger squeezes the object; required_preload() says how much would do")
     return found
-
-
-def smallest(
-    test: Test, start: float, step: float, limit: float, tolerance: float, unit: str, sure: Test | None = None
-) -> Required:
-    """The first value that holds, going from `start` upwards in steps that double, then bisected from below.
-
-    sure : asked once more where the answer hangs on a "no" of `test`; None: that is sure enough. Where it says yes, the
-    search goes back down. The result's tolerance is relative to its value: value - fails ≤ tolerance · value, or one
-    rounding step.
-    """
-    checked: list[tuple[float, bool]] = []
-
-    def ok(x: float, by: Test = test) -> bool:
-        checked.append((x, bool(by(x))))
-        return checked[-1][1]
-
-    def found(value: float | None, fails: float | None) -> Required:
-        return Required(value, fails, False, unit, limit, tolerance, tuple(checked))
-
-    def between(low: float, high: float, by: Test) -> tuple[float, float]:
-        while high - low > tolerance * high:
-            middle = 0.5 * (low + high)
-            if not low < middle < high:  # neighbouring floats: a finer tolerance would never be met
-                break
-            low, high = (low, middle) if ok(middle, by) else (middle, high)
-        return low, high
-
-    low, high = start, start
-    if ok(start):  # nothing below it was tried
-        return found(start, None)
-    while high < limit:
-        low, high, step = high, min(high + step, limit), 2.0 * step
-        if ok(high):
-            low, high = between(low, high, test)
-            break
-    else:
-        if sure is None or not ok(high, sure):
-            return found(None, high)
-    if sure is None:
-        return found(high, low)
-    step = tolerance * high
-    while ok(low, sure):
-        if low == start:
-            return found(start, None)
-        low, high, step = max(start, low - step), low, 2.0 * step
-    low, high = between(low, high, sure)
-    return found(high, low)
 
 
 def _escapes(spec: GraspSpec, section: Section) -> bool:

@@ -14,13 +14,14 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, number
 from handlcp.errors import InputError
+from handlcp.grasp.analysis.least import least
 from handlcp.grasp.analysis.required import tolerance_of
 from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.cause.judge import MOTION, OBJECT, Cause, limits_of, over
 from handlcp.grasp.cause.wording import needs_more, said
-from handlcp.grasp.design.least import ORDER, Changed, closed_in, word
+from handlcp.grasp.design.least import ORDER, Changed, word
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
@@ -92,9 +93,9 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
     def too_much(factor: float) -> bool:
         return changed.too_much(factor) or bool(_over(changed.path(factor)))
 
-    value, fails = closed_in(enough, 1.0, _MOST, near, too_much, 1.0 / _MOST)
-    if value is not None:
-        moved, below = _moved(changed.path(value)), fails if fails < value else None
+    found = least(enough, 1.0, _MOST, near, floor=1.0 / _MOST, too_much=too_much)
+    if (value := found.value) is not None:
+        moved, below = _moved(changed.path(value)), found.fails
         short = "" if below is None else _short(changed.path(below))
         return RequiredStiffness(value, below, allowed, moved, pads, word(made(value), section), short)
     held = {x: path for x, path in changed.paths.items() if path.held and not _over(path)}

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.design.least import ORDER, closed_in
+from handlcp.grasp.analysis.least import least as searched
+from handlcp.grasp.design.least import ORDER
 from handlcp.grasp.friction import Section
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.verdict.check import STEPS
@@ -46,10 +47,12 @@ def _scaled(trials: Trials, force: Array, tolerance: float) -> tuple[Trial, Tria
     def at(factor: float) -> Trial:
         return trials(factor * force)
 
-    value, fails = closed_in(lambda x: at(x).holds, 1.0, _MOST, tolerance, lambda x: at(x).reached < 0.0)
-    if value is None:
-        return at(fails), None
-    return at(value), at(fails) if fails < value else None
+    found = searched(lambda x: at(x).holds, 1.0, _MOST, tolerance, too_much=lambda x: at(x).reached < 0.0)
+    below = None if found.fails is None else at(found.fails)
+    if found.value is None:
+        assert below is not None  # the start was tried
+        return below, None
+    return at(found.value), below
 
 
 def _varied(trials: Trials, best: Trial) -> Trial:
