@@ -1,7 +1,7 @@
 """How much squeeze, or how much friction, it takes: the smallest common value that holds, found by certified solves.
 
-The search (`least`) goes upwards from the least value that could hold. What comes back holds; the value a tolerance below
-it does not, as `Grasp.solve` says.
+The search (`least`) goes upwards from the least value that could hold. What comes back holds; the value a tolerance
+below it does not, as `Grasp.solve` says.
 """
 
 from __future__ import annotations
