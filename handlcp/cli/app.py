@@ -19,7 +19,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from handlcp.errors import HandLCPError, InputError, brief
-from handlcp.study.plain import json_text
+from handlcp.record import json_text
 from handlcp.version import VERSION
 
 

@@ -36,30 +36,11 @@ def compare(
     order: Any = "together" if together else ("squeeze", "load")
     found = side_by_side(grasp, None, order, steps=steps, seconds=seconds)
     if json:
-        print_json(_record(file.title, found))
+        print_json({"title": file.title} | found.to_dict())
     else:
         assert isinstance(grasp, HandGrasp)  # MuJoCo had it
         _print(titled(file.title), grasp, found)
     raise typer.Exit(0 if found.both_hold else 1)
-
-
-def _record(title: str, found: Any) -> dict[str, Any]:
-    """Everything printed, and more digits."""
-    ours, theirs = found.loading, found.simulation
-    return {
-        "title": title, "both_hold": found.both_hold, "agree": found.agree, "force_error": found.force_error,
-        "torque_error": found.torque_error, "motion_error": found.motion_error, "contacts": theirs.names,
-        "handlcp": {
-            "held": ours.reached, "lost_stage": ours.lost_stage, "lost_at": ours.lost_at, "why": ours.why,
-            "forces_N": ours.solution.forces_world, "torques_Nm": ours.solution.torques,
-            "object_motion": ours.displacement, "seconds": found.seconds,
-        },
-        "mujoco": {
-            "held": theirs.held, "lost_stage": theirs.lost_stage, "lost_at": theirs.lost_at,
-            "forces_N": theirs.forces_world, "torques_Nm": theirs.torques, "object_motion": theirs.displacement,
-            "seconds": theirs.seconds, "simulated_s": theirs.simulated,
-        },
-    }  # fmt: skip
 
 
 def _print(out: Console, grasp: HandGrasp, found: Any) -> None:

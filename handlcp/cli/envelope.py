@@ -71,7 +71,7 @@ def envelope(
         if path is not None:
             draw(path, title=read.title)
     if json:
-        print_json({"title": read.title} | {k: v for k, v in found.to_dict().items() if k != "title"})
+        print_json({"title": read.title} | found.to_dict())
     else:
         out = titled(read.title)
         typer.echo(str(found))

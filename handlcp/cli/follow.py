@@ -55,9 +55,7 @@ def follow(
     if page is not None:
         found.page(page, obj=read.shape(), title=read.title)
     if json:
-        from handlcp.show.loading.report import record
-
-        print_json(record(found, read.title))
+        print_json({"title": read.title} | found.to_dict())
     else:
         _print(found, read.title, drawn, page)
     raise typer.Exit(0 if found.reached else 1)

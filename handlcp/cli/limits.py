@@ -14,6 +14,7 @@ from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
+from handlcp.record import versions
 from handlcp.show.file import checked
 
 _Wrench = tuple[float, float, float, float, float, float]
@@ -57,9 +58,8 @@ def limits(
     if plot is not None:
         least.plot(plot, title=file.title)
     if json:
-        from handlcp.show.limit.report import record
-
-        print_json(record(found, file.title, most))
+        every = [one.to_dict() | {"some_equilibrium": one.some_equilibrium, "bound": one.bound} for one in found]
+        print_json({"title": file.title, "motion_m": most, "limits": every, "versions": versions("numpy")})
     else:
         _print(found, least, file.title, plot)
     raise typer.Exit(0 if all(limit.factor > 0.0 for limit in found) else 1)

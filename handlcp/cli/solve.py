@@ -77,7 +77,7 @@ def solve(
         save(grasp, solution, page, file.shape(), file.title, judged)
     left_out = _suggested(grasp, solution, sides, judged) if suggest else None
     if json:
-        print_json(record(grasp, solution, explanation, file.title, left_out, judged))
+        print_json({"title": file.title} | record(grasp, solution, explanation, left_out, judged))
     else:
         out = titled(file.title)
         _print(out, solution, judged, shown, ("Advice",) if suggest else ())

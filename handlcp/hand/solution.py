@@ -18,6 +18,7 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.elasticity import Effort
+from handlcp.record import Record, columns
 from handlcp.text_table import TextTable, wrapped
 
 # ----------------------------------------------------------------
@@ -40,7 +41,7 @@ class TorqueRow(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class TorqueCheck:
+class TorqueCheck(Record):
     """Torques against limits; iterates over `TorqueRow`s and prints as a table.
 
     joints : nv names. torque : (nv,) [N·m]. limit : (nv,) [N·m], inf where there is none or none is known.
@@ -49,6 +50,11 @@ class TorqueCheck:
     known : nv booleans.
     yielding : names of the joints at their limit that give way there (`TorqueSaturation`); their utilisation is 1.
     """
+
+    entries = (
+        "joints", "torque_Nm (nv,)", "limit_Nm (nv,)", "utilisation (nv,)", "margin_Nm (nv,)", "known", "yielding",
+        "binding", "ok",
+    )  # fmt: skip
 
     joints: tuple[str, ...]
     torque: Array
@@ -250,6 +256,11 @@ class HandGraspSolution(GraspSolution):
         is no limit or none is known.
         """
         return self.torque_check.margin
+
+    def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
+        lines = "torque_Nm", "limit_Nm", "utilisation", "margin_Nm"
+        joints = columns(self.torque_check, *lines) | {"yield_rad": self.joint_yield}
+        return super()._tables() | {"joints": (joints, list(self.torque_check.joints))}
 
     def __str__(self) -> str:
         return printed(self, [self.torque_check.table, *([] if self.effort is None else [self.effort])])

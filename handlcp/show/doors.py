@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.file import DPI, checked, drawn, write
 from handlcp.show.html import html, table_html, text_html
-from handlcp.show.record import data_frame, record, solution_frame
-from handlcp.study.plain import json_text
+from handlcp.show.record import record
 
 if TYPE_CHECKING:
     from handlcp.grasp.limits.result import LoadLimit
@@ -19,9 +18,8 @@ if TYPE_CHECKING:
     from handlcp.study.reliability import Reliability
 
 __all__ = [
-    "data_frame", "envelope_dict", "envelope_frame", "envelope_page", "envelope_plot", "envelope_polar", "html",
-    "limit_plot", "loading_dict", "loading_page", "loading_plot", "page", "plot", "reliability_plot",
-    "solution_frame", "table_html", "text_html", "to_dict", "to_json",
+    "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
+    "plot", "reliability_plot", "table_html", "text_html", "to_dict",
 ]  # fmt: skip
 
 
@@ -93,20 +91,6 @@ def envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
     return save(env, path, title)
 
 
-def envelope_dict(env: Envelope) -> dict[str, Any]:
-    """See `Envelope.to_dict`."""
-    from handlcp.show.envelope.sight import record as record_of_envelope
-
-    return record_of_envelope(env)
-
-
-def envelope_frame(env: Envelope) -> Any:
-    """See `Envelope.to_frame`."""
-    from handlcp.show.envelope.sight import columns
-
-    return data_frame(columns(env))
-
-
 def reliability_plot(found: Reliability, path: Any = None, title: str = "") -> Any:
     """See `Reliability.plot`."""
     from handlcp.show.reliability import draw, save
@@ -118,24 +102,6 @@ def to_dict(solution: GraspSolution) -> dict[str, Any]:
     """See `GraspSolution.to_dict`."""
     grasp = _asked(solution)
     return record(grasp, solution, grasp.explain())
-
-
-def loading_dict(loading: Loading) -> dict[str, Any]:
-    """See `Loading.to_dict`."""
-    from handlcp.show.loading.report import record as record_of_path
-
-    return record_of_path(loading)
-
-
-def to_json(value: dict[str, Any], path: Any = None) -> str | Path:
-    """Plain data as JSON: the text, or the file. Raises InputError for a file that cannot be written."""
-    text = json_text(value)
-    if path is None:
-        return text
-    file = Path(path)
-    with writing("path", file):
-        file.write_text(text + "\n", encoding="utf-8")
-    return file
 
 
 def _asked(solution: GraspSolution) -> Grasp:

@@ -11,17 +11,26 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp import Grasp
 from handlcp.grasp.path.follow import Loading
+from handlcp.record import Record
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.refusals import of_a_hand
 from handlcp.simulator.run import Simulation, simulate
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(Record):
     """A loading followed in steps, and the same in MuJoCo.
 
     loading, simulation : what each says. seconds : that `loading` took, the faster of two times.
     """
+
+    entries = (
+        "both_hold", "agree", "force_error", "torque_error", "motion_error", "contacts = simulation.names",
+        "handlcp.held = loading.reached", "handlcp.lost_stage = loading.lost_stage", "handlcp.lost_at = loading.lost_at",
+        "handlcp.why = loading.why", "handlcp.forces_N (n, 3) = loading.solution.forces_world",
+        "handlcp.torques_Nm (nv,) = loading.solution.torques", "handlcp.object_motion (6,) = loading.displacement",
+        "handlcp.seconds = seconds", "mujoco = simulation",
+    )  # fmt: skip
 
     loading: Loading
     simulation: Simulation

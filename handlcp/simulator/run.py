@@ -9,12 +9,13 @@ from typing import Any
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
+from handlcp.record import Record as Told
 from handlcp.simulator.mjcf.settings import SimulatorSettings
 from handlcp.simulator.under_way import PUSH, Record, Run
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Simulation:
+class Simulation(Told):
     """The end of a simulated loading. n contacts, the fingers' first; nv independent joints. World axes.
 
     held : whether the object is still in the hand, at rest, under all of the load.
@@ -25,6 +26,11 @@ class Simulation:
     names : of the contacts. record : the same over time. simulated : [s]. seconds : [s] of MuJoCo's steps,
     without reading them.
     """
+
+    entries = (
+        "held", "lost_stage", "lost_at", "forces_N (n, 3) = forces_world", "torques_Nm (nv,)",
+        "object_motion (6,) = displacement", "seconds", "simulated_s",
+    )  # fmt: skip
 
     held: bool
     lost_stage: str | None

@@ -7,7 +7,7 @@ alone let the object move.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from handlcp import words
 from handlcp.check import Array, number
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.required import tolerance_of
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.cause.judge import MOTION, OBJECT, Cause, limits_of, over
@@ -26,6 +25,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
+from handlcp.record import Record
 from handlcp.text_table import wrapped
 
 Stiffened = Callable[[GraspSpec, float], GraspSpec | None]
@@ -33,7 +33,7 @@ _MOST = 256.0
 
 
 @dataclass(frozen=True, slots=True)
-class RequiredStiffness(Data):
+class RequiredStiffness(Record):
     """The least stiffness of the joints with which the object moves no further than allowed.
 
     factor : on the stiffness of every joint (of the fingers where no joints are known), with which the grasp holds
@@ -44,6 +44,8 @@ class RequiredStiffness(Data):
     pads : what is left with rigid joints, where nothing slips [m].
     verdict : what `check()` says of the grasp with this factor. why : why `fails` is not enough, or why none was found.
     """
+
+    entries = ("factor", "fails", "motion_m", "moved_m", "pads_m", "verdict", "why")
 
     factor: float | None
     fails: float | None
@@ -57,10 +59,6 @@ class RequiredStiffness(Data):
     def pads_share(self) -> float:
         """What the pads alone let the object move, as a share of what is allowed; above 1 no joints are enough."""
         return self.pads / self.motion
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data: "factor", "fails", "motion_m", "moved_m", "pads_m", "verdict", "why"."""
-        return {f"{k}_m" if k in ("motion", "moved", "pads") else k: v for k, v in asdict(self).items()}
 
     def __str__(self) -> str:
         allowed, moved = words.lengths((self.motion, self.moved))

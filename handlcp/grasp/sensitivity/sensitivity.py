@@ -16,8 +16,8 @@ from handlcp.grasp.sensitivity.change import Change, Rates
 from handlcp.grasp.sensitivity.kinks import Kink
 from handlcp.grasp.sensitivity.respond import Response
 from handlcp.grasp.sensitivity.table import QUANTITIES, what_matters
+from handlcp.record import Record, data_frame, plain
 from handlcp.tolerances import ACTIVE
-from handlcp.views import view
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Along:
     behind: dict[str, Array]
 
 
-class Sensitivity:
+class Sensitivity(Record):
     """Derivatives of a solution, `<quantity>_by_<parameter>`: read-only arrays in the shape of the quantity followed by
     that of the parameter, SI. Made by `solution.sensitivity()`.
 
@@ -124,8 +124,7 @@ class Sensitivity:
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, by name: nested lists, SI, None for what is not a finite number; and the kinks."""
         found: dict[str, Any] = {"kinks": [str(k) for k in self.kinks], "free_directions": self.free}
-        found |= {f"{q}_by_{p}": _plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
-        return found
+        return found | {f"{q}_by_{p}": plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
 
     def to_frame(self, quantity: str, parameter: str) -> Any:
         """A pandas table of one derivative: a row for each entry of the quantity, a column for each of the parameter,
@@ -136,7 +135,7 @@ class Sensitivity:
         rows, columns = value.shape[: value.ndim - len(of)], [".".join(map(str, k)) for k in np.ndindex(*of)]
         flat = value.reshape(-1, len(columns))
         index = [".".join(map(str, k)) for k in np.ndindex(*rows)]
-        return view("data_frame")({name: flat[:, k] for k, name in enumerate(columns)}, index)
+        return data_frame({name: flat[:, k] for k, name in enumerate(columns)}, index)
 
     def __str__(self) -> str:
         """What a tenth more of each parameter, at all fingers or joints together, does to the largest force, the
@@ -155,13 +154,6 @@ class Sensitivity:
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
-
-
-def _plain(value: Array) -> Any:
-    """Nested lists."""
-    if value.ndim:
-        return [_plain(part) for part in value]
-    return float(value) if np.isfinite(value) else None
 
 
 def sensitivity_of(solution: Any) -> Sensitivity:

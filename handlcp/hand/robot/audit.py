@@ -6,12 +6,11 @@ import textwrap
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, overload
 
 from handlcp import words
 from handlcp.errors import HandLCPError, URDFError
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
 from handlcp.hand.robot.joint_limits import SEVERITIES, Doubt
@@ -20,6 +19,7 @@ from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.source.read import robot_of
 from handlcp.hand.robot.urdf import build_model, package_folders, resolve_meshes
+from handlcp.record import Record
 
 # ----------------------------------------------------------------
 # The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
@@ -30,10 +30,12 @@ WIDTH = 80
 
 
 @dataclass(frozen=True, slots=True)
-class Audit(Data, Sequence[Doubt]):
+class Audit(Record, Sequence[Doubt]):
     """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
     in lines of at most 80 columns.
     """
+
+    entries = ("source", "summary", "doubts")
 
     source: str
     doubts: tuple[Doubt, ...]
@@ -62,10 +64,6 @@ class Audit(Data, Sequence[Doubt]):
         """How many of each severity, such as "1 serious, 2 minor"."""
         count = Counter(d.severity for d in self.doubts)
         return ", ".join(f"{count[s]} {s}" for s in SEVERITIES if count[s]) or "no doubts"
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON: the source, the summary, and each doubt's joint, what, advice, severity, about."""
-        return {"source": self.source, "summary": self.summary, "doubts": [asdict(d) for d in self.doubts]}
 
     def __str__(self) -> str:
         lines = [f"{self.source}: {self.summary}"]

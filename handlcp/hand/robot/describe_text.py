@@ -5,18 +5,26 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
+
+from handlcp.record import Record
 
 # ----------------------------------------------------------------
 # The rows of a description of a hand, as plain data.
 
 
-class JointRow(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class JointRow(Record):
     """One independent joint. kind : "revolute", "continuous", "prismatic". lower, upper [rad, m], ±inf: no end.
 
     torque_limit [N·m, N] : None where none is known. stiffness [N·m/rad] : its own, the diagonal of a matrix; None
     where none was said, or a transmission gives way in its place. fingertips : that it moves.
     """
+
+    entries = (
+        "name", "kind", "lower", "upper", "torque_limit_Nm", "stiffness_Nm_per_rad", "fingertips",
+    )  # fmt: skip
 
     name: str
     kind: str
@@ -27,10 +35,13 @@ class JointRow(NamedTuple):
     fingertips: tuple[str, ...]
 
 
-class TipRow(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class TipRow(Record):
     """One fingertip, or what could be one. link : that carries it. point : on the link, in its frame [m]; None: at its
     origin. taken : whether it is a fingertip of the hand. reason : why.
     """
+
+    entries = ("name", "link", "point_m (3,)", "taken", "reason")
 
     name: str
     link: str
@@ -39,7 +50,8 @@ class TipRow(NamedTuple):
     reason: str
 
 
-class CouplingRow(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class CouplingRow(Record):
     """joint moves by factor × that of follows, plus offset [rad, m]."""
 
     joint: str
@@ -48,10 +60,13 @@ class CouplingRow(NamedTuple):
     offset: float
 
 
-class LinkRow(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class LinkRow(Record):
     """One link. mass [kg] : 0 where the file says none. joint : that carries it, "" for the base. geometry :
     "collision", "visual" or "" for none; collision where it has both.
     """
+
+    entries = ("name", "mass_kg", "joint", "geometry")
 
     name: str
     mass: float

@@ -10,16 +10,16 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.reasons import friction_used
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
+from handlcp.grasp.path.trajectory import used_on_path
 from handlcp.show.file import Figure, checked, write
 from handlcp.show.limit.report import moved, size, way
 from handlcp.show.loading.draw import DPI, compose
 from handlcp.show.loading.marks import Mark, Marks
 from handlcp.show.loading.report import outcome
-from handlcp.show.loading.series import COLOURS, LETTERS, NO_FORCE, Panel, curves_of, motion_panels, torque_panel
-from handlcp.show.style import INK, SMALL, TEXT, shortened
+from handlcp.show.loading.series import Panel, panels_of
+from handlcp.show.style import INK, SMALL, TEXT
 
 # ----------------------------------------------------------------
 # The axis of a load limit: the size of the load, from nothing to somewhat beyond the limit.
@@ -112,25 +112,7 @@ def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:
 
 
 def _panels(limit: LoadLimit, grasp: Grasp) -> list[Panel]:
-    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has."""
-    path, scene, spec = limit.path, grasp.scene, grasp.spec
-    n, names = scene.n, shortened(spec.names, LETTERS)
-    colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
-    every = f"all {n} {'contacts' if scene.environment else 'fingers'}"
-    out = [Panel("Normal force [N]", curves_of(names, colours, path.forces[:, :, 2]), every)]
-    if (scene.mu > 0).any() and not scene.soft:  # the path knows no moments of soft fingers
-        out.append(
-            Panel("Friction [% of its limit]", curves_of(names, colours, _used(grasp, path.forces)), every, 100.0)
-        )
-    out += motion_panels(path.displacement - path.displacement[0])
-    if spec.mechanism is not None:
-        out.append(torque_panel(spec.mechanism.names, path.torques, spec.mechanism.limits))
-    return out
-
-
-def _used(grasp: Grasp, forces: Array) -> Array:
-    """(m, n) share of the friction limit in percent; NaN without friction or without a force."""
-    used = np.array([friction_used(grasp.scene, f, None) for f in forces])
-    normal = forces[:, :, 2]
-    used[normal <= NO_FORCE * normal.max()] = np.nan
-    return 100.0 * used
+    """Those that this grasp has; the path knows no moments of soft fingers."""
+    path = limit.path
+    used = None if grasp.scene.soft else used_on_path(grasp.scene, path.forces, np.zeros(path.forces.shape[:2]))
+    return panels_of(grasp, path.forces, used, path.displacement - path.displacement[0], path.torques)

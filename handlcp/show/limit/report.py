@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -15,8 +13,6 @@ from handlcp.check import Array
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.show import tables
-from handlcp.study.plain import plain
-from handlcp.version import VERSION
 
 _SAME = 1e-6  # loads that differ by less are the same
 _AXES = ("x", "y", "z")
@@ -87,15 +83,3 @@ def moved(limit: LoadLimit) -> str:
     """How far the object has moved and turned at the limit, such as "4 mm, 4°"; "–" where that is not known."""
     there = [m for m in limit.marks.values() if m.factor == limit.factor > 0.0]
     return f"{words.length(there[0].moved)}, {words.angle(there[0].turned)}" if there else "–"
-
-
-def record(limits: Sequence[LoadLimit], title: str = "", motion: float | None = None) -> dict[str, Any]:
-    """Everything as one JSON object: SI units in the key names, null for what is not a finite number."""
-    every = [
-        limit.to_dict() | {"some_equilibrium": limit.some_equilibrium, "bound": limit.bound} for limit in limits
-    ]  # fmt: skip
-    found = {
-        "title": title, "motion_m": motion, "limits": every,
-        "versions": {"handlcp": VERSION, "python": platform.python_version(), "numpy": np.__version__},
-    }  # fmt: skip
-    return dict(plain(found))

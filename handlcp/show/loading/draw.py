@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from handlcp.grasp.path.events import summary
 from handlcp.grasp.path.follow import Loading
 from handlcp.show.file import Figure, checked, new_figure, write
 from handlcp.show.loading.curves import Axis, StageAxis, draw_panel
@@ -35,8 +34,7 @@ def figure(loading: Loading, title: str = "") -> Figure:
     object is shaded.
     """
     axis, shown = StageAxis(loading), panels(loading)
-    told = summary(loading.events, loading.steps.grasp.spec)
-    marks = Marks(axis, [Mark(s.number + s.share, s.where, s.sentence, s.kind) for s in told])
+    marks = Marks(axis, [Mark(s.number + s.share, s.where, s.sentence, s.kind) for s in loading.summary])
     return compose(axis, shown, marks, lambda drawn: headline(drawn, loading, title))
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.answer.reasons import friction_used as used_by
 from handlcp.grasp.path.follow import Loading
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened
@@ -29,14 +28,7 @@ def grasp_at_end(loading: Loading) -> Grasp:
 
 def solution_at_end(loading: Loading) -> GraspSolution:
     """Of that grasp, with the slips of the whole way."""
-    return replace(loading.solution, slip=slipped(loading))
-
-
-def slipped(loading: Loading) -> Array:
-    """(n, 2) of the object past each fingertip on the whole way, along the contact axes of the last step [m]."""
-    steps = loading.steps
-    world = np.einsum("mnij,mnj->ni", steps.frames[..., :2], steps.slip)
-    return np.asarray(np.einsum("nij,ni->nj", steps.frames[-1][..., :2], world))
+    return replace(loading.solution, slip=loading.steps.slip_on_the_way)
 
 
 def moved(loading: Loading) -> str:
@@ -53,7 +45,6 @@ COLOURS = (BLUE, RED, GREEN, PURPLE, "#B87800", "#3A9BD8", "#7A3E00", "#8C8C00")
 OTHERS = "#B9BEC4"
 LETTERS = 28  # of a curve's name
 _MOST = 6  # joints with a name in their panel: those nearest to their limits
-NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,28 +70,29 @@ class Panel:
 
 
 def panels(loading: Loading) -> list[Panel]:
-    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has."""
-    grasp, steps = Grasp(loading.steps.grasp.spec), loading.steps
-    n, names = grasp.scene.n, shortened(steps.names, LETTERS)
+    """Of the steps of a loading."""
+    steps = loading.steps
+    return panels_of(Grasp(steps.grasp.spec), steps.forces, steps.friction_used, steps.displacement, steps.torques)
+
+
+def panels_of(
+    grasp: Grasp, forces: Array, used: Array | None, displacement: Array, torques: Array
+) -> list[Panel]:  # fmt: skip
+    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has.
+
+    forces (m, n, 3), displacement (m, 6), torques (m, nv) : as in `Steps`. used (m, n) : of the friction limits; None:
+    not known.
+    """
+    n, names = grasp.scene.n, shortened(grasp.spec.names, LETTERS)
     colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
     every = f"all {n} {'contacts' if grasp.scene.environment else 'fingers'}"
-    out = [Panel("Normal force [N]", curves_of(names, colours, steps.forces[:, :, 2]), every)]
-    if (grasp.scene.mu > 0).any():
-        used = 100.0 * friction_used(loading)
-        out.append(Panel("Friction [% of its limit]", curves_of(names, colours, used), every, 100.0))
-    out += motion_panels(steps.displacement)
+    out = [Panel("Normal force [N]", curves_of(names, colours, forces[:, :, 2]), every)]
+    if used is not None and (grasp.scene.mu > 0).any():
+        out.append(Panel("Friction [% of its limit]", curves_of(names, colours, 100.0 * used), every, 100.0))
+    out += motion_panels(displacement)
     if grasp.spec.mechanism is not None:
-        out.append(torque_panel(grasp.spec.mechanism.names, steps.torques, grasp.spec.mechanism.limits))
+        out.append(torque_panel(grasp.spec.mechanism.names, torques, grasp.spec.mechanism.limits))
     return out
-
-
-def friction_used(loading: Loading) -> Array:
-    """(m, n) of each step and contact, the share of its friction limit; NaN without friction or without a force."""
-    scene, steps = Grasp(loading.steps.grasp.spec).scene, loading.steps
-    used = np.array([used_by(scene, f, t) for f, t in zip(steps.forces, steps.torsion, strict=True)])
-    normal = steps.forces[:, :, 2]
-    used[normal <= NO_FORCE * normal.max()] = np.nan
-    return used
 
 
 def curves_of(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:

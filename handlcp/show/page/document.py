@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
+from handlcp.record import plain
 from handlcp.show.page import file, head
 from handlcp.show.page.content import content, escape_of, path_of
 from handlcp.show.page.file import three_js
 from handlcp.show.page.snapshot import at_steps, of_solution
 from handlcp.show.picture.content import Content
-from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
 _SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")

