@@ -26,8 +26,9 @@ class Comparison(Record):
 
     entries = (
         "both_hold", "agree", "force_error", "torque_error", "motion_error", "contacts = simulation.names",
-        "handlcp.held = loading.reached", "handlcp.lost_stage = loading.lost_stage", "handlcp.lost_at = loading.lost_at",
-        "handlcp.why = loading.why", "handlcp.forces_N (n, 3) = loading.solution.forces_world",
+        "handlcp.held = loading.reached", "handlcp.lost_stage = loading.lost_stage",
+        "handlcp.lost_at = loading.lost_at", "handlcp.why = loading.why",
+        "handlcp.forces_N (n, 3) = loading.solution.forces_world",
         "handlcp.torques_Nm (nv,) = loading.solution.torques", "handlcp.object_motion (6,) = loading.displacement",
         "handlcp.seconds = seconds", "mujoco = simulation",
     )  # fmt: skip

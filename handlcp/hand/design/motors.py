@@ -209,7 +209,7 @@ class RequiredTorque(Record):
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
         joints = rows(columns(self, *lines) | {"by_load_Nm": by_load})
-        return pick(self, *self.entries) | plain({"lost": lost, "joints": joints})
+        return {**pick(self, *self.entries), "lost": lost, "joints": plain(joints)}
 
 
 def _of(lost: tuple[str, str]) -> str:

@@ -139,13 +139,9 @@ class PaperReport(Record):
     def to_dict(self) -> dict[str, Any]:
         """Everything, SI units, printed numbers as text; None for what is not a number."""
         tables = {c.table.number: _table(c) for c in self.tables}
-        example = plain({"tables": tables, "example_4": _example_4(self.example_4)})
-        return {
-            "source": raw()["source"],
-            **pick(self, "ok", "seconds"),
-            **example,
-            **pick(self, "nsngrk_as_printed = nsngrk"),
-        }
+        found = {"source": raw()["source"], **pick(self, "ok", "seconds"), "tables": tables}
+        found |= {"example_4": _example_4(self.example_4), "nsngrk_as_printed": self.nsngrk}
+        return dict(plain(found))
 
 
 @at_once()

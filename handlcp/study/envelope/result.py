@@ -193,19 +193,20 @@ class Envelope(Record):
             found[which] = told | {"says": self.causes[self.cause[one.number]].says}
         lines = "binds", "says", "share", f"least_{held} = least", f"median_{held} = median"
         found["causes"] = [pick(one, *lines) for one in self.causes]
+        if self.of not in ("force", "gravity"):
+            found["at_m"] = None
         found["share_of_bound"]["direction"] = self.directions[self.compliance.number].tolist()
         return found | {"versions": versions("numpy")}
 
     def _lines(self) -> tuple[str, ...]:
         held = self.held_as
-        at = ("at_m (3,) = question.load.at",) if self.of in ("force", "gravity") else ()
         return (
-            "of", "geometry", *at, "object_mass_kg = question.load.mass", "motion_m = question.motion",
-            "turn_rad = question.turn", "accuracy_asked = question.accuracy", "accuracy (m,)", "plane (2, 3)",
-            "weakest", "strongest", "causes", "share_of_bound.median = compliance.median",
-            "share_of_bound.least = compliance.least", "directions (m, 3)", "wrenches_N_Nm (m, 6)",
-            f"{held} (m,) = factors", f"bound_{held} (m,) = bound", "cause (m,)", "share (m,) = shares",
-            "triangles (k, 3)",
+            "of", "geometry", "at_m (3,) = question.load.at", "object_mass_kg = question.load.mass",
+            "motion_m = question.motion", "turn_rad = question.turn", "accuracy_asked = question.accuracy",
+            "accuracy (m,)", "plane (2, 3)", "weakest", "strongest", "causes",
+            "share_of_bound.median = compliance.median", "share_of_bound.least = compliance.least", "directions (m, 3)",
+            "wrenches_N_Nm (m, 6)", f"{held} (m,) = factors", f"bound_{held} (m,) = bound", "cause (m,)",
+            "share (m,) = shares", "triangles (k, 3)",
         )  # fmt: skip
 
     @property
