@@ -93,7 +93,7 @@ class Envelope(Record):
 
     @lazy
     def wrenches(self) -> Array:
-        """(m, 6) force and torque for a factor of 1, about the grasp's reference, world axes."""
+        """(m, 6) force and torque [N, N·m] for a factor of 1, about the grasp's reference, world axes."""
         return read_only(np.array(self.question.wrenches(self.directions, self.given)))
 
     @lazy
