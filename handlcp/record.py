@@ -26,6 +26,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from handlcp.errors import Unsupported, writing
 from handlcp.version import VERSION
+from handlcp.views import view
 
 Frame = Any  # pandas'
 
@@ -145,6 +146,17 @@ class Record:
         with writing("path", file):
             file.write_text(text + "\n", encoding="utf-8")
         return file
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what prints."""
+        text: str = view("text_html")(self)
+        return text
+
+    def __rich__(self) -> Any:
+        """What rich shows: what prints, brackets and all."""
+        from rich.text import Text
+
+        return Text(str(self))
 
     def _lines(self) -> tuple[str, ...]:
         return tuple([f.name for f in fields(self)]) if self.entries is None else self.entries  # type: ignore[arg-type]

@@ -66,7 +66,7 @@ def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) ->
     from handlcp.show import loading as shown
 
     if plot is not None:
-        shown.save(found, plot, read.title)
+        found.plot(plot, title=read.title)
     if picture is not None:
         shown.save_picture(found, picture, read.title, read.shape())
     return [file for file in (plot, picture) if file is not None]

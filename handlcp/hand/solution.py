@@ -20,6 +20,7 @@ from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.record import Record, columns
 from handlcp.text_table import TextTable, wrapped
+from handlcp.views import view
 
 # ----------------------------------------------------------------
 # Joint by joint: the torque that holds the grasp, the limit, and which joint gives out first.
@@ -144,16 +145,7 @@ class TorqueCheck(Record):
         return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:
-        from rich.table import Table
-
-        table = Table(caption=self.verdict, caption_justify="left")
-        table.add_column("joint")
-        for heading in ("torque [N·m]", "limit [N·m]", "utilisation"):
-            table.add_column(heading, justify="right")
-        for r in self:
-            style = "red" if r.over else "bold" if r.joint == self.binding else None
-            table.add_row(r.joint, f"{r.torque + 0.0:.4f}", _limit(r), _share(r), style=style)
-        return table
+        return view("torque_table")(self)
 
 
 def torque_check(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +13,14 @@ from handlcp.hand.hand_grasp import grasp_of
 from handlcp.show.file import DPI, checked, drawn, write
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
+from handlcp.show.tables import torque_table
 
 if TYPE_CHECKING:
-    from handlcp.grasp.limits.result import LoadLimit
     from handlcp.study.envelope import Envelope
-    from handlcp.study.reliability import Reliability
 
 __all__ = [
     "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
-    "plot", "reliability_plot", "table_html", "text_html", "to_dict",
+    "plot", "reliability_plot", "table_html", "text_html", "to_dict", "torque_table",
 ]  # fmt: skip
 
 
@@ -49,18 +50,19 @@ def page(
     return save(_asked(solution), solution, path, obj, title, verdict, loading)
 
 
-def loading_plot(loading: Loading, path: Any = None, title: str = "") -> Any:
-    """See `Loading.plot`."""
-    from handlcp.show.loading import figure, save
+def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
+    """The door to a figure of a module of `handlcp.show`, which is imported when one is asked for."""
 
-    return figure(loading, title) if path is None else save(loading, path, title)
+    def door(answer: Any, path: Any = None, title: str = "") -> Any:
+        """See `plot` of the answer's class."""
+        return drawn(getattr(import_module(f"handlcp.show.{module}"), name), answer, path, title)
+
+    return door
 
 
-def limit_plot(limit: LoadLimit, path: Any = None, title: str = "") -> Any:
-    """See `LoadLimit.plot`."""
-    from handlcp.show.limit import figure, save
-
-    return figure(limit, title) if path is None else save(limit, path, title)
+loading_plot, limit_plot = _plotted("loading.draw"), _plotted("limit.draw")
+envelope_plot, envelope_polar = _plotted("envelope.draw"), _plotted("envelope.polar", "polar_figure")
+reliability_plot = _plotted("reliability")
 
 
 def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:
@@ -70,32 +72,11 @@ def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", 
     return save_loading(loading, path, title, obj, verdict)
 
 
-def envelope_plot(env: Envelope, path: Any = None, title: str = "") -> Any:
-    """See `Envelope.plot`."""
-    from handlcp.show.envelope.draw import figure
-
-    return drawn(figure, env, path, title)
-
-
-def envelope_polar(env: Envelope, path: Any = None, title: str = "") -> Any:
-    """See `Envelope.polar`."""
-    from handlcp.show.envelope.polar import polar_figure
-
-    return drawn(polar_figure, env, path, title)
-
-
 def envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
     """See `Envelope.page`."""
     from handlcp.show.envelope.page import save
 
     return save(env, path, title)
-
-
-def reliability_plot(found: Reliability, path: Any = None, title: str = "") -> Any:
-    """See `Reliability.plot`."""
-    from handlcp.show.reliability import draw, save
-
-    return draw(found, title) if path is None else save(found, path, title)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

@@ -7,36 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, new_figure
 from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, SMALL, TEXT, number_ticks, panel, say, shortened
 from handlcp.study.reliability import Reliability
 
-WIDTH, HEIGHT, DPI = 10.0, 4.6, 160  # inches, dots an inch
+WIDTH, HEIGHT = 10.0, 4.6  # inches
 ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
 ROWS = 8  # of what matters most
 LETTERS = 26  # of a name
 BINS = 12, 40  # the fewest and the most
 
 
-def save(found: Reliability, path: Any, title: str = "") -> Any:
-    """Draw and write a file. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(draw(found, title), file, DPI)
-
-
-def draw(found: Reliability, title: str = "") -> Figure:
+def figure(found: Reliability, title: str = "") -> Figure:
     """Left, how many samples have which margin, and how many nothing holds. Right, the values that vary, with the share
     of the margin's variance that each explains, by the samples and by the derivatives. Raises Unsupported without
     matplotlib.
     """
-    figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
+    made = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
     title = textwrap.shorten(title, 95, placeholder=" …") or "How sure it is that the object is held"
-    figure.text(0.012, 0.975, title, color=INK, **BOLD)
+    made.text(0.012, 0.975, title, color=INK, **BOLD)
     said = "; ".join(found.chances)
-    figure.text(0.012, 0.895, f"{said[:1].upper()}{said[1:]}.", fontsize=TEXT, color=INK, va="top")
-    _margins(figure.add_axes((0.07, 0.18, 0.37, 0.57)), found)
-    _influences(figure.add_axes((0.69, 0.18, 0.29, 0.57)), found)
-    return figure
+    made.text(0.012, 0.895, f"{said[:1].upper()}{said[1:]}.", fontsize=TEXT, color=INK, va="top")
+    _margins(made.add_axes((0.07, 0.18, 0.37, 0.57)), found)
+    _influences(made.add_axes((0.69, 0.18, 0.29, 0.57)), found)
+    return made
 
 
 def _margins(ax: Any, found: Reliability) -> None:

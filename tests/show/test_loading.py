@@ -5,7 +5,7 @@ short; the picture of the end shows the hand and the object where they end.
 from __future__ import annotations
 
 import dataclasses
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -240,14 +240,14 @@ def test_the_end_is_drawn_and_said(name):
 
 def test_files_are_written_or_refused(tmp_path, monkeypatch):
     h = found("points")
-    image = imread(loading_figure.save(h, tmp_path / "a.png"))[..., :3]
+    image = imread(h.plot(tmp_path / "a.png"))[..., :3]
     assert image.shape[1] == 1600
     edge = np.concatenate([image[:4].reshape(-1, 3), image[-4:].reshape(-1, 3), image[:, -4:].reshape(-1, 3)])
     assert edge.min() > 0.98, "nothing runs off the page"
-    assert loading_figure.save(h, tmp_path / "a.svg").stat().st_size > 10_000
-    for save in (loading_figure.save, loading_figure.save_picture):
+    assert h.plot(tmp_path / "a.svg").stat().st_size > 10_000
+    for save in (h.plot, partial(loading_figure.save_picture, h)):
         with pytest.raises(hl.InputError, match=r"\.png, \.svg, \.pdf"):
-            save(h, tmp_path / "a.doc")
+            save(tmp_path / "a.doc")
     patches.without_module(monkeypatch, "matplotlib")
     for draw in (loading_figure.figure, loading_figure.picture):
         with pytest.raises(hl.Unsupported, match=r"pip install 'handlcp\[plot\]'"):

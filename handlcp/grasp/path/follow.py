@@ -182,11 +182,6 @@ class Loading(Record):
             joints |= pick(self.steps, "torques_Nm", "command_rad", "q_rad")
         return found | {"joints": joints, "versions": versions("numpy")}
 
-    def _repr_html_(self) -> str:
-        """What a notebook shows: what prints."""
-        text: str = view("text_html")(self)
-        return text
-
     def __str__(self) -> str:
         """The outcome, what happens on the way, and what the last step is like."""
         u, forces = self.displacement, self.steps.forces[-1, :, 2]

@@ -74,11 +74,6 @@ class Audit(Record, Sequence[Doubt]):
                 lines += textwrap.wrap(str(d), WIDTH, initial_indent="  ", subsequent_indent="      ", **_UNBROKEN)
         return "\n".join(lines)
 
-    def __rich__(self) -> Any:
-        from rich.text import Text
-
-        return Text(str(self))
-
 
 _UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 

@@ -86,11 +86,6 @@ class HandDescription(Record):
     def __str__(self) -> str:
         return text_of(self)
 
-    def __rich__(self) -> Any:
-        from rich.text import Text
-
-        return Text(str(self))
-
 
 def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> HandDescription:
     """Describe a URDF or MJCF file, or its text, of which nothing is known yet; below link `base` if given.

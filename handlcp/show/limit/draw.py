@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,9 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.trajectory import used_on_path
-from handlcp.show.file import Figure, checked, write
+from handlcp.show.file import Figure
 from handlcp.show.limit.report import moved, size, way
-from handlcp.show.loading.draw import DPI, compose
+from handlcp.show.loading.draw import compose
 from handlcp.show.loading.marks import Mark, Marks
 from handlcp.show.loading.report import outcome
 from handlcp.show.loading.series import Panel, panels_of
@@ -59,12 +58,6 @@ class LoadAxis:
 
 
 # ----------------------------------------------------------------
-
-
-def save(limit: LoadLimit, path: Any, title: str = "") -> Path:
-    """Draw and write a file; see `figure`. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(figure(limit, title), file, DPI)
 
 
 def figure(limit: LoadLimit, title: str = "") -> Figure:

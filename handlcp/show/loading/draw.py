@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Any
 
 from handlcp.grasp.path.follow import Loading
-from handlcp.show.file import Figure, checked, new_figure, write
+from handlcp.show.file import Figure, new_figure
 from handlcp.show.loading.curves import Axis, StageAxis, draw_panel
 from handlcp.show.loading.marks import Mark, Marks
 from handlcp.show.loading.report import headline
 from handlcp.show.loading.series import Panel, panels
 
-WIDTH, DPI = 10.0, 160  # inches, dots an inch
+WIDTH = 10.0  # inches
 LEFT, ACROSS = 0.068, 0.70  # of the width: where panels begin, and how wide they are
 TALL, BETWEEN = 1.22, 0.40  # inches: height of a panel, and room for the title of the next
 ABOVE, BELOW = 0.36, 0.55  # inches between the sentence and the first panel, below the last
-
-
-def save(loading: Loading, path: Any, title: str = "") -> Path:
-    """Draw and write a file; see `figure`. Raises InputError for an unknown format or a folder that does not exist."""
-    file = checked(path)
-    return write(figure(loading, title), file, DPI)
 
 
 def figure(loading: Loading, title: str = "") -> Figure:

@@ -214,11 +214,6 @@ class Envelope(Record):
         """What the factors are called in dictionaries and tables: "force_N", "torque_Nm", "mass_kg", or "factor"."""
         return _HELD_AS[self.of]
 
-    def _repr_html_(self) -> str:
-        """What a notebook shows: what prints."""
-        text: str = view("text_html")(self)
-        return text
-
     def __str__(self) -> str:
         """What was asked, the weakest and the strongest direction, a table of what gives out first."""
         return printed(self)
