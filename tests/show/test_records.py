@@ -20,6 +20,7 @@ from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.study.test_gallery import made
 from tests.support.records import described, doc_of, kinds, plain, within
+from tests.support.texts import same
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 PUSH = (1.0, 0, 0, 0, 0, 0)
@@ -65,17 +66,17 @@ def simulated(make):
 EXAMPLES = {
     "GraspSolution Accuracy": lambda: pinch().solve(accuracy=1e-6),
     "HandGraspSolution TorqueCheck": lambda: held().solve(),
-    "HandGraspSolution Effort": pulled_by_tendons,
-    "GraspSolution": lambda: pinch(squeeze=0.0).solve(throw=False),
+    "HandGraspSolution Effort, of tendons": pulled_by_tendons,
+    "GraspSolution, not held": lambda: pinch(squeeze=0.0).solve(throw=False),
     "Verdict": lambda: held().check(),
     "Loading Event Summary": lambda: held().follow((20.0, 0, 0, 0, 0, 0), steps=2),
-    "Loading": lambda: pinch().follow(steps=2),
+    "Loading, of points": lambda: pinch().follow(steps=2),
     "Equilibria": lambda: pinch().equilibria(faces=4),
     "Explanation": lambda: held().explain(),
     "Suggestions": lambda: held().suggest(),
     "Required": lambda: pinch(squeeze=0.0).required_preload(tolerance=0.5),
     "LoadLimit LimitEvent Reached Cause": lambda: held().load_limit(PUSH, geometry="fixed"),
-    "LoadLimit": lambda: pinch().load_limit(PUSH),
+    "LoadLimit, of points": lambda: pinch().load_limit(PUSH),
     "Margins Least Closure WrenchSpace": lambda: held(wrench=PUSH).margins(),
     "RequiredStiffness": lambda: held().required_stiffness(2e-3, tolerance=0.5),
     "BestChange TriedChange": lambda: pinch().best_change(),
@@ -84,11 +85,11 @@ EXAMPLES = {
     "Solutions": lambda: hl.solve_many([pinch(), pinch(squeeze=0.0)]),
     "Audit": lambda: hand().audit(),
     "HandDescription JointRow TipRow LinkRow": lambda: hand().describe(),
-    "HandDescription CouplingRow": lambda: hl.describe_urdf(MIMIC),
+    "HandDescription CouplingRow, of a file": lambda: hl.describe_urdf(MIMIC),
     "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, seed=0),
     "Reliability Sample": lambda: hl.reliability(pinch(), {"friction": 0.2, "load": 0.1}, 64, workers=1),
     "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
-    "Envelope ": lambda: hl.envelope(pinch(), np.eye(6)),
+    "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
     "AccuracyCost": lambda: accuracy_cost(
         pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1
     ),
@@ -101,27 +102,41 @@ EXAMPLES = {
 }  # fmt: skip
 
 
+def names_in(what):
+    """The records of an example, as its key names them: those before the comma."""
+    return what.partition(",")[0].split()
+
+
 @pytest.fixture(scope="module", params=EXAMPLES)
 def example(request):
-    """(names of the records in it, the example)."""
-    return request.param.split(), EXAMPLES[request.param]()
+    """(what it is, names of the records in it, the example)."""
+    return request.param, names_in(request.param), EXAMPLES[request.param]()
 
 
 def test_there_is_an_example_of_every_record():
-    assert {name for names in EXAMPLES for name in names.split()} == kinds()
+    assert {name for what in EXAMPLES for name in names_in(what)} == kinds()
 
 
 def test_a_record_is_plain_data_that_json_brings_back(example):
-    names, found = example
+    what, names, found = example
     assert type(found).__name__ == names[0]
     told = found.to_dict()
     assert names[0] == "Solutions" or plain(told) == told
     assert json.loads(found.to_json()) == plain(told)
     assert not [v for v in found.to_row().values() if isinstance(v, dict)]
+    same(f"show/test_records: keys of {what}", ", ".join(told))
+
+
+def test_tables_have_the_columns_that_they_had(example):
+    what, names, found = example
+    if not hasattr(found, "to_frame") or names[0] == "Sensitivity":
+        pytest.skip("it is no table, or one of each derivative")
+    pytest.importorskip("pandas")
+    same(f"show/test_records: columns of {what}", ", ".join(found.to_frame()))
 
 
 def test_what_is_in_a_record_has_the_shape_and_the_unit_that_it_is_described_with(example):
-    names, found = example
+    _, names, found = example
     every = list(within(found))
     assert {type(r).__name__ for r in every} >= set(names) or names[0] in ONE_BY_ONE
     for record in every:
