@@ -60,23 +60,24 @@ def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
 def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
     """Forces, torques and motions at the end, both and their difference."""
     ours, theirs = found.loading, found.simulation
-    forces = tables.empty("Forces", "N, on the object, world axes")
-    forces.add_column("contact", no_wrap=True)
-    tables.numbers(forces, "handlcp", "MuJoCo", "apart")
-    for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True):
-        forces.add_row(name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
-    torques = tables.empty("Torques", "N·m (N of prismatic joints)")
-    torques.add_column("joint", overflow="fold")
-    tables.numbers(torques, "handlcp", "MuJoCo", "apart")
-    for name, x, y in zip(grasp.state.hand.joint_names, ours.solution.torques, theirs.torques, strict=True):
-        torques.add_row(name, f"{x:.4f}", f"{y:.4f}", f"{abs(x - y):.5f}")
-    motion = tables.empty("Motion of the object", "since the start, world axes")
-    motion.add_column("")
-    tables.numbers(motion, "handlcp", "MuJoCo", "apart")
-    for what, part, unit in (("mm", slice(0, 3), 1e3), ("mrad", slice(3, 6), 1e3)):
-        a, b = unit * ours.displacement[part], unit * theirs.displacement[part]
-        motion.add_row(what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
-    return [forces, torques, motion]
+    forces = [
+        (name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
+        for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True)
+    ]
+    torques = [
+        (name, f"{x:.4f}", f"{y:.4f}", f"{abs(x - y):.5f}")
+        for name, x, y in zip(grasp.state.hand.joint_names, ours.solution.torques, theirs.torques, strict=True)
+    ]
+    motion = []
+    for what, part in (("mm", slice(0, 3)), ("mrad", slice(3, 6))):
+        a, b = 1e3 * ours.displacement[part], 1e3 * theirs.displacement[part]
+        motion.append((what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}"))
+    both = "handlcp", "MuJoCo", "apart"
+    return [
+        tables.table("Forces", ("contact", *both), "|>>>", forces, "N, on the object, world axes"),
+        tables.table("Torques", ("joint", *both), "<>>>", torques, "N·m (N of prismatic joints)"),
+        tables.table("Motion of the object", ("", *both), "<>>>", motion, "since the start, world axes"),
+    ]
 
 
 def _vector(values: Any) -> str:

@@ -55,12 +55,9 @@ def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
     """A row for each load: where a finger slips first, how much is held, what gives out, how far the object has moved
     there, where it is lost, and how much friction and torque limits alone allow.
     """
-    table = tables.empty(title, "at most: what friction and torque limits alone would allow, whatever the springs")
-    table.add_column("load", no_wrap=True)
-    tables.numbers(table, "first slip")
-    tables.numbers(table, "held up to")
-    table.add_column("what gives out", overflow="fold")
-    tables.numbers(table, "at most")
+    note = "at most: what friction and torque limits alone would allow, whatever the springs"
+    heads = "load", "first slip", "held up to", "what gives out", "at most"
+    table = tables.table(title, heads, "|>><>", note=note)
     for limit in limits:
         held = limit.factor > 0.0
         first = size(limit.wrench, limit.first_slip) if held and limit.first_slip is not None else "–"

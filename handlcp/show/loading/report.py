@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from handlcp import words
 from handlcp.grasp import Grasp, GraspSolution, Verdict
@@ -105,13 +104,8 @@ def event_table(loading: Loading) -> Table | None:
     """What happens on the way, what several fingers do at one place in one line; None where nothing does."""
     if not loading.summary:
         return None
-    table = tables.empty("On the way")
-    table.add_column("stage", overflow="fold")
-    tables.numbers(table, "at")
-    table.add_column("what happens", overflow="fold")
-    for s in loading.summary:
-        table.add_row(Text(s.stage), s.at, Text(s.sentence))
-    return table
+    rows = [(s.stage, s.at, s.sentence) for s in loading.summary]
+    return tables.table("On the way", ("stage", "at", "what happens"), "<><", rows)
 
 
 def end_tables(loading: Loading) -> list[Table]:
