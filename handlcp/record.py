@@ -80,13 +80,15 @@ def pick(source: Any, *lines: str) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Records and dataclasses as dictionaries, arrays as lists, enumerations by name, numpy's numbers as Python's, and
-    None for numbers that are not finite.
+    """Records, dataclasses and named tuples as dictionaries, arrays as lists, enumerations by name, numpy's numbers as
+    Python's, and None for numbers that are not finite.
     """
     if isinstance(value, Record):
         return value.to_dict()
     if is_dataclass(value):
         return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if hasattr(value, "_fields"):
+        return pick(value, *value._fields)
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):

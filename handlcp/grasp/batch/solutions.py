@@ -20,6 +20,7 @@ from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
 from handlcp.record import Record, data_frame
+from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 _INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
@@ -141,8 +142,6 @@ class Solutions(Record, Sequence[GraspSolution]):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how many came to what."""
-        from handlcp.text_table import TextTable
-
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
         text: str = view("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
@@ -150,8 +149,6 @@ class Solutions(Record, Sequence[GraspSolution]):
 
     def __str__(self) -> str:
         """How many came to what."""
-        from handlcp.text_table import wrapped
-
         counts = Counter(self.status.tolist())
         return wrapped(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 

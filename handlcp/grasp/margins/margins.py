@@ -138,21 +138,16 @@ class Margins(Record):
 
     def to_frame(self) -> Any:
         """A pandas table, a row for each measure: value, unit, share, who. Raises Unsupported without pandas."""
-        rows = [row for row in self._rows() if row[1] is not None]
-        names, values, units, shares, who = zip(*rows, strict=True)
-        return data_frame({"value": values, "unit": units, "share": shares, "who": who}, list(names))
-
-    def _rows(self) -> list[tuple[str, float | None, str, float, str]]:
-        """(measure, value, unit, share of the limit, who)."""
-        space, rows = self.wrench_space, list[tuple[str, float | None, str, float, str]]()
-        for name, least in (("friction", self.friction), ("torque", self.torque)):
-            if least is not None:
-                rows.append((name, least.amount, least.unit, least.share, least.who))
-        rows.append(("safety", self.safety, "", np.nan, ""))
+        space, least = self.wrench_space, {"friction": self.friction, "torque": self.torque}
+        rows = {name: (x.amount, x.unit, x.share, x.who) for name, x in least.items() if x is not None}
+        found = {"safety": self.safety}
         for c in (self.force_closure, self.form_closure):
-            rows.append((f"{c.kind}_closure", np.nan if c.closed is None else float(c.closed), "", np.nan, ""))
-        rows += [("epsilon", space.epsilon, "N/N", np.nan, ""), ("volume", space.volume, "", np.nan, "")]
-        return rows
+            found[f"{c.kind}_closure"] = np.nan if c.closed is None else float(c.closed)
+        found |= {"epsilon": space.epsilon, "volume": space.volume}
+        units = {"epsilon": "N/N"}
+        rows |= {name: (x, units.get(name, ""), np.nan, "") for name, x in found.items() if x is not None}
+        columns = zip(("value", "unit", "share", "who"), zip(*rows.values(), strict=True), strict=True)
+        return data_frame(dict(columns), list(rows))
 
     def __str__(self) -> str:
         space, rows = self.wrench_space, list[tuple[str, ...]]()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,13 +19,13 @@ from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.source.read import robot_of
 from handlcp.hand.robot.urdf import build_model, package_folders, resolve_meshes
 from handlcp.record import Record
+from handlcp.text_table import wrapped
 
 # ----------------------------------------------------------------
 # The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
 
 _HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
-WIDTH = 80
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +70,8 @@ class Audit(Record, Sequence[Doubt]):
             these = [d for d in self.doubts if d.severity == severity]
             lines += [_HEADS[severity]] if these else []
             for d in these:
-                lines += textwrap.wrap(str(d), WIDTH, initial_indent="  ", subsequent_indent="      ", **_UNBROKEN)
+                lines.append(wrapped(str(d), "      ", "  "))
         return "\n".join(lines)
-
-
-_UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
 def audit_of(source: str, doubts: Iterable[Doubt]) -> Audit:

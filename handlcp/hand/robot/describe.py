@@ -20,7 +20,7 @@ from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.link_surface import surface_points
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.source.read import describe_xml
-from handlcp.record import Record
+from handlcp.record import Record, pick
 
 # ---------------------------------------------------------------- How large a hand is.
 
@@ -52,6 +52,12 @@ def size_of(described: Description, kinematics: Kinematics) -> tuple[float, floa
 # ----------------------------------------------------------------
 # What a hand is: `hand.describe()`, and `describe_urdf` for a file of which nothing else is known yet.
 
+_ROWS = {
+    "joints": ("name", "kind", "lower", "upper", "torque_limit_Nm", "stiffness_Nm_per_rad", "fingertips"),
+    "fingertips": ("name", "link", "point_m (3,)", "taken", "reason"),
+    "links": ("name", "mass_kg", "joint", "geometry"),
+}
+
 
 @dataclass(frozen=True)
 class HandDescription(Record):
@@ -82,6 +88,11 @@ class HandDescription(Record):
 
     def __len__(self) -> int:
         return len(self.joints)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: SI units in the keys; None where nothing is known, or a range has no end."""
+        rows = {name: [pick(row, *lines) for row in getattr(self, name)] for name, lines in _ROWS.items()}
+        return pick(self, *self.entries) | rows
 
     def __str__(self) -> str:
         return text_of(self)

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
-from handlcp.record import Record
+from handlcp.text_table import WIDTH, wrapped
 
 # ----------------------------------------------------------------
 # The rows of a description of a hand, as plain data.
 
 
-@dataclass(frozen=True, slots=True)
-class JointRow(Record):
+class JointRow(NamedTuple):
     """One independent joint. kind : "revolute", "continuous", "prismatic". lower, upper [rad, m], ±inf: no end.
 
     torque_limit [N·m, N] : None where none is known. stiffness [N·m/rad] : its own, the diagonal of a matrix; None
     where none was said, or a transmission gives way in its place. fingertips : that it moves.
     """
-
-    entries = (
-        "name", "kind", "lower", "upper", "torque_limit_Nm", "stiffness_Nm_per_rad", "fingertips",
-    )  # fmt: skip
 
     name: str
     kind: str
@@ -35,13 +28,10 @@ class JointRow(Record):
     fingertips: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class TipRow(Record):
+class TipRow(NamedTuple):
     """One fingertip, or what could be one. link : that carries it. point : on the link, in its frame [m]; None: at its
     origin. taken : whether it is a fingertip of the hand. reason : why.
     """
-
-    entries = ("name", "link", "point_m (3,)", "taken", "reason")
 
     name: str
     link: str
@@ -50,8 +40,7 @@ class TipRow(Record):
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class CouplingRow(Record):
+class CouplingRow(NamedTuple):
     """joint moves by factor × that of follows, plus offset [rad, m]."""
 
     joint: str
@@ -60,13 +49,10 @@ class CouplingRow(Record):
     offset: float
 
 
-@dataclass(frozen=True, slots=True)
-class LinkRow(Record):
+class LinkRow(NamedTuple):
     """One link. mass [kg] : 0 where the file says none. joint : that carries it, "" for the base. geometry :
     "collision", "visual" or "" for none; collision where it has both.
     """
-
-    entries = ("name", "mass_kg", "joint", "geometry")
 
     name: str
     mass: float
@@ -77,7 +63,6 @@ class LinkRow(Record):
 # ----------------------------------------------------------------
 # A description of a hand, printed in lines of at most 80 columns.
 
-WIDTH = 80
 _NUMBERS = (9, 9, 10, 11)  # columns: range from, to; torque limit; stiffness
 
 
@@ -88,7 +73,7 @@ def text_of(hand: Any) -> str:
     taken = [t for t in hand.fingertips if t.taken]
     fingers = _many(len(taken), "fingertip") if taken else "no fingertips chosen"
     facts = f"{_many(len(hand.joints), 'joint')}, {fingers}, {hand.mass:.3g} kg, {x} × {y} × {z} mm"
-    lines = [*_wrapped(head, ""), *_wrapped(facts, "")]
+    lines = [wrapped(head, "    "), wrapped(facts, "    ")]
     lines += _tips("Fingertips", taken)
     rest = [t for t in hand.fingertips if not t.taken]
     lines += _tips("Could be fingertips too" if taken else "Candidates: pass fingertips=[...] with those meant", rest)
@@ -97,8 +82,8 @@ def text_of(hand: Any) -> str:
         lines += ["", "Joints that follow others"]
         for c in hand.couplings:
             shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
-            lines += _wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "  ")
-    lines += ["", *_links(hand.links), *_wrapped(f"Audit: {hand.audit.summary}", "")]
+            lines.append(wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "      ", "  "))
+    lines += ["", _links(hand.links), wrapped(f"Audit: {hand.audit.summary}", "    ")]
     return "\n".join(lines)
 
 
@@ -110,9 +95,9 @@ def _tips(title: str, tips: Sequence[TipRow]) -> Iterator[str]:
             if t.reason == "named":
                 where = f", point ({', '.join(f'{1e3 * v:.1f}' for v in t.point)}) mm" if t.point is not None else ""
                 on = f"on {t.link}{where}" if t.link != t.name or where else "the frame of this name"
-                yield from _wrapped(f"{t.name}: {on}", "  ")
+                yield wrapped(f"{t.name}: {on}", "      ", "  ")
             else:
-                yield from _wrapped(f"{t.name}: {t.reason}", "  ")
+                yield wrapped(f"{t.name}: {t.reason}", "      ", "  ")
 
 
 def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
@@ -131,7 +116,7 @@ def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
         if j.fingertips != last:
             last = j.fingertips
             who = last[0] if len(last) == 1 else f"{', '.join(last)}" if last else "no fingertip"
-            yield from _wrapped(f"moves {who}:", "")
+            yield wrapped(f"moves {who}:", "    ")
         cells = [_number(j.lower), _number(j.upper), _limit(j.torque_limit)]
         cells += [_spring(j.stiffness)] if sprung else []
         numbers = "".join(c.rjust(w) for c, w in zip(cells, columns, strict=True))
@@ -142,25 +127,17 @@ def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
             yield from (f"  {j.name}{unit}", " " * width + numbers)
 
 
-def _links(links: Sequence[Any]) -> Iterator[str]:
+def _links(links: Sequence[Any]) -> str:
     """How many links there are, and which lack geometry or mass."""
     moved = [k for k in links if k.joint]
     bare, light = sum(k.geometry != "collision" for k in moved), sum(not k.mass for k in moved)
     lacks = [f"{n} without {what}" for n, what in ((bare, "collision geometry"), (light, "mass")) if n]
     text = f"{_many(len(links), 'link')}, {len(moved)} of them moved by joints"
-    yield from _wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "")
+    return wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "    ")
 
 
 def _many(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _wrapped(text: str, indent: str) -> list[str]:
-    lines = textwrap.wrap(
-        text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
-        break_on_hyphens=False,
-    )  # fmt: skip
-    return lines or [indent]
 
 
 def _number(x: float) -> str:
