@@ -20,15 +20,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from handlcp.errors import Unsupported, writing
 from handlcp.version import VERSION
 from handlcp.views import view
-
-Frame = Any  # pandas'
 
 UNITS = {
     "Nm_per_rad": "N·m/rad", "N_Nm": "N, N·m", "m_rad": "m, rad", "Nm": "N·m", "N": "N", "kg": "kg", "rad": "rad",
@@ -88,7 +85,7 @@ def plain(value: Any) -> Any:
     if is_dataclass(value):
         return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
     if hasattr(value, "_fields"):
-        return pick(value, *value._fields)
+        return plain(value._asdict())
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
@@ -112,6 +109,8 @@ def json_text(value: Any, ascii_only: bool = False) -> str:
 
 def versions(*packages: str) -> dict[str, str | None]:
     """Of handlcp, of Python and of these packages; None for one that is not installed."""
+    from importlib.metadata import PackageNotFoundError, version  # for JSON alone
+
     found: dict[str, str | None] = {"handlcp": VERSION, "python": platform.python_version()}
     for name in packages:
         try:
@@ -161,7 +160,9 @@ class Record:
         return Text(str(self))
 
     def _lines(self) -> tuple[str, ...]:
-        return tuple([f.name for f in fields(self)]) if self.entries is None else self.entries  # type: ignore[arg-type]
+        if self.entries is not None:
+            return self.entries
+        return tuple([f"{f.name} = {f.name}" for f in fields(self)])  # type: ignore[arg-type]
 
 
 def _flat(key: str, value: Any) -> Iterable[tuple[str, Any]]:
@@ -177,7 +178,7 @@ def _flat(key: str, value: Any) -> Iterable[tuple[str, Any]]:
         yield from _flat(f"{key}.{name}" if key else str(name), v)
 
 
-def data_frame(columns: Mapping[str, Any], index: Any = None) -> Frame:
+def data_frame(columns: Mapping[str, Any], index: Any = None) -> Any:
     """A `pandas.DataFrame`; pandas is imported here alone. Raises Unsupported without it."""
     try:
         from pandas import DataFrame

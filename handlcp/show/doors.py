@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
@@ -14,9 +14,6 @@ from handlcp.show.file import DPI, checked, drawn, write
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
 from handlcp.show.tables import torque_table
-
-if TYPE_CHECKING:
-    from handlcp.study.envelope import Envelope
 
 __all__ = [
     "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
@@ -50,33 +47,23 @@ def page(
     return save(_asked(solution), solution, path, obj, title, verdict, loading)
 
 
-def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
-    """The door to a figure of a module of `handlcp.show`, which is imported when one is asked for."""
+def _at(module: str, name: str) -> Callable[..., Any]:
+    """A function of a module of `handlcp.show`, which is imported when the function is called."""
 
-    def door(answer: Any, path: Any = None, title: str = "") -> Any:
-        """See `plot` of the answer's class."""
-        return drawn(getattr(import_module(f"handlcp.show.{module}"), name), answer, path, title)
+    def door(*given: Any) -> Any:
+        return getattr(import_module(f"handlcp.show.{module}"), name)(*given)
 
     return door
 
 
-loading_plot, limit_plot = _plotted("loading.draw"), _plotted("limit.draw")
+def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
+    """See `plot` of the answers' classes: the figure that a function makes, or the file that it was written to."""
+    return lambda answer, path, title: drawn(_at(module, name), answer, path, title)
+
+
+loading_plot, limit_plot, reliability_plot = map(_plotted, ("loading.draw", "limit.draw", "reliability"))
 envelope_plot, envelope_polar = _plotted("envelope.draw"), _plotted("envelope.polar", "polar_figure")
-reliability_plot = _plotted("reliability")
-
-
-def loading_page(loading: Loading, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None) -> Path:
-    """See `Loading.page`."""
-    from handlcp.show.page.document import save_loading
-
-    return save_loading(loading, path, title, obj, verdict)
-
-
-def envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
-    """See `Envelope.page`."""
-    from handlcp.show.envelope.page import save
-
-    return save(env, path, title)
+loading_page, envelope_page = _at("page.document", "save_loading"), _at("envelope.page", "save")
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

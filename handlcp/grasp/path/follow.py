@@ -147,7 +147,7 @@ class Loading(Record):
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
-        written: Path = view("loading_page")(self, path, obj, title, verdict)
+        written: Path = view("loading_page")(self, path, title, obj, verdict)
         return written
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
