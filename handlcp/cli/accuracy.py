@@ -147,30 +147,11 @@ def compare(
     order: Any = "together" if together else ("squeeze", "load")
     found = side_by_side(grasp, None, order, steps=steps, seconds=seconds)
     if json:
-        print_json(_record(file.title, found))
+        print_json({"title": file.title} | found.to_dict())
     else:
         assert isinstance(grasp, HandGrasp)  # MuJoCo had it
         _print(titled(file.title), grasp, found)
     raise typer.Exit(0 if found.both_hold else 1)
-
-
-def _record(title: str, found: Any) -> dict[str, Any]:
-    """Everything printed, and more digits."""
-    ours, theirs = found.loading, found.simulation
-    return {
-        "title": title, "both_hold": found.both_hold, "agree": found.agree, "force_error": found.force_error,
-        "torque_error": found.torque_error, "motion_error": found.motion_error, "contacts": theirs.names,
-        "handlcp": {
-            "held": ours.reached, "lost_stage": ours.lost_stage, "lost_at": ours.lost_at, "why": ours.why,
-            "forces_N": ours.solution.forces_world, "torques_Nm": ours.solution.torques,
-            "object_motion": ours.displacement, "seconds": found.seconds,
-        },
-        "mujoco": {
-            "held": theirs.held, "lost_stage": theirs.lost_stage, "lost_at": theirs.lost_at,
-            "forces_N": theirs.forces_world, "torques_Nm": theirs.torques, "object_motion": theirs.displacement,
-            "seconds": theirs.seconds, "simulated_s": theirs.simulated,
-        },
-    }  # fmt: skip
 
 
 def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
@@ -190,23 +171,24 @@ def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
 def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
     """Forces, torques and motions at the end, both and their difference."""
     ours, theirs = found.loading, found.simulation
-    forces = tables.empty("Forces", "N, on the object, world axes")
-    forces.add_column("contact", no_wrap=True)
-    tables.numbers(forces, "handlcp", "MuJoCo", "apart")
-    for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True):
-        forces.add_row(name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
-    torques = tables.empty("Torques", "N·m (N of prismatic joints)")
-    torques.add_column("joint", overflow="fold")
-    tables.numbers(torques, "handlcp", "MuJoCo", "apart")
-    for name, x, y in zip(grasp.state.hand.joint_names, ours.solution.torques, theirs.torques, strict=True):
-        torques.add_row(name, f"{x:.4f}", f"{y:.4f}", f"{abs(x - y):.5f}")
-    motion = tables.empty("Motion of the object", "since the start, world axes")
-    motion.add_column("")
-    tables.numbers(motion, "handlcp", "MuJoCo", "apart")
-    for what, part, unit in (("mm", slice(0, 3), 1e3), ("mrad", slice(3, 6), 1e3)):
-        a, b = unit * ours.displacement[part], unit * theirs.displacement[part]
-        motion.add_row(what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
-    return [forces, torques, motion]
+    forces = [
+        (name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
+        for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True)
+    ]
+    torques = [
+        (name, f"{x:.4f}", f"{y:.4f}", f"{abs(x - y):.5f}")
+        for name, x, y in zip(grasp.state.hand.joint_names, ours.solution.torques, theirs.torques, strict=True)
+    ]
+    motion = []
+    for what, part in (("mm", slice(0, 3)), ("mrad", slice(3, 6))):
+        a, b = 1e3 * ours.displacement[part], 1e3 * theirs.displacement[part]
+        motion.append((what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}"))
+    both = "handlcp", "MuJoCo", "apart"
+    return [
+        tables.table("Forces", ("contact", *both), "|>>>", forces, "N, on the object, world axes"),
+        tables.table("Torques", ("joint", *both), "<>>>", torques, "N·m (N of prismatic joints)"),
+        tables.table("Motion of the object", ("", *both), "<>>>", motion, "since the start, world axes"),
+    ]
 
 
 def _vector(values: Any) -> str:

@@ -26,8 +26,8 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from handlcp.errors import HandLCPError, InputError, brief
+from handlcp.record import json_text
 from handlcp.show.file import checked, checked_page
-from handlcp.study.plain import json_text
 from handlcp.version import VERSION
 
 

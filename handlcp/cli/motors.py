@@ -107,25 +107,17 @@ def _print(found: RequiredTorque, title: str) -> None:
 
 
 def _joints(found: RequiredTorque) -> Table:
-    table = tables.empty(
-        "Torque of each joint", "N·m (N of prismatic joints), the largest from first touch to full load"
-    )
-    table.add_column("joint", overflow="fold")
-    tables.numbers(table, "torque", "limit", "of limit")
-    table.add_column("sized by", overflow="fold")
-    table.add_column("")
+    note = "N·m (N of prismatic joints), the largest from first touch to full load"
+    heads = "joint", "torque", "limit", "of limit", "sized by", ""
+    table = tables.table("Torque of each joint", heads, "<>>><<", note=note)
     for joint, torque, limit, share, load, remark in found.rows:
         table.add_row(Text(joint), torque, limit, share, Text(load), remark, style="red" if remark else None)
     return table
 
 
 def _grips(found: RequiredTorque) -> Table:
-    table = tables.empty("Grip force to command")
-    table.add_column("fingertip", overflow="fold")
-    tables.numbers(table, "grip [N]")
-    for name, force in zip(found.grip, words.column(found.grip.values()), strict=True):
-        table.add_row(Text(name), force)
-    return table
+    rows = zip(found.grip, words.column(found.grip.values()), strict=True)
+    return tables.table("Grip force to command", ("fingertip", "grip [N]"), "<>", rows)
 
 
 # ----------------------------------------------------------------

@@ -85,7 +85,7 @@ def solve(
         save(grasp, solution, page, file.shape(), file.title, judged)
     left_out = _suggested(grasp, solution, sides, judged) if suggest else None
     if json:
-        print_json(record(grasp, solution, explanation, file.title, left_out, judged))
+        print_json({"title": file.title} | record(grasp, solution, explanation, left_out, judged))
     else:
         out = titled(file.title)
         _print(out, solution, judged, shown, ("Advice",) if suggest else ())
@@ -195,9 +195,7 @@ def follow(
     if page is not None:
         found.page(page, obj=read.shape(), title=read.title)
     if json:
-        from handlcp.show.loading.report import record
-
-        print_json(record(found, read.title))
+        print_json({"title": read.title} | found.to_dict())
     else:
         _print_loading(found, read.title, [plot, picture], page)
     raise typer.Exit(0 if found.reached else 1)

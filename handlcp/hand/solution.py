@@ -18,7 +18,9 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.elasticity import Effort
+from handlcp.record import Record, columns
 from handlcp.text_table import TextTable, wrapped
+from handlcp.views import view
 
 # ----------------------------------------------------------------
 # Joint by joint: the torque that holds the grasp, the limit, and which joint gives out first.
@@ -40,7 +42,7 @@ class TorqueRow(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class TorqueCheck:
+class TorqueCheck(Record):
     """Torques against limits; iterates over `TorqueRow`s and prints as a table.
 
     joints : nv names. torque : (nv,) [N·m]. limit : (nv,) [N·m], inf where there is none or none is known.
@@ -49,6 +51,11 @@ class TorqueCheck:
     known : nv booleans.
     yielding : names of the joints at their limit that give way there (`TorqueSaturation`); their utilisation is 1.
     """
+
+    entries = (
+        "joints", "torque_Nm (nv,)", "limit_Nm (nv,)", "utilisation (nv,)", "margin_Nm (nv,)", "known", "yielding",
+        "binding", "ok",
+    )  # fmt: skip
 
     joints: tuple[str, ...]
     torque: Array
@@ -138,16 +145,7 @@ class TorqueCheck:
         return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:
-        from rich.table import Table
-
-        table = Table(caption=self.verdict, caption_justify="left")
-        table.add_column("joint")
-        for heading in ("torque [N·m]", "limit [N·m]", "utilisation"):
-            table.add_column(heading, justify="right")
-        for r in self:
-            style = "red" if r.over else "bold" if r.joint == self.binding else None
-            table.add_row(r.joint, f"{r.torque + 0.0:.4f}", _limit(r), _share(r), style=style)
-        return table
+        return view("torque_table")(self)
 
 
 def torque_check(
@@ -250,6 +248,11 @@ class HandGraspSolution(GraspSolution):
         is no limit or none is known.
         """
         return self.torque_check.margin
+
+    def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
+        lines = "torque_Nm", "limit_Nm", "utilisation", "margin_Nm"
+        joints = columns(self.torque_check, *lines) | {"yield_rad": self.joint_yield}
+        return super()._tables() | {"joints": (joints, list(self.torque_check.joints))}
 
     def __str__(self) -> str:
         return printed(self, [self.torque_check.table, *([] if self.effort is None else [self.effort])])

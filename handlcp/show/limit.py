@@ -1,8 +1,7 @@
-"""Load limits: tables of several, plain data, and the figure of one: forces, friction, motion, joint torques."""
+"""Load limits: a table of several, and the figure of one: forces, friction, motion, joint torques."""
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,16 +12,16 @@ from rich.text import Text
 from handlcp import words
 from handlcp.check import Array
 from handlcp.errors import Unsupported
+from handlcp.grasp import Grasp
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
+from handlcp.grasp.path.trajectory import used_on_path
 from handlcp.show import tables
 from handlcp.show.file import Figure
 from handlcp.show.loading.draw import Mark, Marks, compose
 from handlcp.show.loading.series import panels
 from handlcp.show.style import BAD, GOOD, INK, SMALL, TEXT, further, heading, opening
-from handlcp.study.plain import plain
-from handlcp.version import VERSION
 
 _SAME = 1e-6  # loads that differ by less are the same
 _AXES = ("x", "y", "z")
@@ -58,12 +57,9 @@ def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
     """A row for each load: where a finger slips first, how much is held, what gives out, how far the object has moved
     there, where it is lost, and how much friction and torque limits alone allow.
     """
-    table = tables.empty(title, "at most: what friction and torque limits alone would allow, whatever the springs")
-    table.add_column("load", no_wrap=True)
-    tables.numbers(table, "first slip")
-    tables.numbers(table, "held up to")
-    table.add_column("what gives out", overflow="fold")
-    tables.numbers(table, "at most")
+    note = "at most: what friction and torque limits alone would allow, whatever the springs"
+    heads = "load", "first slip", "held up to", "what gives out", "at most"
+    table = tables.table(title, heads, "|>><>", note=note)
     for limit in limits:
         held = limit.factor > 0.0
         first = size(limit.wrench, limit.first_slip) if held and limit.first_slip is not None else "–"
@@ -86,18 +82,6 @@ def moved(limit: LoadLimit) -> str:
     """How far the object has moved and turned at the limit, such as "4 mm, 4°"; "–" where that is not known."""
     there = [m for m in limit.marks.values() if m.factor == limit.factor > 0.0]
     return f"{words.length(there[0].moved)}, {words.angle(there[0].turned)}" if there else "–"
-
-
-def record(limits: Sequence[LoadLimit], title: str = "", motion: float | None = None) -> dict[str, Any]:
-    """Everything as one JSON object: SI units in the key names, null for what is not a finite number."""
-    every = [
-        limit.to_dict() | {"some_equilibrium": limit.some_equilibrium, "bound": limit.bound} for limit in limits
-    ]  # fmt: skip
-    found = {
-        "title": title, "motion_m": motion, "limits": every,
-        "versions": {"handlcp": VERSION, "python": platform.python_version(), "numpy": np.__version__},
-    }  # fmt: skip
-    return dict(plain(found))
 
 
 # ----------------------------------------------------------------
@@ -150,8 +134,15 @@ def figure(limit: LoadLimit, title: str = "") -> Figure:
               for e in limit.events if e.factor <= until]  # fmt: skip
     told = summary(events, spec)
     marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
-    shown = panels(spec, path.forces, None, path.displacement - path.displacement[0], path.torques)
+    shown = panels(spec, path.forces, _used(limit), path.displacement - path.displacement[0], path.torques)
     return compose(axis, shown, marks, lambda drawn: _head(drawn, limit, title))
+
+
+def _used(limit: LoadLimit) -> Array | None:
+    """(m, n) shares of the friction limits; None for soft fingers, whose moments the path does not know."""
+    assert limit.at_limit.spec is not None  # it was solved
+    scene, forces = Grasp(limit.at_limit.spec).scene, limit.path.forces
+    return None if scene.soft else used_on_path(scene, forces, np.zeros(forces.shape[:2]))
 
 
 def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:

@@ -18,19 +18,19 @@ LETTERS = 26  # of a name
 BINS = 12, 40  # the fewest and the most
 
 
-def draw(found: Reliability, title: str = "") -> Figure:
+def figure(found: Reliability, title: str = "") -> Figure:
     """Left, how many samples have which margin, and how many nothing holds. Right, the values that vary, with the share
     of the margin's variance that each explains, by the samples and by the derivatives. Raises Unsupported without
     matplotlib.
     """
-    figure = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
+    made = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
     title = textwrap.shorten(title, 95, placeholder=" …") or "How sure it is that the object is held"
-    figure.text(0.012, 0.975, title, color=INK, **BOLD)
+    made.text(0.012, 0.975, title, color=INK, **BOLD)
     said = "; ".join(found.chances)
-    figure.text(0.012, 0.895, f"{said[:1].upper()}{said[1:]}.", fontsize=TEXT, color=INK, va="top")
-    _margins(figure.add_axes((0.07, 0.18, 0.37, 0.57)), found)
-    _influences(figure.add_axes((0.69, 0.18, 0.29, 0.57)), found)
-    return figure
+    made.text(0.012, 0.895, f"{said[:1].upper()}{said[1:]}.", fontsize=TEXT, color=INK, va="top")
+    _margins(made.add_axes((0.07, 0.18, 0.37, 0.57)), found)
+    _influences(made.add_axes((0.69, 0.18, 0.29, 0.57)), found)
+    return made
 
 
 def _margins(ax: Any, found: Reliability) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,16 +31,14 @@ def effect_table(explanation: Explanation) -> Table:
         solved += f"; {1e6 * e.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
         if any((line.share or 0.0) <= SAVES for line in e.effects if line.on):
             solved += '; "saves": without it a solve takes longer'
-    table = empty("Effects", solved)
-    for heading in ("", "effect", "why"):
-        table.add_column(heading, no_wrap=heading == "")
-    numbers(table, "unknowns", *(["of time"] if e.seconds is not None else []))
+    heads = ("", "effect", "why", "unknowns", *(() if e.seconds is None else ("of time",)))
+    made = table("Effects", heads, "|<<>>"[: len(heads)], note=solved)
     for line in e.effects:
         brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
         mark = Text("on", style="green") if line.on else Text("–", style="dim")
         cells = [brings, _share(line)][: 1 if e.seconds is None else 2]
-        table.add_row(mark, Text(line.title), Text(line.why), *cells, style=None if line.on else "dim")
-    return table
+        made.add_row(mark, Text(line.title), Text(line.why), *cells, style=None if line.on else "dim")
+    return made
 
 
 def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = "") -> Table:
@@ -49,16 +47,16 @@ def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = 
     note : stands under the table, beside what pyramids in place of the friction cones do.
     """
     columns, notes = contact_columns(solution), [_limit_note(solution), note]
-    table = _filled(columns, title, "; ".join(n for n in notes if n))
+    made = _filled(columns, title, "; ".join(n for n in notes if n))
     for row, state in zip(columns.rows, solution.contact_state, strict=True):
         name, _, *values = row
-        table.add_row(Text(name), Text(state, style=STATE.get(state, "dim")), *values)
-    return table
+        made.add_row(Text(name), Text(state, style=STATE.get(state, "dim")), *values)
+    return made
 
 
 def torque_table(check: Any, title: str = "Joint torques") -> Table:
     """Joint by joint, from a `TorqueCheck`."""
-    table = _filled(check.table, title)
+    made = _filled(check.table, title)
     for row, r in zip(check.table.rows, check, strict=True):
         finite = r.known and np.isfinite(r.limit)
         over = finite and r.over
@@ -66,94 +64,87 @@ def torque_table(check: Any, title: str = "Joint torques") -> Table:
         filled = round(min(r.utilisation, 1.0) * BAR) if finite else 0
         bar = Text("█" * filled + "·" * (BAR - filled) if finite else "", style="red" if over else "cyan")
         mark = Text(f" {row[-1]}" if row[-1] else "")
-        table.add_row(Text(row[0]), *row[1:-1], bar + mark, style=style)
-    return table
+        made.add_row(Text(row[0]), *row[1:-1], bar + mark, style=style)
+    return made
 
 
 def _filled(columns: TextTable, title: str, note: str = "") -> Table:
     """The heads of a text table."""
-    table = empty(title, note or None)
-    for k, (head, way) in enumerate(zip(columns.heads, columns.align, strict=True)):
-        if way == ">":
-            numbers(table, head if "\n" in head else f"{head}\n")
-        else:
-            table.add_column(head, overflow="fold", no_wrap=k > 0)
-    return table
+    ways = columns.align[0] + columns.align[1:].replace("<", "|")
+    heads = [head if way != ">" or "\n" in head else f"{head}\n" for head, way in zip(columns.heads, ways, strict=True)]
+    return table(title, heads, ways, note=note)
 
 
 def effort_table(effort: Any) -> Table:
     """Tendon by tendon, or actuator by actuator, from an `Effort`."""
-    table = empty("Tendons" if effort.unit == "N" else "Actuators")
     who, what = effort.kind.split()[:2]
-    table.add_column(who, overflow="fold")
-    numbers(table, f"{what}\n{effort.unit}")
-    for name, value in zip(effort.names, words.column(effort.values.tolist()), strict=True):
-        table.add_row(Text(name), value)
-    return table
+    rows = zip(effort.names, words.column(effort.values.tolist()), strict=True)
+    return table("Tendons" if effort.unit == "N" else "Actuators", (who, f"{what}\n{effort.unit}"), "<>", rows)
 
 
 def hand_table(hands: Mapping[str, Hand]) -> Table:
     """Hands to use, by name: joints, fingertips, torque limits."""
-    table = empty("Hands")
-    table.add_column("name", no_wrap=True)
-    table.add_column("", no_wrap=True, style="dim")
-    table.add_column("", overflow="fold")
+    made = table("Hands", ("name", "", ""), "||<")
+    made.columns[1].style = "dim"
     for name, hand in hands.items():
         joints, tips = hand.joint_names, hand.fingertips
         limits = ", ".join(f"{x:g}" for x in dict.fromkeys(hand.torque_limits.tolist()))
-        table.add_row(Text(name, style="bold"), f"{len(joints)} joints", Text(", ".join(joints)))
-        table.add_row("", f"{len(tips)} fingertips", Text(", ".join(tips)))
-        table.add_row("", "torque limits", Text(f"{limits} N·m"))
-        table.add_section()
-    return table
+        made.add_row(Text(name, style="bold"), f"{len(joints)} joints", Text(", ".join(joints)))
+        made.add_row("", f"{len(tips)} fingertips", Text(", ".join(tips)))
+        made.add_row("", "torque limits", Text(f"{limits} N·m"))
+        made.add_section()
+    return made
 
 
 def key_table(keys: Sequence[Any]) -> Table:
     """The keys of scene files, from `handlcp.scene.Key`s."""
-    table = empty("Keys of a scene file")
-    table.add_column("key", no_wrap=True)
-    table.add_column("what it holds\nwhat it means", overflow="fold")
+    made = table("Keys of a scene file", ("key", "what it holds\nwhat it means"), "|<")
     last = ""
     for k in keys:
         if k.table != last:
-            table.add_section()
-            table.add_row(Text(f"[[{k.table}]]" if k.many else f"[{k.table}]", style="bold cyan"))
+            made.add_section()
+            made.add_row(Text(f"[[{k.table}]]" if k.many else f"[{k.table}]", style="bold cyan"))
         last = k.table
         only = f" (shape {k.shape})" if k.shape else ""
         left_out = "; needed" if k.required else f"; left out: {k.default}" if k.default not in ("", '""') else ""
         name = Text(k.key, style="bold" if k.required else "")
-        table.add_row(name, Text.assemble((f"{k.expected}\n", "cyan"), f"{k.meaning}{only}{left_out}"))
-    return table
+        made.add_row(name, Text.assemble((f"{k.expected}\n", "cyan"), f"{k.meaning}{only}{left_out}"))
+    return made
 
 
 def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | None = None) -> Table:
     """All effects. costs : `handlcp.method.catalogue.Cost`s by title; None: not measured."""
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
-    table = empty("All effects", None if costs is None else note)
-    table.add_column("effect\nunknowns", max_width=26)
-    table.add_column("when to use it\nin Python; in a scene file", overflow="fold")
-    if costs is not None:
-        numbers(table, "here", "time")
+    heads = (
+        "effect\nunknowns",
+        "when to use it\nin Python; in a scene file",
+        *(() if costs is None else ("here", "time")),
+    )
+    made = table("All effects", heads, "<<>>"[: len(heads)], note="" if costs is None else note)
+    made.columns[0].max_width, made.columns[0].overflow = 26, "ellipsis"
     for e in entries:
         ask = [(f"\n{e.in_short}", "cyan"), (f"\n{', '.join(e.file_keys)}", "dim")] if e.in_python else []
         cells = [Text.assemble((e.title, "bold"), f"\n{e.brings}"), Text.assemble(e.when, *ask)]
         if costs is not None:
             cells += [Text(costs[e.title].more), Text(str(costs[e.title]))]
-        table.add_row(*cells)
-        table.add_section()
-    return table
+        made.add_row(*cells)
+        made.add_section()
+    return made
 
 
-def empty(title: str, caption: str | None = None) -> Table:
-    """A table in the style of all others, without columns."""
+def table(
+    title: str, heads: Sequence[str], ways: str, rows: Iterable[Sequence[str | Text]] = (), note: str = ""
+) -> Table:  # fmt: skip
+    """A table in the style of all others. ways : of each column, "<" for words, "|" for words that are never broken,
+    ">" for numbers, on the right and never broken. note : stands below it.
+    """
     style: dict[str, Any] = {"title_justify": "left", "title_style": "bold", "caption_justify": "left"}
-    return Table(title=title, caption=caption, box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1), **style)
-
-
-def numbers(table: Table, *headings: str) -> None:
-    """Add columns of numbers: aligned on the right, never wrapped."""
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
+    made = Table(title=title, caption=note or None, box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1), **style)
+    for head, way in zip(heads, ways, strict=True):
+        made.add_column(head, justify="right" if way == ">" else "left", no_wrap=way != "<", overflow="fold")
+    for row in rows:
+        made.add_row(*[Text(cell) if isinstance(cell, str) else cell for cell in row])
+    return made
 
 
 def _share(line: EffectLine) -> str:

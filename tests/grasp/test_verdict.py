@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import pathlib
 import pickle
 from dataclasses import replace
@@ -148,16 +147,13 @@ def test_a_displacement_beyond_reason_is_named_in_python_too():
     assert found.sentence in " ".join(str(s).split())
 
 
-def test_it_prints_in_80_columns_and_goes_to_json():
+def test_it_prints_in_80_columns():
     v = pinch(mu=0.6, squeeze=20e-3, force=-5.0).solve().verdict
     assert len(v.warnings) == 1
     lines = str(v).splitlines()
     assert max(map(len, lines)) <= 80
     assert [line.partition(":")[0] for line in lines if line.startswith(("HELD", "Warning"))] == ["HELD", "Warning"]
-    found = json.loads(json.dumps(v.to_dict()))
-    assert (found["word"], found["ok"]) == ("HELD", True)
-    assert [r["severity"] for r in found["reasons"]] == ["note", "note", "note", "warning"]
-    assert {"code", "severity", "sentence", "values"} == set(found["reasons"][0])
+    assert [r.severity for r in v.reasons] == ["note", "note", "note", "warning"]
 
 
 def test_a_verdict_is_pickled_with_its_solution():

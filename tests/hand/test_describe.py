@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import numpy as np
@@ -32,13 +31,9 @@ def test_joints_are_described_as_the_hand_has_them(hand: hl.Hand) -> None:
 
 
 @pytest.mark.parametrize("name", HANDS)
-def test_descriptions_fit_80_columns_and_become_json(name: str) -> None:
+def test_descriptions_fit_80_columns(name: str) -> None:
     described = hl.example_hand(name).describe()
     assert max(map(len, str(described).splitlines())) <= 80
-    again = json.loads(json.dumps(described.to_dict(), allow_nan=False))
-    assert [j["name"] for j in again["joints"]] == [j.name for j in described]
-    assert again["size_m"] == pytest.approx(described.size)
-    assert {"fingertips", "couplings", "links", "doubts", "mass_kg"} <= set(again)
 
 
 def test_a_description_is_text_to_read() -> None:

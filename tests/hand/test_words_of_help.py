@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -117,18 +115,12 @@ def test_a_grasp_that_nothing_loads_says_so(state):
         assert not loaded.solve().verdict.about("no_load")
 
 
-def test_answers_are_data_and_what_notebooks_show(hand, state, tmp_path):
+def test_answers_are_what_notebooks_show(state, tmp_path):
     pytest.importorskip("matplotlib")
     grasp = state.grasp(BOX, 0.8, squeeze=0.004)
     many = hl.solve_many([grasp, grasp.replace(friction=0.0)])
-    assert json.loads(many.to_json())["held"] == many.held.tolist()
     assert f"of {len(many)} grasps" in html(many)
     loading = grasp.follow(steps=2)
     assert "reached the end" in html(loading)
     assert loading.plot(tmp_path / "loading.png") == tmp_path / "loading.png"
     assert loading.plot(title="A cube").axes
-    doubts = json.loads(hand.audit().to_json())["doubts"]
-    assert [d["what"] for d in doubts] == [d.what for d in hand.audit()]
-    assert (
-        json.loads(hand.describe().to_json(tmp_path / "hand.json").read_text("utf-8"))["name"] == hand.describe().name
-    )

@@ -55,6 +55,13 @@ def test_a_solution_without_an_answer_is_a_table_of_nothing():
     assert found.drop(columns="state").isna().all(axis=None)
 
 
+def test_an_envelope_is_a_table_with_a_row_for_each_direction():
+    env = hl.envelope(pinch(), ("yz", 8))
+    found = env.to_frame()
+    np.testing.assert_array_equal(found[["x", "y", "z"]], env.directions)
+    np.testing.assert_array_equal(found["force_N"], env.factors)
+
+
 def test_a_batch_is_a_table_with_a_row_for_each_grasp():
     solutions = hl.solve_many([pinch(), pinch(squeeze=0.0)])
     found = solutions.to_frame()

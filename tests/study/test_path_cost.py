@@ -1,6 +1,5 @@
 """What accuracy costs on a path: errors fall with the steps, and the estimate beside an answer is not too small."""
 
-import json
 from functools import cache
 
 import numpy as np
@@ -43,13 +42,12 @@ def test_the_error_that_follow_was_asked_for_is_kept_where_steps_are_short_for_o
     assert asked.accuracy <= 5e-3
 
 
-def test_it_prints_draws_and_is_plain_data(tmp_path):
+def test_it_prints_and_draws(tmp_path):
     said = str(cost())
     assert "the estimate is below the true error in 0 of 4 rows" in " ".join(said.split())
     assert max(map(len, said.splitlines())) <= 80
     assert cost().plot(tmp_path / "cost.png", title="A cube").stat().st_size > 20_000
-    plain = json.loads(json.dumps(cost().to_dict()))
-    assert [r["question"] for r in plain["rows"]] == ["follow"] * 3 + ["load_limit"] * 3
+    assert [r.question for r in cost().rows] == ["follow"] * 3 + ["load_limit"] * 3
 
 
 def test_in_one_posture_steps_come_near_the_limit_that_is_found_from_event_to_event():

@@ -18,7 +18,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
-from handlcp.grasp.answer.printed import Data
+from handlcp.grasp.answer.printed import contact_data
 from handlcp.grasp.answer.reasons import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
@@ -34,9 +34,9 @@ from handlcp.lcp import NSNGRK, Auto, Status, proposals
 from handlcp.lcp.kernels.lemke import lemke
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.reduce import reduce
+from handlcp.record import Record, data_frame
 from handlcp.text_table import wrapped
 from handlcp.tolerances import ACTIVE, PIVOT
-from handlcp.views import view
 
 # ----------------------------------------------------------------
 # Where a search for equilibria starts from: answers of coarser pyramids, other seeds, other methods.
@@ -82,11 +82,12 @@ def seeded(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterat
 
 # ----------------------------------------------------------------
 
+_COLUMNS = ("equilibrium", "contact", "state", "normal_N", "friction_N", "friction_used", "slip_m", "gap_m")
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 
 @dataclass(frozen=True, slots=True)
-class Equilibria(Data):
+class Equilibria(Record):
     """The equilibria of a grasp, every one certified: `for solution in equilibria`, `len(equilibria)`.
 
     found : smallest forces first; their `uniqueness.others` says whether others exist. Members of one family of
@@ -95,6 +96,8 @@ class Equilibria(Data):
     why : what proves it, or why that is open.
     seconds : wall time.
     """
+
+    entries = ("complete", "why", "seconds", "found")
 
     found: tuple[GraspSolution, ...]
     complete: bool
@@ -109,24 +112,13 @@ class Equilibria(Data):
         """Smallest forces first."""
         return iter(self.found)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data: complete, why, seconds, and the solutions in `found`, each as its own `to_dict` has it."""
-        return {"complete": self.complete, "why": self.why, "seconds": self.seconds,
-                "found": [s.to_dict() for s in self.found]}  # fmt: skip
-
     def to_frame(self) -> Any:
         """A pandas table with a row for each contact of each equilibrium: "equilibrium", from 1 on, "contact", "state",
         normal_N, friction_N, friction_used, slip_m, gap_m. Raises Unsupported without pandas.
         """
-        each = [(k, i, s) for k, s in enumerate(self.found, 1) for i in range(len(s.names))]
-        columns = {
-            "equilibrium": [k for k, _, _ in each], "contact": [s.names[i] for _, i, s in each],
-            "state": [s.contact_state[i] for _, i, s in each], "normal_N": [s.forces[i, 2] for _, i, s in each],
-            "friction_N": [np.hypot(*s.forces[i, :2]) for _, i, s in each],
-            "friction_used": [s.friction_used[i] for _, i, s in each],
-            "slip_m": [np.hypot(*s.slip[i]) for _, i, s in each], "gap_m": [s.gap[i] for _, i, s in each],
-        }  # fmt: skip
-        return view("data_frame")(columns)
+        each = [contact_data(s) | {"equilibrium": [k] * len(s.names), "contact": s.names}
+                for k, s in enumerate(self.found, 1)]  # fmt: skip
+        return data_frame({name: [x for one in each for x in one[name]] for name in _COLUMNS})
 
     def __str__(self) -> str:
         k = len(self.found)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.assembly.contact_form import called_for, stamped
 from handlcp.grasp.assembly.problem import MULTIPLIERS, GraspProblem, assemble
 from handlcp.grasp.effects import Effect, effect_kinds
@@ -14,6 +12,7 @@ from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.record import Record
 from handlcp.text_table import wrapped
 from handlcp.words import length, listed
 
@@ -90,7 +89,7 @@ class EffectLine:
 
 
 @dataclass(frozen=True, slots=True)
-class Explanation(Data):
+class Explanation(Record):
     """All effects, on and off, and the size of the problem that comes of them.
 
     unknowns : of all effects together. eliminated : how many of them never reach the solver.
@@ -98,6 +97,8 @@ class Explanation(Data):
         where nothing is eliminated.
     seconds : what a solve takes from its answer on [s], which the shares are of; None: not measured.
     """
+
+    entries = ("effects", "unknowns", "eliminated", "rcond", "seconds", "size")
 
     effects: tuple[EffectLine, ...]
     unknowns: int
@@ -109,10 +110,6 @@ class Explanation(Data):
     def size(self) -> int:
         """Unknowns the solver sees."""
         return self.unknowns - self.eliminated
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data, each effect with its unknowns as (name, count, whether they are free)."""
-        return asdict(self) | {"size": self.size}
 
     def __str__(self) -> str:
         lines = []

@@ -20,7 +20,7 @@ _NONE = 1e-9  # of the start: less is nothing
 @dataclass(frozen=True, slots=True)
 class Least:
     """value : the least that holds; None: none was found. fails : the largest tried below it that does not, None where
-    the floor itself holds; where no value was found, the last that was not too much. tried : ((x, whether it holds), …).
+    the floor itself holds; where no value was found, the last that was not too much. tried : of (x, whether it holds).
     """
 
     value: float | None

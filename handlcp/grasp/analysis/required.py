@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.least import least
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
@@ -25,8 +24,8 @@ from handlcp.grasp.solve.stages import BRIEF
 from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.holdable import escaping_twist
 from handlcp.lcp import Auto
+from handlcp.record import Record, data_frame
 from handlcp.text_table import wrapped
-from handlcp.views import view
 
 Holds = Callable[[GraspSpec, Section], bool]
 
@@ -36,7 +35,7 @@ _FRICTION = 10.0  # the largest coefficient that is tried
 
 
 @dataclass(frozen=True, slots=True)
-class Required(Data):
+class Required(Record):
     """The smallest common value that holds.
 
     value : it holds (certified); 0 when nothing more is needed; None when nothing up to `limit` was found to hold.
@@ -61,14 +60,9 @@ class Required(Data):
     hint: str = ""
     verdict: str = ""
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data, SI units."""
-        return asdict(self)
-
     def to_frame(self) -> Any:
         """A pandas table of the values tried, in their order: "value", "holds". Raises Unsupported without pandas."""
-        values, held = zip(*self.checked, strict=True) if self.checked else ((), ())
-        return view("data_frame")({"value": values, "holds": held})
+        return data_frame({name: [pair[k] for pair in self.checked] for k, name in enumerate(("value", "holds"))})
 
     def __str__(self) -> str:
         if self.value is None:

@@ -10,13 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
@@ -26,6 +24,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import start_from
 from handlcp.grasp.solve.stages import solve_built
 from handlcp.lcp import Auto
+from handlcp.record import Record
 from handlcp.text_table import wrapped
 
 
@@ -48,7 +47,7 @@ class Suggestion:
 
 
 @dataclass(frozen=True, slots=True)
-class Suggestions(Data):
+class Suggestions(Record):
     """What `Grasp.suggest` found, the largest change first.
 
     found : those above `least`; of a grasp that fails, the changes that were tried and hold. small : (title, change) of
@@ -69,13 +68,6 @@ class Suggestions(Data):
 
     def __iter__(self) -> Iterator[Suggestion]:
         return iter(self.found)
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data; None for a change that is infinite."""
-        found = asdict(self)
-        for s in found["found"]:
-            s["change"] = s["change"] if math.isfinite(s["change"]) else None
-        return found
 
     @property
     def lines(self) -> tuple[str, ...]:

@@ -10,6 +10,8 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.errors import InputError
+from handlcp.record import Record, columns, data_frame
 from handlcp.text_table import TextTable, wrapped
 from handlcp.tolerances import CERTIFY
 from handlcp.views import view
@@ -18,24 +20,7 @@ from handlcp.views import view
 # What an answer looks like: a picture, plain data. Made by `handlcp.show`, which stands above this room.
 
 
-class Data:
-    """Base of answers that are plain data, and tables."""
-
-    __slots__ = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
-        raise NotImplementedError
-
-    def to_json(self, path: Any = None) -> str | Path:
-        """The same as JSON: the text, or the file that it was written to. Raises InputError for a file that cannot be
-        written.
-        """
-        written: str | Path = view("to_json")(self.to_dict(), path)
-        return written
-
-
-class Shown(Data):
+class Shown(Record):
     """Base of solutions that can be looked at."""
 
     def plot(self, path: Any = None, *, obj: Any = None, title: str = "", verdict: Any = None) -> Any:
@@ -74,12 +59,33 @@ class Shown(Data):
         torque_Nm, limit_Nm, utilisation, margin_Nm, yield_rad.
         Raises InputError for anything else, and for joints without a hand; Unsupported without pandas.
         """
-        return view("solution_frame")(self, of)
+        tables = self._tables()
+        if of not in tables:
+            without = "" if "joints" in tables else " for a grasp without a hand"
+            raise InputError("of", " or ".join(f'"{name}"' for name in tables) + without, repr(of))
+        return data_frame(*tables[of])
+
+    def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
+        """Columns and index of each table, by its name."""
+        return {"contacts": (contact_data(self), words.distinct(getattr(self, "names")))}  # noqa: B009
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, the contacts, the joints."""
         text: str = view("html")(self)
         return text
+
+
+def contact_data(s: Any) -> dict[str, Any]:
+    """Columns of a table with a row for each contact."""
+    found = columns(s, "state = contact_state", "normal_N = normal_force") | {
+        "friction_N": np.hypot(*s.tangential_force.T), "friction_used": s.friction_used,
+        "friction_margin_N": s.friction_margin, "slip_m": np.hypot(*s.slip.T), "gap_m": s.gap,
+    }  # fmt: skip
+    for which, forces in (("", s.forces), ("world_", s.forces_world)):
+        found |= {f"{which}{axis}_N": forces[:, k] for k, axis in enumerate("xyz")}
+    if s.torsion is not None:
+        found |= columns(s, "moment_Nm = torsion", "spin_rad")
+    return found
 
 
 # ----------------------------------------------------------------

@@ -16,6 +16,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.lcp.problem import Status
+from handlcp.record import Record
 from handlcp.tolerances import CERTIFY
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Accuracy:
+class Accuracy(Record):
     """Force errors are relative to the largest contact force.
 
     asked : the error that was asked for. error : the estimate of the error reached, against the equilibrium on the
@@ -38,6 +39,8 @@ class Accuracy:
     setting : what was taken, such as "exact cone". solves : how many problems that took. seconds : how long, estimate
         included.
     """
+
+    entries = ("asked", "error", "met", "setting", "solves", "seconds")
 
     asked: float
     error: float

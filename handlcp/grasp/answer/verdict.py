@@ -30,7 +30,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from handlcp.grasp.answer.printed import Data
+from handlcp.record import Record
 from handlcp.text_table import wrapped
 
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
@@ -61,13 +61,15 @@ class Reason:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict(Data):
+class Verdict(Record):
     """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns.
 
     word : "HELD"; "OVER LIMIT": the contacts hold, some motor cannot; "NOT HELD"; "UNDECIDED": nothing is known.
     reasons : those that decide the word first, then notes, warnings and advice.
     loading : the `Loading` that `grasp.check()` followed, whose last step the reasons are about; None where none was.
     """
+
+    entries = ("word", "ok", "reasons")
 
     word: str
     reasons: tuple[Reason, ...]
@@ -97,14 +99,6 @@ class Verdict(Data):
     def about(self, code: str) -> tuple[Reason, ...]:
         """The reasons with this code."""
         return tuple(r for r in self.reasons if r.code == code)
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON: word, ok, and each reason's code, severity, sentence and values."""
-        reasons = [
-            {"code": r.code, "severity": r.severity, "sentence": r.sentence, "values": dict(r.values)}
-            for r in self.reasons
-        ]
-        return {"word": self.word, "ok": self.ok, "reasons": reasons}
 
     def __str__(self) -> str:
         said = (f"{head}: {sentence}." if sentence else f"{head}." for head, sentence in self.paragraphs)

@@ -13,19 +13,20 @@ import numpy.typing as npt
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import Unsupported
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.columns import Group, groups_of
 from handlcp.grasp.batch.first_stage import STATUSES, Answers, Batch
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
+from handlcp.record import Record, data_frame
+from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 _INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 
-class Solutions(Data, Sequence[GraspSolution]):
+class Solutions(Record, Sequence[GraspSolution]):
     """The solutions of `solve_many`, in the order of its m grasps, and what they say as arrays, read-only.
 
     A solution is made when it is looked at, and kept as long as somebody holds it; the arrays are computed when first
@@ -137,12 +138,10 @@ class Solutions(Data, Sequence[GraspSolution]):
 
     def to_frame(self) -> Any:
         """The same as a pandas table, a row for each grasp. Raises Unsupported without pandas."""
-        return view("data_frame")(self.to_dict())
+        return data_frame(self.to_dict())
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how many came to what."""
-        from handlcp.text_table import TextTable
-
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
         text: str = view("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
@@ -150,8 +149,6 @@ class Solutions(Data, Sequence[GraspSolution]):
 
     def __str__(self) -> str:
         """How many came to what."""
-        from handlcp.text_table import wrapped
-
         counts = Counter(self.status.tolist())
         return wrapped(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 

@@ -12,6 +12,7 @@ import numpy as np
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.record import Record
 from handlcp.tolerances import OVER
 
 # ----------------------------------------------------------------
@@ -23,7 +24,7 @@ OBJECT = "the object"
 
 
 @dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(Record):
     """What gives out. kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its
     torque limit), "range" (a joint at the end of its range), "equilibrium" (forces can no longer balance the load),
     "motion" (the object moves farther than was allowed), "slides through" (the object, where no contact that presses
@@ -31,6 +32,8 @@ class Cause:
     who : the finger, the joint or "the object". margin : share of the limit that is left; 0 at the limit, below 0
     beyond it. Causes of the same kind and name are equal, whatever their margins.
     """
+
+    entries = ("kind", "who")
 
     kind: str
     who: str

@@ -13,7 +13,6 @@ import numpy as np
 
 from handlcp.check import Array, number
 from handlcp.errors import InputError
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.wording import NOTHING, said
 from handlcp.grasp.design.least import word
@@ -24,14 +23,17 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import by_effort
 from handlcp.grasp.parameter.wrench import beside_weight, loaded
 from handlcp.progress import told
+from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 
 
 @dataclass(frozen=True, slots=True)
-class TriedChange:
+class TriedChange(Record):
     """One change. what : in words. factor : on the load, that the grasp holds then. gain : factor over that without the
     change, minus 1; negative where it costs load. limit : its `LoadLimit`.
     """
+
+    entries = ("change = what", "factor", "gain", "why = limit.why")
 
     what: str
     factor: float
@@ -40,7 +42,7 @@ class TriedChange:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BestChange(Data):
+class BestChange(Record):
     """What each change does to the load that a grasp holds, the best first.
 
     wrench (6,) : the load that grows, beside the weight [N, N·m]. share : of every change. before : the load limit
@@ -49,6 +51,11 @@ class BestChange(Data):
     verdicts : its words there, with the best change and without. of_weight : whether the load that grows is added to
     the object's weight and acts as that does, because no load was given and the grasp has none.
     """
+
+    entries = (
+        "load_N_Nm (6,) = wrench", "share", "factor_before = before.factor", "tried", "checked_at_factor = between",
+        "verdict_with = verdicts.0", "verdict_without = verdicts.1",
+    )  # fmt: skip
 
     wrench: Array
     share: float
@@ -98,18 +105,6 @@ class BestChange(Data):
         given = f"{self.verdicts[0]} with the change and {self.verdicts[1]} without"
         return wrapped(f"{told}; but at {self.between:.4g} × {load} check() says {given}")
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data, SI units in the key names, None for what is not a finite number."""
-        return {
-            "load_N_Nm": self.wrench.tolist(), "share": self.share, "factor_before": _finite(self.before.factor),
-            "tried": [
-                {"change": t.what, "factor": _finite(t.factor), "gain": _finite(t.gain), "why": t.limit.why}
-                for t in self.tried
-            ],
-            "checked_at_factor": _finite(self.between), "verdict_with": self.verdicts[0],
-            "verdict_without": self.verdicts[1],
-        }  # fmt: skip
-
 
 @told("load limits with each change")
 def best_change(
@@ -150,7 +145,3 @@ def _gain(gain: float) -> str:
 
 def _gives_out(limit: LoadLimit) -> str:
     return said(limit.binds, brief=True) if limit.binds else "nothing"
-
-
-def _finite(x: float) -> float | None:
-    return float(x) if np.isfinite(x) else None

@@ -6,7 +6,7 @@ alone let the object move.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from handlcp.check import Array, number
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.least import least
 from handlcp.grasp.analysis.required import tolerance_of
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.cause.judge import MOTION, OBJECT, Cause, limits_of, over
@@ -29,13 +28,14 @@ from handlcp.grasp.parameter import named
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.progress import told
+from handlcp.record import Record
 from handlcp.text_table import wrapped
 
 _MOST = 256.0
 
 
 @dataclass(frozen=True, slots=True)
-class RequiredStiffness(Data):
+class RequiredStiffness(Record):
     """The least stiffness of the joints with which the object moves no further than allowed.
 
     factor : on the stiffness of every joint (of the fingers where no joints are known), with which the grasp holds
@@ -46,6 +46,8 @@ class RequiredStiffness(Data):
     pads : what is left with rigid joints, where nothing slips [m].
     verdict : what `check()` says of the grasp with this factor. why : why `fails` is not enough, or why none was found.
     """
+
+    entries = ("factor", "fails", "motion_m", "moved_m", "pads_m", "verdict", "why")
 
     factor: float | None
     fails: float | None
@@ -59,10 +61,6 @@ class RequiredStiffness(Data):
     def pads_share(self) -> float:
         """What the pads alone let the object move, as a share of what is allowed; above 1 no joints are enough."""
         return self.pads / self.motion
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data: "factor", "fails", "motion_m", "moved_m", "pads_m", "verdict", "why"."""
-        return {f"{k}_m" if k in ("motion", "moved", "pads") else k: v for k, v in asdict(self).items()}
 
     def __str__(self) -> str:
         allowed, moved = words.lengths((self.motion, self.moved))

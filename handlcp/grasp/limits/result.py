@@ -10,13 +10,13 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import Bind
 from handlcp.grasp.cause.wording import happens
 from handlcp.grasp.path.events import jump
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.lazy import lazy
+from handlcp.record import Record
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
@@ -27,12 +27,14 @@ _SAME = 1e-6  # factors that differ by less are the same
 
 
 @dataclass(frozen=True, slots=True)
-class LimitEvent:
+class LimitEvent(Record):
     """What happens while the load grows. kind : "slips", "sticks", "opens", "touches" (a contact), "yields", "holds"
     (what is limited, such as a joint with `TorqueSaturation`), "snaps", "slides through" (the object). who : its name.
     factor : on the load, when it happens. moved [m], turned [rad] : how far the object snaps. pushed (6,) : as in
     `Event`.
     """
+
+    entries = ("kind", "who", "factor")
 
     kind: str
     who: str
@@ -47,10 +49,12 @@ class LimitEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class Reached:
+class Reached(Record):
     """A load on a path that matters. factor : on the load. moved [m], turned [rad] : of the object there, since the
     load began.
     """
+
+    entries = ("factor", "moved_m", "turned_rad")
 
     factor: float
     moved: float
@@ -83,7 +87,7 @@ class LimitPath:
 
 
 @dataclass(frozen=True, eq=False)
-class LoadLimit(Data):
+class LoadLimit(Record):
     """The largest factor on a load that a grasp holds when the load grows slowly; made by `Grasp.load_limit`.
 
     factor : times `wrench`; the load at which the object slides through or is lost, or a joint is at a limit, whichever
@@ -97,6 +101,11 @@ class LoadLimit(Data):
     accuracy : estimated relative error of the factor; NaN: not asked for. made : computes what is asked for later.
     question : what was asked, as which it is pickled.
     """
+
+    entries = (
+        "factor", "load_asked_N_Nm (6,) = wrench", "load_held_N_Nm (6,) = load", "geometry", "why", "binds",
+        "first_slip", "slides", "lost", "accuracy", "motion = marks", "events",
+    )  # fmt: skip
 
     factor: float
     wrench: Array
@@ -181,18 +190,6 @@ class LoadLimit(Data):
         """
         return view("limit_plot")(self, path, title)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
-        return {
-            "factor": _finite(self.factor), "load_asked_N_Nm": self.wrench.tolist(),
-            "load_held_N_Nm": [_finite(x) for x in self.load.tolist()], "geometry": self.geometry, "why": self.why,
-            "binds": [{"kind": b.kind, "who": b.who} for b in self.binds],
-            "first_slip": self.first_slip, "slides": self.slides, "lost": self.lost, "accuracy": _finite(self.accuracy),
-            "motion": {name: {"factor": _finite(m.factor), "moved_m": m.moved, "turned_rad": m.turned}
-                       for name, m in self.marks.items()},
-            "events": [{"kind": e.kind, "who": e.who, "factor": e.factor} for e in self.events],
-        }  # fmt: skip
-
     def __str__(self) -> str:
         """The sentence, and what happens on the way."""
         lines = [wrapped(self.why, "  ")]
@@ -229,10 +226,6 @@ def told(events: Iterable[LimitEvent], load: Callable[[float], str]) -> list[str
         f"{at}: {happens(kind, [e.who for e in same])}{jump(same[0].moved, same[0].turned, same[0].pushed)}"
         for (kind, at), same in groups.items()
     ]
-
-
-def _finite(x: float) -> float | None:
-    return x if np.isfinite(x) else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,7 @@ from handlcp.grasp.friction import Cone, Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.holdable import escape_of, generators
+from handlcp.record import Record
 from handlcp.tolerances import CERTIFY, RANK
 
 _FACES = (8, 32, 128, 512)  # of pyramids in the cone and around it, until one of them tells
@@ -33,7 +34,7 @@ _INSIDE = 1e-6  # share of the mean force along an edge: what is less is not str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Closure:
+class Closure(Record):
     """One test and its proof.
 
     kind : "force" or "form". closed : whether there is closure; None: so near to the edge that rounding decides.
@@ -42,6 +43,8 @@ class Closure:
     motion : (6,) small motion about the grasp's reference that no contact resists, for one metre of travel [m, rad];
     None where there is closure. sentence : the answer in words.
     """
+
+    entries = ("closed", "sentence", "forces_N (n, 3)", "motion (6,)")
 
     kind: str
     closed: bool | None

@@ -14,7 +14,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import number
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import most_used
 from handlcp.grasp.cause.wording import said
@@ -26,31 +25,39 @@ from handlcp.grasp.margins.wrench_space import WrenchSpace, wrench_space
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.lazy import lazy
+from handlcp.record import Record, data_frame
 from handlcp.text_table import TextTable, wrapped
-from handlcp.views import view
 
 _SLIDES = 1e-5  # share of friction: with less left a contact slides, as far as a solution is exact
 _BROKEN = re.compile(r"(?<=\d), (?=-?\d)")  # within a vector, where a line might end
 
 
 @dataclass(frozen=True, slots=True)
-class Least:
+class Least(Record):
     """The least of several margins. who : the finger or joint. amount : what is left, N or N·m; < 0 where it needs more
-    than it has. share : of its limit.
+    than it has. share : of its limit. unit : of the amount.
     """
 
     who: str
     amount: float
     share: float
+    unit: str
+
+    def _lines(self) -> tuple[str, ...]:
+        return "who", f"amount_{self.unit.replace('·', '')} = amount", "share"
 
 
 @dataclass(frozen=True, eq=False)
-class Margins(Data):
+class Margins(Record):
     """Made by `Grasp.margins`; each number is worked out when it is first asked for.
 
     spec, section : of what, with which friction cones. solution : the answer that the first margins are about; held or
     not. length : that moments are divided by [m]; None: that of the grasp.
     """
+
+    entries = (
+        "held = solution.held", "safety", "friction", "torque", "force_closure", "form_closure", "wrench_space",
+    )  # fmt: skip
 
     spec: GraspSpec
     section: Section
@@ -67,7 +74,7 @@ class Margins(Data):
         if not np.isfinite(used).any():
             return None
         k = most_used(used)
-        return Least(self.spec.names[k], float(self.solution.friction_margin[k]), 1.0 - float(used[k]))
+        return Least(self.spec.names[k], float(self.solution.friction_margin[k]), 1.0 - float(used[k]), "N")
 
     @lazy
     def torque(self) -> Least | None:
@@ -80,7 +87,7 @@ class Margins(Data):
         row = check[check.binding]
         if not np.isfinite(row.limit):
             return None
-        return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation)
+        return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation, "N·m")
 
     @lazy
     def load(self) -> LoadLimit | None:
@@ -129,46 +136,18 @@ class Margins(Data):
         """Of the wrench space: see `WrenchSpace`."""
         return self.wrench_space.volume
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data: SI units in the key names, None for what is not known or not finite."""
-        space = self.wrench_space
-        found: dict[str, Any] = {"held": self.solution.held, "safety": _plain(self.safety)}
-        for name, unit in (("friction", "N"), ("torque", "Nm")):
-            least = getattr(self, name)
-            told = None if least is None else {"who": least.who, f"amount_{unit}": least.amount, "share": least.share}
-            found[name] = told
-        for closure in (self.force_closure, self.form_closure):
-            found[f"{closure.kind}_closure"] = {
-                "closed": closure.closed, "sentence": closure.sentence,
-                "forces_N": None if closure.forces is None else closure.forces.tolist(),
-                "motion": None if closure.motion is None else closure.motion.tolist(),
-            }  # fmt: skip
-        found["wrench_space"] = {
-            "epsilon": _plain(space.epsilon), "epsilon_most": _plain(space.epsilon_most),
-            "volume": _plain(space.volume), "volume_most": _plain(space.volume_most), "dimension": space.dimension,
-            "of": space.of, "length_m": space.length, "weakest": [_plain(x) for x in space.weakest.tolist()],
-            "faces": space.faces, "why": space.why,
-        }  # fmt: skip
-        return found
-
     def to_frame(self) -> Any:
         """A pandas table, a row for each measure: value, unit, share, who. Raises Unsupported without pandas."""
-        rows = [row for row in self._rows() if row[1] is not None]
-        names, values, units, shares, who = zip(*rows, strict=True)
-        return view("data_frame")({"value": values, "unit": units, "share": shares, "who": who}, list(names))
-
-    def _rows(self) -> list[tuple[str, float | None, str, float, str]]:
-        """(measure, value, unit, share of the limit, who)."""
-        space, rows = self.wrench_space, list[tuple[str, float | None, str, float, str]]()
-        for name, unit in (("friction", "N"), ("torque", "N·m")):
-            least = getattr(self, name)
-            if least is not None:
-                rows.append((name, least.amount, unit, least.share, least.who))
-        rows.append(("safety", self.safety, "", np.nan, ""))
+        space, least = self.wrench_space, {"friction": self.friction, "torque": self.torque}
+        rows = {name: (x.amount, x.unit, x.share, x.who) for name, x in least.items() if x is not None}
+        found = {"safety": self.safety}
         for c in (self.force_closure, self.form_closure):
-            rows.append((f"{c.kind}_closure", np.nan if c.closed is None else float(c.closed), "", np.nan, ""))
-        rows += [("epsilon", space.epsilon, "N/N", np.nan, ""), ("volume", space.volume, "", np.nan, "")]
-        return rows
+            found[f"{c.kind}_closure"] = np.nan if c.closed is None else float(c.closed)
+        found |= {"epsilon": space.epsilon, "volume": space.volume}
+        units = {"epsilon": "N/N"}
+        rows |= {name: (x, units.get(name, ""), np.nan, "") for name, x in found.items() if x is not None}
+        columns = zip(("value", "unit", "share", "who"), zip(*rows.values(), strict=True), strict=True)
+        return data_frame(dict(columns), list(rows))
 
     def __str__(self) -> str:
         space, rows = self.wrench_space, list[tuple[str, ...]]()
@@ -230,7 +209,3 @@ def _between(low: float, high: float) -> str:
 
 def _times(factor: float) -> str:
     return "∞" if np.isinf(factor) else f"× {factor:.3g}"
-
-
-def _plain(x: float | None) -> float | None:
-    return None if x is None or not np.isfinite(x) else float(x)

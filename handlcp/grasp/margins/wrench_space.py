@@ -20,6 +20,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.holdable import generators
+from handlcp.record import Record
 from handlcp.tolerances import RANK
 
 _FACES = (12, 8, 6, 4)  # of pyramids in place of the cone: the most with which there are not too many corners
@@ -29,7 +30,7 @@ _NOTHING = 1e-9  # of the largest wrench: an ε that is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WrenchSpace:
+class WrenchSpace(Record):
     """The wrenches of contacts whose normal forces add up to 1 N, moments over `length` [m], about their centre.
 
     epsilon : radius of the largest ball, [N per N of normal force]; 0 where some load is not resisted at all. On the
@@ -41,6 +42,11 @@ class WrenchSpace:
     of size ε. faces : of the pyramids, where the volume is theirs; 0: exact. why : in words, why there is no number; ε
     and volume are NaN then.
     """
+
+    entries = (
+        "epsilon", "epsilon_most", "volume", "volume_most", "dimension", "of", "length_m", "weakest (6,)", "faces",
+        "why",
+    )  # fmt: skip
 
     epsilon: float
     epsilon_most: float

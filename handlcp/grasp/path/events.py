@@ -14,6 +14,7 @@ import numpy as np
 from handlcp import words
 from handlcp.grasp.cause.wording import BY_TURNS, happens, moves
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.record import Record
 
 _LOST = "lost"
 _UNDONE = {"sticks": "slips", "touches": "opens", "within limit": "over limit", "holds": "yields", "range": "range end"}
@@ -23,7 +24,7 @@ _TURNS, _APART = 3, 0.03  # so many changes of one finger, each no further from 
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class Event(Record):
     """kind : "slips", "sticks", "opens", "touches" (a contact), "over limit", "within limit", "yields", "holds",
     "range end", "range" (a joint), "snaps" (the object, which comes to rest again elsewhere), "slides through" (the
     object), "lost". who : the finger, the joint or "the object"; for "lost" the reason. stage : its name.
@@ -53,11 +54,13 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
+class Summary(Record):
     """Events of one kind at one place. kind : as in `Event`, or with " by turns" after it. stage, number : its name and
     number. share, until : of the stage, of the first event and of the last. who : the fingers or joints, or the object.
     sentence : in words, without the place.
     """
+
+    entries = ("kind", "stage", "number", "share", "until", "who", "sentence", "text")
 
     kind: str
     stage: str
@@ -78,8 +81,13 @@ class Summary:
         """Such as "load, 46 %"."""
         return f"{self.stage}, {self.at}"
 
-    def __str__(self) -> str:
+    @property
+    def text(self) -> str:
+        """What happens, after the place."""
         return f"{self.where}: {self.sentence}"
+
+    def __str__(self) -> str:
+        return self.text
 
 
 def _at(share: float) -> str:

@@ -14,7 +14,6 @@ from handlcp import words
 from handlcp.check import Array, integer, number, read_only
 from handlcp.doubled import doubled, insisted
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
@@ -25,7 +24,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import advance
-from handlcp.grasp.path.events import Event, summary
+from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
 from handlcp.grasp.path.state import SLIDES, Controls, Goal, Outcome, Run, Slides, State, read_stages
 from handlcp.grasp.path.step import Stepper
@@ -37,6 +36,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import certified
 from handlcp.lazy import lazy
 from handlcp.progress import told
+from handlcp.record import Record, data_frame, pick, versions
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
@@ -45,7 +45,7 @@ TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be fro
 
 
 @dataclass(frozen=True, eq=False)
-class Loading(Data):
+class Loading(Record):
     """What becomes of a grasp under loading in steps; made by `Grasp.follow`.
 
     reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
@@ -54,6 +54,18 @@ class Loading(Data):
     where the object begins to slide through, None: nowhere. outcome : how the path ends. accuracy : estimated relative
     error of the forces at the end; NaN: not asked for. again : follows another grasp in the same way.
     """
+
+    entries = (
+        "reached", "lost_at", "lost_stage", "why", "stages", "geometry", "events", "summary",
+        "object_displacement (twist) = displacement", "status_at_end = solution.status",
+        "steps.stage (m,)", "steps.share (m,)", "steps.load_N_Nm (m, 6)", "steps.weight (m,)",
+        "steps.displacement_m_rad (m, 6)",
+        "contacts.names (n,) = steps.names", "contacts.forces_N (m, n, 3) = steps.forces",
+        "contacts.forces_world_N (m, n, 3) = steps.forces_world", "contacts.torsion_Nm (m, n) = steps.torsion",
+        "contacts.friction_used (m, n) = steps.friction_used", "contacts.state (m, n) = steps.contact_state",
+        "contacts.gap_m (m, n) = steps.gap", "contacts.slip_m (m, n, 2) = steps.slip",
+        "contacts.position_m (m, n, 3) = steps.positions", "contacts.slip_on_the_way_m (n, 2) = steps.slip_on_the_way",
+    )  # fmt: skip
 
     reached: bool
     lost_at: float | None
@@ -136,7 +148,7 @@ class Loading(Data):
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
-        written: Path = view("loading_page")(self, path, obj, title, verdict)
+        written: Path = view("loading_page")(self, path, title, obj, verdict)
         return written
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
@@ -148,17 +160,28 @@ class Loading(Data):
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
-        return view("data_frame")(self.steps.to_dict(self.stages))
+        return data_frame(self.steps.to_dict(self.stages))
+
+    @property
+    def geometry(self) -> str:
+        """As asked or chosen: "fixed" or "followed"."""
+        return "followed" if self.steps.geometry.follows else "fixed"
+
+    @lazy
+    def summary(self) -> tuple[Summary, ...]:
+        """The events in words, what several fingers do at one place as one."""
+        return summary(self.events, self.steps.grasp.spec)
 
     def to_dict(self) -> dict[str, Any]:
         """The whole path as plain data: SI units in the key names, None for what is not a finite number."""
-        found: dict[str, Any] = view("loading_dict")(self)
-        return found
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: what prints."""
-        text: str = view("text_html")(self)
-        return text
+        found, mechanism = super().to_dict(), self.steps.grasp.spec.mechanism
+        if not self.steps.grasp.soft.size:
+            found["contacts"]["torsion_Nm"] = None
+        joints = None
+        if mechanism is not None:
+            joints = pick(mechanism, "names", "torque_limits_Nm = limits")
+            joints |= pick(self.steps, "torques_Nm", "command_rad", "q_rad")
+        return found | {"joints": joints, "versions": versions("numpy")}
 
     def __str__(self) -> str:
         """The outcome, what happens on the way, and what the last step is like."""
@@ -171,7 +194,7 @@ class Loading(Data):
         if not forces[most] > 0.0:
             pressed = "nothing presses on it"
         when = "at the end" if self.reached else "at the last step"
-        told = [str(s) for s in summary(self.events, self.steps.grasp.spec)]
+        told = [str(s) for s in self.summary]
         lines = [wrapped(self.why, "  "), *(wrapped(line, "    ", "  ") for line in told)]
         return "\n".join([*lines, wrapped(f"{when}: {moved}; {pressed}", "    ", "  ")])
 

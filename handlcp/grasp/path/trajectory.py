@@ -8,12 +8,17 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
+from handlcp.grasp.answer.reasons import friction_used
+from handlcp.grasp.assembly.build import build
 from handlcp.grasp.model.kind import cross_rows
+from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import SLIDES, State
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.lazy import lazy
 from handlcp.words import distinct
+
+_NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +93,17 @@ class Steps:
         return _rows([s.read.motion[:, 2] for s in self.states])
 
     @lazy
+    def slip_on_the_way(self) -> Array:
+        """(n, 2) of the object past each fingertip in all steps, along the contact axes of the last of them [m]."""
+        world = np.einsum("mnij,mnj->ni", self.frames[..., :2], self.slip)
+        return read_only(np.einsum("nij,ni->nj", self.frames[-1][..., :2], world))
+
+    @lazy
+    def friction_used(self) -> Array:
+        """(m, n) share of its friction limit that each contact uses; NaN without friction or without a force."""
+        return used_on_path(build(self.grasp.spec), self.forces, self.torsion)
+
+    @lazy
     def positions(self) -> Array:
         """(m, n, 3) of the contacts, world axes [m]."""
         return _rows([s.look.positions for s in self.states])
@@ -156,6 +172,16 @@ class Steps:
         done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.torques, self.command)
         done -= _done(self.forces.reshape(len(self), -1), wedge.reshape(len(self), -1)) + _done(gravity, self.q)
         return read_only(np.cumsum([0.0, *done]))
+
+
+def used_on_path(scene: Scene, forces: Array, torsion: Array) -> Array:
+    """(m, n) share of its friction limit that each contact uses, from forces (m, n, 3) in contact axes [N] and moments
+    (m, n) about the normals [N·m]; NaN without friction or without a force.
+    """
+    used = np.array([friction_used(scene, f, t) for f, t in zip(forces, torsion, strict=True)])
+    normal = forces[:, :, 2]
+    used[normal <= _NO_FORCE * normal.max()] = np.nan
+    return read_only(used)
 
 
 def _done(force: Array, moved: Array) -> Array:

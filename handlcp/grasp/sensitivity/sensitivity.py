@@ -16,8 +16,8 @@ from handlcp.grasp.sensitivity.respond import Response
 from handlcp.grasp.sensitivity.table import QUANTITIES, what_matters
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, Rates
+from handlcp.record import Record, data_frame, plain
 from handlcp.tolerances import ACTIVE
-from handlcp.views import view
 
 _MADE_AGAIN = "posture", "lengths"  # by these the grasp is made again as it was asked for
 
@@ -33,7 +33,7 @@ class Along:
     behind: dict[str, Array]
 
 
-class Sensitivity:
+class Sensitivity(Record):
     """Derivatives of a solution, `<quantity>_by_<parameter>`: read-only arrays in the shape of the quantity followed by
     that of the parameter, SI. Made by `solution.sensitivity()`.
 
@@ -127,8 +127,7 @@ class Sensitivity:
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, by name: nested lists, SI, None for what is not a finite number; and the kinks."""
         found: dict[str, Any] = {"kinks": [str(k) for k in self.kinks], "free_directions": self.free}
-        found |= {f"{q}_by_{p}": _plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
-        return found
+        return found | {f"{q}_by_{p}": plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
 
     def to_frame(self, quantity: str, parameter: str) -> Any:
         """A pandas table of one derivative: a row for each entry of the quantity, a column for each of the parameter,
@@ -139,7 +138,7 @@ class Sensitivity:
         rows, columns = value.shape[: value.ndim - len(of)], [".".join(map(str, k)) for k in np.ndindex(*of)]
         flat = value.reshape(-1, len(columns))
         index = [".".join(map(str, k)) for k in np.ndindex(*rows)]
-        return view("data_frame")({name: flat[:, k] for k, name in enumerate(columns)}, index)
+        return data_frame({name: flat[:, k] for k, name in enumerate(columns)}, index)
 
     def __str__(self) -> str:
         """What a tenth more of each parameter, at all fingers or joints together, does to the largest force, the
@@ -168,13 +167,6 @@ def _touching_kinks(answer: Answer) -> tuple[Kink, ...]:
         return ()
     some = [int(i) for i in deeper.contacts if found[1][i]]
     return tuple([Kink(answer.spec.names[i], "just touches where it was detected", i, _MADE_AGAIN) for i in some])
-
-
-def _plain(value: Array) -> Any:
-    """Nested lists."""
-    if value.ndim:
-        return [_plain(part) for part in value]
-    return float(value) if np.isfinite(value) else None
 
 
 def sensitivity_of(solution: Any) -> Sensitivity:

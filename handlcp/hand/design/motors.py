@@ -11,7 +11,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools, array, number, per_name
 from handlcp.errors import InputError
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.cause.wording import needs_more
@@ -20,6 +19,7 @@ from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.asked.load import weight_of
 from handlcp.hand.mechanism import hand_of
+from handlcp.record import Record, columns, pick, plain, rows
 from handlcp.text_table import TextTable, wrapped
 
 # ----------------------------------------------------------------
@@ -86,7 +86,7 @@ def _under(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RequiredTorque(Data):
+class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
 
     joints : nv names. torque : (nv,) [N·m] (N for a prismatic joint), the largest of each joint under any load, from
@@ -102,6 +102,10 @@ class RequiredTorque(Data):
         needs as much torque. lost : the load that this share does not hold, and why; where nothing holds, those of
         `grip`.
     """
+
+    entries = (
+        "holds", "confirmed", "enough", "safety", "grip_N", "verdicts", "reasons", "fails_at_share_of_grip = fails",
+    )  # fmt: skip
 
     joints: tuple[str, ...]
     torque: Array
@@ -203,25 +207,12 @@ class RequiredTorque(Data):
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
-        return {
-            "holds": self.holds, "confirmed": self.confirmed, "enough": self.enough, "safety": self.safety,
-            "grip_N": dict(self.grip), "verdicts": dict(self.verdicts), "reasons": dict(self.reasons),
-            "fails_at_share_of_grip": self.fails,
-            "lost": None if self.lost is None else {"load": self.lost[0], "why": self.lost[1]},
-            "joints": [
-                {
-                    "joint": joint, "torque_Nm": _finite(self.torque[k]), "sized_by": self.sized_by[k],
-                    "limit_Nm": _finite(self.limits[k]), "limit_known": self.known[k],
-                    "by_load_Nm": {name: _finite(self.torques[m, k]) for m, name in enumerate(self.loads)},
-                }
-                for k, joint in enumerate(self.joints)
-            ],
-        }  # fmt: skip
+        lines = "joint = joints", "torque_Nm", "sized_by", "limit_Nm = limits", "limit_known = known"
+        by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
+        lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
+        joints = rows(columns(self, *lines) | {"by_load_Nm": by_load})
+        return {**pick(self, *self.entries), "lost": lost, "joints": plain(joints)}
 
 
 def _of(lost: tuple[str, str]) -> str:
     return f"{lost[0]} is {lost[1]}"
-
-
-def _finite(x: Any) -> float | None:
-    return float(x) if np.isfinite(x) else None

@@ -19,6 +19,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.model.mechanism import joint_flexibility
+from handlcp.record import Record
 from handlcp.text_table import TextTable
 from handlcp.tolerances import SEMIDEFINITE
 
@@ -26,16 +27,23 @@ TRANSMISSION = "transmission"  # the effect's name in `explain()`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Effort:
+class Effort(Record):
     """What the actuators behind a transmission do, one by one.
 
     kind : "tendon tension" or "actuator force". names : of the tendons or synergies. values : as many, in `unit`.
     """
 
+    entries = ("kind", "unit", "each")
+
     kind: str
     unit: str
     names: tuple[str, ...]
     values: Array
+
+    @property
+    def each(self) -> dict[str, float]:
+        """The values by name."""
+        return dict(zip(self.names, self.values.tolist(), strict=True))
 
     def __str__(self) -> str:
         rows = tuple(zip(self.names, words.column(self.values.tolist()), strict=True))

@@ -9,7 +9,6 @@ from typing import Any, overload
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.friction import as_section
@@ -18,15 +17,15 @@ from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.lazy import lazy
+from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
-from handlcp.views import view
 
 # ----------------------------------------------------------------
 # A grasp that was found: the posture, the object where it is, and how far it is from being lost.
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class Candidate(Record):
     """One grasp. Immutable.
 
     grasp : as `state.grasp` makes it. solution : its one solve.
@@ -34,6 +33,12 @@ class Candidate:
         that slides has used up its own, and the others still hold.
     torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
     """
+
+    entries = (
+        "q (nv,)", "object = _object", "object_position_m (3,) = object.frame.1",
+        "object_rotation (3, 3) = object.frame.0", "margin", "friction_reserve", "torque_reserve", "pressing",
+        "normal_force_N",
+    )  # fmt: skip
 
     grasp: HandGrasp
     solution: Any
@@ -94,15 +99,19 @@ class Candidate:
         told = self.verdict.about("not_followed")
         return told[0].sentence if told else "the object snaps elsewhere while it is loaded"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI units in the keys: the posture, the object's frame in world axes, margins, forces."""
-        R, o = self.object.frame
-        return {
-            "q": self.q.tolist(), "object": repr(self.object), "object_position_m": o.tolist(),
-            "object_rotation": R.tolist(), "margin": self.margin, "friction_reserve": self.friction_reserve,
-            "torque_reserve": self.torque_reserve, "pressing": self.pressing,
-            "normal_force_N": dict(zip(self.solution.names, self.solution.normal_force.tolist(), strict=True)),
-        }  # fmt: skip
+    @property
+    def _object(self) -> str:
+        return repr(self.object)
+
+    @property
+    def normal_force(self) -> dict[str, float]:
+        """How hard each finger presses, by name [N]."""
+        return dict(zip(self.solution.names, self.solution.normal_force.tolist(), strict=True))
+
+    @property
+    def largest_force(self) -> float:
+        """The largest of these [N]."""
+        return float(self.solution.normal_force.max())
 
     def __str__(self) -> str:
         forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
@@ -133,6 +142,7 @@ def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
 
 # ---------------------------------------------------------------- What a search for grasps gives back.
 
+_COLUMNS = "margin", "friction_reserve", "torque_reserve", "pressing", "largest_force_N"
 _STEPS = {
     "tried": "placements tried", "touching": "touched by all fingers, without a link inside",
     "balanced": "where forces within friction hold the object", "clear": "without links in each other, solved",
@@ -140,7 +150,7 @@ _STEPS = {
 }  # fmt: skip
 
 
-class Found(Data, Sequence[Candidate]):
+class Found(Record, Sequence[Candidate]):
     """Grasps, sorted by `Candidate.rank`, the best first. That one is checked: its verdict is HELD. Prints in lines of
     at most 80 columns, with the warnings of that verdict.
 
@@ -173,16 +183,13 @@ class Found(Data, Sequence[Candidate]):
         grasps = [one.to_dict() for one in self]
         if grasps:
             grasps[0]["verdict"] = self[0].verdict.to_dict()
-        return {"why": self.why, "tried": dict(self.tried), "grasps": grasps}
+        return pick(self, "why", "tried") | {"grasps": grasps}
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, and the largest
         normal force largest_force_N. Raises Unsupported without pandas.
         """
-        keys = "margin", "friction_reserve", "torque_reserve", "pressing"
-        columns: dict[str, Any] = {key: [getattr(one, key) for one in self] for key in keys}
-        columns["largest_force_N"] = [float(one.solution.normal_force.max()) for one in self]
-        return view("data_frame")(columns)
+        return data_frame(columns_of(self, *_COLUMNS))
 
     def __repr__(self) -> str:
         return f"Found({len(self)} grasps)"

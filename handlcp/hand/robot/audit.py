@@ -2,35 +2,36 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, overload
 
 from handlcp import words
 from handlcp.errors import HandLCPError
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
 from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
 from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
+from handlcp.record import Record
+from handlcp.text_table import wrapped
 
 # ----------------------------------------------------------------
 # The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
 
 _HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
-WIDTH = 80
 
 
 @dataclass(frozen=True, slots=True)
-class Audit(Data, Sequence[Doubt]):
+class Audit(Record, Sequence[Doubt]):
     """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
     in lines of at most 80 columns.
     """
+
+    entries = ("source", "summary", "doubts")
 
     source: str
     doubts: tuple[Doubt, ...]
@@ -60,26 +61,14 @@ class Audit(Data, Sequence[Doubt]):
         count = Counter(d.severity for d in self.doubts)
         return ", ".join(f"{count[s]} {s}" for s in SEVERITIES if count[s]) or "no doubts"
 
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON: the source, the summary, and each doubt's joint, what, advice, severity, about."""
-        return {"source": self.source, "summary": self.summary, "doubts": [asdict(d) for d in self.doubts]}
-
     def __str__(self) -> str:
         lines = [f"{self.source}: {self.summary}"]
         for severity in SEVERITIES:
             these = [d for d in self.doubts if d.severity == severity]
             lines += [_HEADS[severity]] if these else []
             for d in these:
-                lines += textwrap.wrap(str(d), WIDTH, initial_indent="  ", subsequent_indent="      ", **_UNBROKEN)
+                lines.append(wrapped(str(d), "      ", "  "))
         return "\n".join(lines)
-
-    def __rich__(self) -> Any:
-        from rich.text import Text
-
-        return Text(str(self))
-
-
-_UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
 def audit_of(source: str, doubts: Iterable[Doubt]) -> Audit:

@@ -11,7 +11,6 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
-from handlcp.grasp.answer.printed import Data
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import CouplingRow, JointRow, LinkRow, TipRow, text_of
 from handlcp.hand.robot.fingertips import Candidate, candidates, obvious
@@ -19,6 +18,7 @@ from handlcp.hand.robot.joints import Coupling, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.link_surface import surface_points
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, describe_xml
+from handlcp.record import Record, pick
 
 # ---------------------------------------------------------------- How large a hand is.
 
@@ -50,15 +50,26 @@ def size_of(described: Description, kinematics: Kinematics) -> tuple[float, floa
 # ----------------------------------------------------------------
 # What a hand is: `hand.describe()`, and `describe_urdf` for a file of which nothing else is known yet.
 
+_ROWS = {
+    "joints": ("name", "kind", "lower", "upper", "torque_limit_Nm", "stiffness_Nm_per_rad", "fingertips"),
+    "fingertips": ("name", "link", "point_m (3,)", "taken", "reason"),
+    "links": ("name", "mass_kg", "joint", "geometry"),
+}
+
 
 @dataclass(frozen=True)
-class HandDescription(Data):
+class HandDescription(Record):
     """A hand in words and numbers; iterates over its joints, prints in lines of at most 80 columns.
 
     name : the robot's. source : the file's. joints : the independent ones, in the order of every vector over joints.
     fingertips : those of the hand, and what else could be one (`taken` says which). couplings : joints that follow.
     links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m]. audit : its doubts.
     """
+
+    entries = (
+        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "couplings", "links",
+        "doubts = audit.doubts",
+    )  # fmt: skip
 
     name: str
     source: str
@@ -78,31 +89,11 @@ class HandDescription(Data):
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON: SI units in the keys; None where nothing is known, or a range has no end."""
-        joints = [
-            {"name": j.name, "kind": j.kind, "lower": _finite(j.lower), "upper": _finite(j.upper),
-             "torque_limit_Nm": _finite(j.torque_limit), "stiffness_Nm_per_rad": _finite(j.stiffness),
-             "fingertips": list(j.fingertips)}
-            for j in self.joints
-        ]  # fmt: skip
-        tips = [
-            {"name": t.name, "link": t.link, "point_m": None if t.point is None else list(t.point), "taken": t.taken,
-             "reason": t.reason}
-            for t in self.fingertips
-        ]  # fmt: skip
-        links = [{"name": k.name, "mass_kg": k.mass, "joint": k.joint, "geometry": k.geometry} for k in self.links]
-        return {
-            "name": self.name, "source": self.source, "mass_kg": self.mass, "size_m": list(self.size),
-            "joints": joints, "fingertips": tips, "couplings": [c._asdict() for c in self.couplings], "links": links,
-            "doubts": self.audit.to_dict()["doubts"],
-        }  # fmt: skip
+        rows = {name: [pick(row, *lines) for row in getattr(self, name)] for name, lines in _ROWS.items()}
+        return pick(self, *self.entries) | rows
 
     def __str__(self) -> str:
         return text_of(self)
-
-    def __rich__(self) -> Any:
-        from rich.text import Text
-
-        return Text(str(self))
 
 
 def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> HandDescription:
@@ -213,7 +204,3 @@ def _links(described: Description) -> tuple[LinkRow, ...]:
             joint = model.names[frame.parentJoint] if frame.parentJoint else ""
             rows.append(LinkRow(frame.name, masses.get(frame.name, 0.0), joint, kind))
     return tuple(rows)
-
-
-def _finite(x: float | None) -> float | None:
-    return None if x is None or not np.isfinite(x) else float(x)

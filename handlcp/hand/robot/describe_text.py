@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
+
+from handlcp.text_table import WIDTH, wrapped
 
 # ----------------------------------------------------------------
 # The rows of a description of a hand, as plain data.
@@ -62,7 +63,6 @@ class LinkRow(NamedTuple):
 # ----------------------------------------------------------------
 # A description of a hand, printed in lines of at most 80 columns.
 
-WIDTH = 80
 _NUMBERS = (9, 9, 10, 11)  # columns: range from, to; torque limit; stiffness
 
 
@@ -73,7 +73,7 @@ def text_of(hand: Any) -> str:
     taken = [t for t in hand.fingertips if t.taken]
     fingers = _many(len(taken), "fingertip") if taken else "no fingertips chosen"
     facts = f"{_many(len(hand.joints), 'joint')}, {fingers}, {hand.mass:.3g} kg, {x} × {y} × {z} mm"
-    lines = [*_wrapped(head, ""), *_wrapped(facts, "")]
+    lines = [wrapped(head, "    "), wrapped(facts, "    ")]
     lines += _tips("Fingertips", taken)
     rest = [t for t in hand.fingertips if not t.taken]
     lines += _tips("Could be fingertips too" if taken else "Candidates: pass fingertips=[...] with those meant", rest)
@@ -82,8 +82,8 @@ def text_of(hand: Any) -> str:
         lines += ["", "Joints that follow others"]
         for c in hand.couplings:
             shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
-            lines += _wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "  ")
-    lines += ["", *_links(hand.links), *_wrapped(f"Audit: {hand.audit.summary}", "")]
+            lines.append(wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "      ", "  "))
+    lines += ["", _links(hand.links), wrapped(f"Audit: {hand.audit.summary}", "    ")]
     return "\n".join(lines)
 
 
@@ -95,9 +95,9 @@ def _tips(title: str, tips: Sequence[TipRow]) -> Iterator[str]:
             if t.reason == "named":
                 where = f", point ({', '.join(f'{1e3 * v:.1f}' for v in t.point)}) mm" if t.point is not None else ""
                 on = f"on {t.link}{where}" if t.link != t.name or where else "the frame of this name"
-                yield from _wrapped(f"{t.name}: {on}", "  ")
+                yield wrapped(f"{t.name}: {on}", "      ", "  ")
             else:
-                yield from _wrapped(f"{t.name}: {t.reason}", "  ")
+                yield wrapped(f"{t.name}: {t.reason}", "      ", "  ")
 
 
 def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
@@ -116,7 +116,7 @@ def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
         if j.fingertips != last:
             last = j.fingertips
             who = last[0] if len(last) == 1 else f"{', '.join(last)}" if last else "no fingertip"
-            yield from _wrapped(f"moves {who}:", "")
+            yield wrapped(f"moves {who}:", "    ")
         cells = [_number(j.lower), _number(j.upper), _limit(j.torque_limit)]
         cells += [_spring(j.stiffness)] if sprung else []
         numbers = "".join(c.rjust(w) for c, w in zip(cells, columns, strict=True))
@@ -127,25 +127,17 @@ def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
             yield from (f"  {j.name}{unit}", " " * width + numbers)
 
 
-def _links(links: Sequence[Any]) -> Iterator[str]:
+def _links(links: Sequence[Any]) -> str:
     """How many links there are, and which lack geometry or mass."""
     moved = [k for k in links if k.joint]
     bare, light = sum(k.geometry != "collision" for k in moved), sum(not k.mass for k in moved)
     lacks = [f"{n} without {what}" for n, what in ((bare, "collision geometry"), (light, "mass")) if n]
     text = f"{_many(len(links), 'link')}, {len(moved)} of them moved by joints"
-    yield from _wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "")
+    return wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "    ")
 
 
 def _many(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _wrapped(text: str, indent: str) -> list[str]:
-    lines = textwrap.wrap(
-        text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_long_words=False,
-        break_on_hyphens=False,
-    )  # fmt: skip
-    return lines or [indent]
 
 
 def _number(x: float) -> str:

@@ -13,7 +13,6 @@ from handlcp.check import Array, integer, number
 from handlcp.doubled import MORE, SAFE
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.followed import followed_limit, sliding as sliding_to_limit
 from handlcp.grasp.limits.load_limit import is_followed, load_of
@@ -21,6 +20,7 @@ from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage
 from handlcp.lcp.compiler.when import at_once
 from handlcp.method.accuracy.methods import share
+from handlcp.record import Record
 from handlcp.show.file import Figure, drawn, new_figure
 from handlcp.show.style import BLUE, GREY, INK, RED, SMALL, TEXT, error_ticks, panel, time_ticks
 from handlcp.text_table import TextTable, wrapped
@@ -37,12 +37,14 @@ _Answer = tuple[Array, int, int]  # what was found, in how many steps, and in ho
 
 
 @dataclass(frozen=True, slots=True)
-class PathRow:
+class PathRow(Record):
     """One question with one number of steps. question : "follow", the forces at the end of a held load; or
     "load_limit", the factor. times : as many steps as usual were asked for; steps : that were taken, which events and
     sharp bends make more. seconds : the quickest of several runs. error : relative, against the finest steps.
     estimate : what `accuracy=` takes for it; NaN: none.
     """
+
+    entries = ("question", "times_as_many = times", "steps", "seconds", "error", "estimate")
 
     question: str
     times: float
@@ -53,12 +55,14 @@ class PathRow:
 
 
 @dataclass(frozen=True, eq=False)
-class PathCost(Data):
+class PathCost(Record):
     """What accuracy costs on a path of a grasp; made by `path_cost`.
 
     rows : every question with every number of steps. load (6,) : the load whose limit was asked for [N, N·m]. factor :
         its load limit, with the finest steps. geometry : "fixed" or "followed".
     """
+
+    entries = ("load_N_Nm (6,)", "factor", "geometry", "rows")
 
     rows: tuple[PathRow, ...]
     load: Array
@@ -88,15 +92,6 @@ class PathCost(Data):
         it was written to. Raises InputError for an unknown format; Unsupported without matplotlib.
         """
         return drawn(path, figure, self, title)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data; None for what is not a number."""
-        return {
-            "load_N_Nm": self.load.tolist(), "factor": self.factor, "geometry": self.geometry,
-            "rows": [{"question": r.question, "times_as_many": r.times, "steps": r.steps,
-                      "seconds": r.seconds, "error": r.error,
-                      "estimate": r.estimate if np.isfinite(r.estimate) else None} for r in self.rows],
-        }  # fmt: skip
 
     def __str__(self) -> str:
         """A table and the summary."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ import numpy as np
 
 from handlcp.errors import InputError, writing
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
+from handlcp.record import Record, columns_of, data_frame
 from handlcp.text_table import wrapped
-from handlcp.views import view
 
 CERTIFIED, LOOSE, SPENT, FAILED = "certified", "loose", "budget spent", "not converged"
 OTHER, NOT_RUN = "another equilibrium", "not run: budget"
@@ -126,11 +125,13 @@ class FaceLaw:
 
 
 @dataclass(frozen=True)
-class AccuracyCost:
+class AccuracyCost(Record):
     """What accuracy costs in one scene; made by `accuracy_cost`.
 
     rows : one for each setting. left_out : one for each effect. notes : caveats about the errors.
     """
+
+    entries = ("summary", "reference", "rows", "left_out", "conditions", "notes", "face_laws")
 
     reference: Reference
     rows: tuple[Row, ...]
@@ -178,6 +179,11 @@ class AccuracyCost:
         slope, height = np.polyfit(np.log(m), np.log(e), 1)
         return FaceLaw(section, float(-slope), float(np.exp(height)), tuple(int(x) for x in m))
 
+    @property
+    def face_laws(self) -> tuple[FaceLaw, ...]:
+        """Those that there are, of pyramids inside the cone and around it."""
+        return tuple([law for law in map(self.law, ("inscribed", "circumscribed")) if law is not None])
+
     def __str__(self) -> str:
         return wrapped(self.summary)
 
@@ -201,16 +207,7 @@ class AccuracyCost:
         """A pandas table of `rows`, one line for each; NaN or None where there is no number. Raises Unsupported without
         pandas.
         """
-        return view("data_frame")({f.name: [getattr(r, f.name) for r in self.rows] for f in fields(Row)})
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values in SI units, with the sentence and the fitted laws."""
-        laws = [law for law in map(self.law, ("inscribed", "circumscribed")) if law is not None]
-        return {"summary": self.summary} | asdict(self) | {"face_laws": [asdict(law) for law in laws]}
-
-    def to_json(self) -> str:
-        """One JSON object without NaN."""
-        return json.dumps(self.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+        return data_frame(columns_of(self.rows, *(f.name for f in fields(Row))))
 
     @classmethod
     def from_json(cls, text: str) -> AccuracyCost:

@@ -10,7 +10,7 @@ from rich.text import Text
 from handlcp.method.accuracy.cost import UNDETERMINED
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.method.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, LeftOut, Row
-from handlcp.show.tables import empty, numbers
+from handlcp.show.tables import table
 
 ERRORS = (1e-1, 1e-2, 1e-3, 1e-6, 1e-9)
 TIMED = ("grasp.solve()", "NSNGRK polished", "Newton", "Lemke")
@@ -26,12 +26,10 @@ def all_tables(cost: AccuracyCost) -> Sequence[Table]:
 
 def price_table(cost: AccuracyCost) -> Table:
     """What each accuracy costs with each method: the time of the fastest setting that reaches it."""
-    table = empty("Time for a force error of at most", "–: no setting of this method came so near")
-    table.add_column("method", no_wrap=True)
-    numbers(table, *(share(error) for error in ERRORS))
-    for method in cost.methods:
-        table.add_row(method, *(_time(cost.cheapest(error, method)) for error in ERRORS))
-    return table
+    heads = "method", *map(share, ERRORS)
+    rows = [(method, *(_time(cost.cheapest(error, method)) for error in ERRORS)) for method in cost.methods]
+    note = "–: no setting of this method came so near"
+    return table("Time for a force error of at most", heads, "|" + ">" * len(ERRORS), rows, note)
 
 
 def method_table(cost: AccuracyCost) -> Table:
@@ -39,18 +37,18 @@ def method_table(cost: AccuracyCost) -> Table:
     faces = {r.faces for r in cost.rows if r.faces is not None}
     near = min(faces, key=lambda m: (abs(m - 8), m), default=None)
     what = f"Methods at {near} faces, or on the exact cone" if near else "Methods, friction exact"
-    table = empty(what, "time: median ± half the interquartile range; errors against the certified exact answer")
-    table.add_column("method", no_wrap=True)
-    numbers(table, "time", "±", *HEADINGS, "steps")
-    table.add_column("status", min_width=9)
+    rows = list[tuple[str | Text, ...]]()
     for method in cost.methods:
         at = [r for r in cost.of(method) if r.section == "exact" or r.faces == near]
         row = _tightest([r for r in at if r.section != "circumscribed"] or at)
         if row is not None:
             steps = "–" if row.iterations is None else str(row.iterations)
             status = Text(row.status, style=STYLE.get(row.status, "yellow"))
-            table.add_row(method, _time(row), _spread(row), *_errors(row), steps, status)
-    return table
+            rows.append((method, _time(row), _spread(row), *_errors(row), steps, status))
+    note = "time: median ± half the interquartile range; errors against the certified exact answer"
+    made = table(what, ("method", "time", "±", *HEADINGS, "steps", "status"), "|>>>>>><", rows, note)
+    made.columns[-1].min_width = 9
+    return made
 
 
 def face_table(cost: AccuracyCost) -> Table | None:
@@ -60,33 +58,29 @@ def face_table(cost: AccuracyCost) -> Table | None:
     if not sides:
         return None
     law = cost.law()
-    words = f"fitted: error ∝ 1/m^{law.exponent:.1f} (inscribed)" if law else None
+    words = f"fitted: error ∝ 1/m^{law.exponent:.1f} (inscribed)" if law else ""
     if law is None and max([*inside.values(), *outside.values()], default=1.0) < ROUNDING:
         words = "faces make no difference here: each pyramid is as exact as the cone"
     timed = [m for m in TIMED if m in cost.methods]
-    table = empty("Faces of the friction pyramid", words)
-    numbers(table, "faces", "inscribed\nforce error", "circumscr.\nforce error")
-    numbers(table, *(f"{method}\ntime".replace("NSNGRK polished", "NSNGRK") for method in timed))
+    heads = ["faces", "inscribed\nforce error", "circumscr.\nforce error"]
+    heads += [f"{method}\ntime".replace("NSNGRK polished", "NSNGRK") for method in timed]
+    rows = []
     for m in sides:
-        rows = [r for r in cost.rows if r.faces == m and r.section == "inscribed"]
-        times = (_time(_tightest(r for r in rows if r.method == method)) for method in timed)
-        table.add_row(str(m), _share(inside.get(m)), _share(outside.get(m)), *times)
-    return table
+        own = [r for r in cost.rows if r.faces == m and r.section == "inscribed"]
+        times = (_time(_tightest(r for r in own if r.method == method)) for method in timed)
+        rows.append((str(m), _share(inside.get(m)), _share(outside.get(m)), *times))
+    return table("Faces of the friction pyramid", heads, ">" * len(heads), rows, words)
 
 
 def left_out_table(cost: AccuracyCost) -> Table | None:
     """What goes wrong without each effect; None where that was not asked for."""
     if not cost.left_out:
         return None
-    table = empty("An effect left out")
-    table.add_column("effect", overflow="fold")
-    table.add_column("instead", overflow="fold", style="dim")
-    numbers(table, *HEADINGS)
-    table.add_column("", overflow="fold")
+    rows = list[tuple[str | Text, ...]]()
     for e in cost.left_out:
         note = "" if e.status == CERTIFIED else "not unique" if e.status == UNDETERMINED else e.status
-        table.add_row(e.effect, e.instead, *_errors(e), Text(note, style="yellow"))
-    return table
+        rows.append((e.effect, Text(e.instead, style="dim"), *_errors(e), Text(note, style="yellow")))
+    return table("An effect left out", ("effect", "instead", *HEADINGS, ""), "<<>>><", rows)
 
 
 def _tightest(rows: Iterable[Row]) -> Row | None:

@@ -15,7 +15,7 @@ from handlcp.lcp import LCP, NSNGRK, Proposal, solve_lcp
 from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.problem import Scaled
 from handlcp.method.nsngrk import RES, SEEDS, STEPS, UniformRows, UnitsOf, in_units
-from handlcp.views import view
+from handlcp.record import Record, columns_of, data_frame
 from handlcp.words import distinct
 
 # ----------------------------------------------------------------
@@ -175,7 +175,7 @@ _KINDS: tuple[tuple[UnitsOf, Sampling], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Convergence:
+class Convergence(Record):
     """NSNGRK's runs on one problem, none of them ended by Newton's method; `select` finds those of a kind.
 
     names : (p,) of the recorded values: fingers, or "z[0]", "z[1]", … quantity : "normal force [N]", or "z".
@@ -231,13 +231,10 @@ class Convergence:
         """A pandas table with a row for each look at each run: "units", "sampling", "seed", "step", and the recorded
         values by their names. Raises Unsupported without pandas.
         """
-        each = [(r, k) for r in self.runs for k in range(len(r.values))]
-        columns: dict[str, Any] = {
-            "units": [r.units for r, _ in each], "sampling": [r.sampling for r, _ in each],
-            "seed": [r.seed for r, _ in each], "step": [r.looks[k] for r, k in each],
-        }  # fmt: skip
-        names = distinct(self.names)
-        return view("data_frame")(columns | {n: [r.values[k, i] for r, k in each] for i, n in enumerate(names)})
+        looks = [r for r in self.runs for _ in r.looks]
+        values = zip(distinct(self.names), np.concatenate([r.values for r in self.runs]).T, strict=True)
+        steps = {"step": np.concatenate([r.looks for r in self.runs])} | dict(values)
+        return data_frame(columns_of(looks, "units", "sampling", "seed") | steps)
 
     def error(self, run: Run) -> Array:
         """(m,) worst error at each of the run's looks, as a share of the largest value."""

@@ -30,7 +30,7 @@ def paper_command(console: Console, json: bool = False) -> int:
     """Print the report, or write it as JSON to the console's file. 0 if all golden numbers match."""
     report = run()
     if json:
-        console.file.write(report.to_json() + "\n")
+        console.file.write(f"{report.to_json()}\n")
     else:
         render(report, console)
     return 0 if report.ok else 1

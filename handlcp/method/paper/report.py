@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from handlcp.method.nsngrk import RES, SEEDS, STEPS, UnitsOf, in_units
 from handlcp.method.paper.data import example, raw
 from handlcp.method.paper.misses import FORCE_BOUND, MOTION_BOUND, Miss, NoEquilibrium, no_equilibrium
 from handlcp.method.paper.tables import Comparison, Row, compare_all
-from handlcp.study.plain import pick, plain
+from handlcp.record import Record, pick, plain
 
 # ----------------------------------------------------------------
 # The paper's algorithm as printed, seed by seed, beside the same algorithm in natural units.
@@ -32,8 +31,10 @@ CASES = ((1, 8), (2, 4), (2, 16), (3, 8), (3, 16), (5, 6))  # example, faces (ig
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class Run(Record):
     """One seed: steps taken, ‖Φ‖₂ reached (in the units it ran in), normal forces (n,) N."""
+
+    entries = ("seed", "steps", "res", "normal_force (n,) = normal")
 
     seed: int
     steps: int
@@ -42,11 +43,18 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class Case(Record):
     """All seeds of one example, run as printed and in natural units.
 
     ours : (n,) N certified normal forces. steps : of our default solver.
     """
+
+    entries = (
+        "example", "faces", "ours (n,)", "ours_steps = steps", "spread_as_printed = spread",
+        "spread_natural_units = natural_spread", "res", "max_steps", "as_printed = printed", "natural_units = natural",
+        "finger = number",
+    )  # fmt: skip
+    res, max_steps = RES, STEPS  # where printed runs stop
 
     example: int
     faces: int
@@ -59,6 +67,11 @@ class Case:
     def finger(self) -> int:
         """The contact (from 0) on which the printed runs disagree most, among those that carry a load."""
         return int(np.argmax(np.where(self.ours > 0.01 * self.ours.max(), self._spreads(self.printed), -1.0)))
+
+    @property
+    def number(self) -> int:
+        """The same from 1 on."""
+        return self.finger + 1
 
     @property
     def range(self) -> tuple[float, float]:
@@ -110,7 +123,7 @@ def _run(problem: GraspProblem, units: UnitsOf, seed: int, tol: float, most: int
 
 
 @dataclass(frozen=True, slots=True)
-class PaperReport:
+class PaperReport(Record):
     """Ours beside Tables 1 to 10, Example 4 without an equilibrium, NSNGRK as printed; computed in so many seconds."""
 
     tables: tuple[Comparison, ...]
@@ -123,17 +136,12 @@ class PaperReport:
         """Whether every golden number is reproduced: Tables 1 and 2, the forces of Tables 3, 6 and 8."""
         return all(c.ok for c in self.tables)
 
-    def to_json(self) -> str:
-        """Everything, SI units, printed numbers as text; NaN becomes null."""
-        data = {
-            "source": raw()["source"],
-            "ok": self.ok,
-            "seconds": self.seconds,
-            "tables": {c.table.number: _table(c) for c in self.tables},
-            "example_4": _example_4(self.example_4),
-            "nsngrk_as_printed": [_case(c) for c in self.nsngrk],
-        }
-        return json.dumps(plain(data), indent=1, ensure_ascii=False, allow_nan=False)
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, SI units, printed numbers as text; None for what is not a number."""
+        tables = {c.table.number: _table(c) for c in self.tables}
+        found = {"source": raw()["source"], **pick(self, "ok", "seconds"), "tables": tables}
+        found |= {"example_4": _example_4(self.example_4), "nsngrk_as_printed": self.nsngrk}
+        return dict(plain(found))
 
 
 @at_once()
@@ -147,8 +155,7 @@ def run() -> PaperReport:
 
 def _table(c: Comparison) -> dict[str, Any]:
     misses = () if c.evidence is None else c.evidence.misses
-    return pick(c, "golden", "ok", "level", "verdict", "remarks") | {
-        "title": c.table.title,
+    return pick(c, "golden", "ok", "level", "verdict", "remarks", "title = table.title") | {
         "ours": _solution(c.solution) | {"what": c.ours},
         "rows": [_row(r) for r in c.rows],
         "printed_forces_signed": None if c.evidence is None else c.evidence.signed.forces,
@@ -157,20 +164,21 @@ def _table(c: Comparison) -> dict[str, Any]:
 
 
 def _row(r: Row) -> dict[str, Any]:
-    found = pick(r, "column", "place", "ours", "difference", "relative")
-    return found | {"printed": r.printed.text, "mark": r.mark.name.lower()}
+    found = pick(r, "column", "place", "ours", "difference", "relative", "printed = printed.text")
+    return found | {"mark": r.mark.name.lower()}
 
 
 def _miss(m: Miss) -> dict[str, Any]:
-    found = pick(m, "equation", "amount", "holds", "comment", share_of_largest_elastic_displacement="share")
+    found = pick(m, "equation", "amount", "holds", "comment", "share_of_largest_elastic_displacement = share")
     unit, numbers = "N" if m.elastic is None else "m", "forces" if m.forces else "displacements"
     return found | {"unit": unit, "decided_by": numbers}
 
 
 def _solution(s: GraspSolution) -> dict[str, Any]:
-    loose = None if s.uniqueness is None else s.uniqueness.loose_motions
-    found = pick(s, "forces", "slip", "gap", "object_displacement", states="contact_state")
-    return found | {"status": s.status.name, "worst_residual": s.residuals.worst, "loose_motions": loose}
+    return pick(
+        s, "forces", "slip", "gap", "object_displacement", "states = contact_state", "status",
+        "worst_residual = residuals.worst", "loose_motions = uniqueness.loose_motions",
+    )  # fmt: skip
 
 
 def _example_4(e: NoEquilibrium) -> dict[str, Any]:
@@ -182,16 +190,4 @@ def _example_4(e: NoEquilibrium) -> dict[str, Any]:
         "with_preload": _solution(e.preloaded),
         "control_normal_force": e.control_normal,
         "searches": [{"faces": f, "E_T": E} | pick(r, "pairs", "none_exists") for f, E, r in e.searches],
-    }
-
-
-def _case(c: Case) -> dict[str, Any]:
-    found = pick(c, "example", "faces", "ours", ours_steps="steps", spread_as_printed="spread")
-    return found | {
-        "spread_natural_units": c.natural_spread,
-        "res": RES,
-        "max_steps": STEPS,
-        "as_printed": [pick(r, "seed", "steps", "res", normal_force="normal") for r in c.printed],
-        "natural_units": [pick(r, "seed", "steps", "res", normal_force="normal") for r in c.natural],
-        "finger": c.finger + 1,
     }

@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from handlcp.grasp.path.events import summary
 from handlcp.grasp.path.follow import Loading
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.loading.curves import Axis, StageAxis, draw_panel
@@ -126,9 +125,8 @@ def figure(loading: Loading, title: str = "") -> Figure:
     object is shaded.
     """
     axis, steps = StageAxis(loading), loading.steps
-    shown = panels(steps.grasp.spec, steps.forces, steps.torsion, steps.displacement, steps.torques)
-    told = summary(loading.events, steps.grasp.spec)
-    marks = Marks(axis, [Mark(s.number + s.share, s.where, s.sentence, s.kind) for s in told])
+    shown = panels(steps.grasp.spec, steps.forces, steps.friction_used, steps.displacement, steps.torques)
+    marks = Marks(axis, [Mark(s.number + s.share, s.where, s.sentence, s.kind) for s in loading.summary])
     return compose(axis, shown, marks, lambda drawn: headline(drawn, loading, title))
 
 

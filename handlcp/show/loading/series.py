@@ -10,7 +10,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.answer.reasons import friction_used as used_by
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.hand.hand_grasp import grasp_of
@@ -28,14 +27,7 @@ def grasp_at_end(loading: Loading) -> Grasp:
 
 def solution_at_end(loading: Loading) -> GraspSolution:
     """Of that grasp, with the slips of the whole way."""
-    return replace(loading.solution, slip=slipped(loading))
-
-
-def slipped(loading: Loading) -> Array:
-    """(n, 2) of the object past each fingertip on the whole way, along the contact axes of the last step [m]."""
-    steps = loading.steps
-    world = np.einsum("mnij,mnj->ni", steps.frames[..., :2], steps.slip)
-    return np.asarray(np.einsum("nij,ni->nj", steps.frames[-1][..., :2], world))
+    return replace(loading.solution, slip=loading.steps.slip_on_the_way)
 
 
 # ----------------------------------------------------------------
@@ -44,7 +36,6 @@ COLOURS = (BLUE, RED, GREEN, PURPLE, "#B87800", "#3A9BD8", "#7A3E00", "#8C8C00")
 OTHERS = "#B9BEC4"
 LETTERS = 28  # of a curve's name
 _MOST = 6  # joints with a name in their panel: those nearest to their limits
-NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,32 +60,23 @@ class Panel:
     least: float = 1e-6
 
 
-def panels(spec: GraspSpec, forces: Array, torsion: Array | None, displacement: Array, torques: Array) -> list[Panel]:
+def panels(spec: GraspSpec, forces: Array, used: Array | None, displacement: Array, torques: Array) -> list[Panel]:
     """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has.
 
-    forces (m, n, 3) [N], torsion (m, n) [N·m], displacement (m, 6) [m, rad], torques (m, nv) [N·m] : at m places.
-    torsion : None: not known, and no friction of soft fingers is shown.
+    forces (m, n, 3) [N], displacement (m, 6) [m, rad], torques (m, nv) [N·m] : at m places. used (m, n) : shares of the
+    friction limits; None: not known, and no friction is shown.
     """
     scene, mechanism = Grasp(spec).scene, spec.mechanism
     n, names = scene.n, shortened(spec.names, LETTERS)
     colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
     every = f"all {n} {'contacts' if scene.environment else 'fingers'}"
     out = [Panel("Normal force [N]", _curves(names, colours, forces[:, :, 2]), every)]
-    if (scene.mu > 0).any() and not (torsion is None and scene.soft):
-        used = 100.0 * friction_used(spec, forces, torsion)
-        out.append(Panel("Friction [% of its limit]", _curves(names, colours, used), every, 100.0))
+    if used is not None and (scene.mu > 0).any():
+        out.append(Panel("Friction [% of its limit]", _curves(names, colours, 100.0 * used), every, 100.0))
     out += _motion_panels(displacement)
     if mechanism is not None:
         out.append(_torque_panel(mechanism.names, torques, mechanism.limits))
     return out
-
-
-def friction_used(spec: GraspSpec, forces: Array, torsion: Array | None) -> Array:
-    """(m, n) at each place and contact, the share of its friction limit; NaN without friction or without a force."""
-    scene, normal = Grasp(spec).scene, forces[:, :, 2]
-    used = np.array([used_by(scene, f, None if torsion is None else torsion[k]) for k, f in enumerate(forces)])
-    used[normal <= NO_FORCE * normal.max()] = np.nan
-    return used
 
 
 def _curves(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 from handlcp.errors import InputError, writing
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
+from handlcp.record import plain
 from handlcp.show.file import checked_page, three_js
 from handlcp.show.loading.report import motion
 from handlcp.show.page.content import content, escape_of, path_of
 from handlcp.show.page.frames import at_steps, of_solution
 from handlcp.show.picture.content import Content
-from handlcp.study.plain import plain
 from handlcp.version import VERSION
 
 _SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")

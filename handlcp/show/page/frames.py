@@ -13,7 +13,6 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
 from handlcp.grasp.answer.reasons import friction_used
-from handlcp.show.loading.series import friction_used as used_by_all
 from handlcp.show.picture.content import LONGEST, NO_MOMENT
 from handlcp.show.picture.overlay import nice
 
@@ -79,8 +78,7 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
     """The steps shown. acts_at (3,) : where the load is drawn at the start. posture : the hand's, or None. Slips are
     those since the start.
     """
-    steps = loading.steps
-    used = used_by_all(steps.grasp.spec, steps.forces, steps.torsion)
+    steps, used = loading.steps, loading.steps.friction_used
     slid = np.cumsum(np.einsum("mnij,mnj->mni", steps.frames[..., :2], steps.slip), axis=0)
     along = np.einsum("mnij,mni->mnj", steps.frames[..., :2], slid)
     follows, hand = steps.geometry.follows, steps.grasp.spec.mechanism is not None

@@ -10,13 +10,16 @@ import numpy as np
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.printed import Data
 from handlcp.lazy import lazy
+from handlcp.record import Record, data_frame, pick, versions
 from handlcp.study.envelope.ask import Binds, Question
 from handlcp.study.envelope.causes import Compliance, Sector, causes_of
 from handlcp.study.envelope.grid import Grid
 from handlcp.study.envelope.printed import printed
 from handlcp.views import view
+
+_HELD_AS = {"force": "force_N", "torque": "torque_Nm", "gravity": "mass_kg", "wrench": "factor"}
+_WRENCH = ("Fx_N", "Fy_N", "Fz_N", "Mx_Nm", "My_Nm", "Mz_Nm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +35,7 @@ class Extreme:
 
 
 @dataclass(frozen=True, eq=False)
-class Envelope(Data):
+class Envelope(Record):
     """How much a grasp holds in each of m directions; made by `envelope`.
 
     factors : (m,) in `unit`, infinite where nothing gives out, 0 where the grasp does not even hold without a load,
@@ -90,7 +93,7 @@ class Envelope(Data):
 
     @lazy
     def wrenches(self) -> Array:
-        """(m, 6) force and torque for a factor of 1, about the grasp's reference, world axes."""
+        """(m, 6) force and torque [N, N·m] for a factor of 1, about the grasp's reference, world axes."""
         return read_only(np.array(self.question.wrenches(self.directions, self.given)))
 
     @lazy
@@ -176,17 +179,40 @@ class Envelope(Data):
         """A pandas table with a row for each direction: x, y, z, the factor and the bound with their unit, what binds,
         and the share of all directions. Raises Unsupported without pandas.
         """
-        return view("envelope_frame")(self)
+        held, wrenches = self.held_as, self.of == "wrench"
+        names, ways = (_WRENCH, self.wrenches) if wrenches else ("xyz", self.directions)
+        found = dict(zip(names, ways.T, strict=True)) | {held: self.factors, f"bound_{held}": self.bound}
+        return data_frame(found | {"binds": [self.causes[k].says for k in self.cause], "share": self.shares})
 
     def to_dict(self) -> dict[str, Any]:
         """The whole envelope as plain data: SI units in the key names, None for what is infinite."""
-        found: dict[str, Any] = view("envelope_dict")(self)
-        return found
+        held, found = self.held_as, super().to_dict()
+        for which in ("weakest", "strongest"):
+            one: Extreme = getattr(self, which)
+            told = pick(one, "number", "direction", f"{held} = factor", "binds")
+            found[which] = told | {"says": self.causes[self.cause[one.number]].says}
+        lines = "binds", "says", "share", f"least_{held} = least", f"median_{held} = median"
+        found["causes"] = [pick(one, *lines) for one in self.causes]
+        if self.of not in ("force", "gravity"):
+            found["at_m"] = None
+        found["share_of_bound"]["direction"] = self.directions[self.compliance.number].tolist()
+        return found | {"versions": versions("numpy")}
 
-    def _repr_html_(self) -> str:
-        """What a notebook shows: what prints."""
-        text: str = view("text_html")(self)
-        return text
+    def _lines(self) -> tuple[str, ...]:
+        held = self.held_as
+        return (
+            "of", "geometry", "at_m (3,) = question.load.at", "object_mass_kg = question.load.mass",
+            "motion_m = question.motion", "turn_rad = question.turn", "accuracy_asked = question.accuracy",
+            "accuracy (m,)", "plane (2, 3)", "weakest", "strongest", "causes",
+            "share_of_bound.median = compliance.median", "share_of_bound.least = compliance.least", "directions (m, 3)",
+            "wrenches_N_Nm (m, 6)", f"{held} (m,) = factors", f"bound_{held} (m,) = bound", "cause (m,)",
+            "share (m,) = shares", "triangles (k, 3)",
+        )  # fmt: skip
+
+    @property
+    def held_as(self) -> str:
+        """What the factors are called in dictionaries and tables: "force_N", "torque_Nm", "mass_kg", or "factor"."""
+        return _HELD_AS[self.of]
 
     def __str__(self) -> str:
         """What was asked, the weakest and the strongest direction, a table of what gives out first."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,9 @@ from handlcp import words
 from handlcp.check import Array, Ints
 from handlcp.errors import InputError
 from handlcp.grasp import GraspSolution, Verdict
-from handlcp.grasp.answer.printed import Data
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
-from handlcp.study.plain import plain
+from handlcp.record import Record, data_frame
 from handlcp.study.reliability.interval import Chance, Influence, value_with
 from handlcp.study.reliability.outcome import WORDS, Outcomes
 from handlcp.study.reliability.place import Placer
@@ -30,11 +29,13 @@ OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes
 
 
 @dataclass(frozen=True, eq=False)
-class Sample(Data):
+class Sample(Record):
     """One sample: number, its values by name (SI units), word ("HELD", "OVER LIMIT", "NOT HELD", "UNDECIDED"), margin
     (NaN where nothing holds), and its grasp, which is made and solved when it is looked at. why_not : why it is
     UNDECIDED without a look at the grasp, such as a contact past an edge, which then has its nominal axes; else None.
     """
+
+    entries = ("number", "values", "word", "margin", "cause")
 
     number: int
     values: dict[str, float]
@@ -63,23 +64,23 @@ class Sample(Data):
         """Why, in one sentence."""
         return self.verdict.text
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI units; None for no margin."""
-        found = {"number": self.number, "values": self.values, "word": self.word, "margin": self.margin}
-        return dict(plain({**found, "cause": self.cause}))
-
     def __str__(self) -> str:
         return wrapped(f"sample {self.number}, {self.word}: {self.cause}", "  ")
 
 
 @dataclass(frozen=True, eq=False)
-class Reliability(Data):
+class Reliability(Record):
     """The answer of `hl.reliability`.
 
     chance_held : that the grasp holds. chance_within_limits : that it holds with every joint within its torque limit;
     None where no joint has a known limit. counts : samples by word. samples, seed. influences : what matters, the most
     first. outcomes : of each sample.
     """
+
+    entries = (
+        "samples", "seed", "judged_by = method.by", "counts", "chance_held", "chance_within_limits", "worst",
+        "nearest_failure", "influences",
+    )  # fmt: skip
 
     chance_held: Chance
     chance_within_limits: Chance | None
@@ -173,18 +174,6 @@ class Reliability(Data):
         u = self.blocks.points(0, self.samples)[some]
         return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data: chances, counts, the worst sample and the nearest failure, and what matters; SI units."""
-        within, near = self.chance_within_limits, self.nearest_failure
-        found = {
-            "samples": self.samples, "seed": self.seed, "judged_by": self.method.by, "counts": self.counts,
-            "chance_held": asdict(self.chance_held),
-            "chance_within_limits": None if within is None else asdict(within),
-            "worst": self.worst.to_dict(), "nearest_failure": None if near is None else near.to_dict(),
-            "influences": [asdict(f) for f in self.influences],
-        }  # fmt: skip
-        return dict(plain(found))
-
     def to_frame(self) -> Any:
         """A pandas table with a row for each sample: its values, "word", "margin", and "why_not": why it is UNDECIDED
         without a look at its grasp, "" of all others. Raises Unsupported without pandas.
@@ -192,7 +181,7 @@ class Reliability(Data):
         columns = {name: self.values[:, k] for k, name in enumerate(self.names)}
         said = np.array(WORDS)[self.codes]
         why = [self.why_not.get(k, "") for k in range(self.samples)]
-        return view("data_frame")({**columns, "word": said, "margin": self.margin, "why_not": why})
+        return data_frame({**columns, "word": said, "margin": self.margin, "why_not": why})
 
     def plot(self, path: Any = None, *, title: str = "") -> Path | Any:
         """The margins of all samples, and what matters most: a matplotlib figure, or the file. Raises as
@@ -206,7 +195,7 @@ class Reliability(Data):
         within = self.chance_within_limits
         if within is None:
             return (f"holds: {self.chance_held}",)
-        if asdict(within) == asdict(self.chance_held):
+        if within == self.chance_held:
             return (f"holds, and within torque limits: {self.chance_held}",)
         return f"holds: {self.chance_held}", f"holds within torque limits: {within}"
 

@@ -1,0 +1,203 @@
+"""Records: answers that say once what they hold, and so go into dictionaries, JSON and tables.
+
+A record lists its `entries`, one line each, in words such as
+
+    "load_N_Nm (6,) = wrench"
+
+the key; the shape, where it is an array; the attribute, where its name is not the key without the unit. The end of the
+key is the unit, always SI (`UNITS`). In a shape a letter stands for a number that is the same all over the record, and
+`twist` for a motion (6,), which is told apart as linear_m and angular_rad. A key with dots lies within another, an
+attribute with dots, or with the number of one of several, within another's. Entries that are records tell their own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import cache
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+from handlcp.errors import Unsupported, writing
+from handlcp.version import VERSION
+from handlcp.views import view
+
+UNITS = {
+    "Nm_per_rad": "N·m/rad", "N_Nm": "N, N·m", "m_rad": "m, rad", "Nm": "N·m", "N": "N", "kg": "kg", "rad": "rad",
+    "m": "m", "s": "s",
+}  # fmt: skip
+_ENTRY = re.compile(r"(?P<key>\S+)(?: \((?P<shape>[^)]*)\))?(?: = (?P<path>\S+))?")
+_UNIT = re.compile(rf"_({'|'.join(UNITS)})$")
+
+
+class Entry(NamedTuple):
+    """One line of a record. key : in dictionaries. unit : SI, "" for a word or a bare number. shape : of an array, by
+    letters and numbers; () for anything else. path : the attribute.
+    """
+
+    key: str
+    unit: str
+    shape: tuple[str, ...]
+    path: str
+
+    def of(self, source: Any) -> Any:
+        """Its value, as it stands there; None where something on the way is None."""
+        for name in self.path.split("."):
+            if source is not None:
+                source = source[int(name)] if name.isdigit() else getattr(source, name)
+        return source
+
+
+@cache
+def entry(line: str) -> Entry:
+    """Read off its line."""
+    found = _ENTRY.fullmatch(line)
+    assert found is not None, line  # a test reads them all
+    unit = _UNIT.search(found["key"])
+    shape = tuple(re.findall(r"\w+", found["shape"] or ""))
+    path = found["path"] or found["key"][: unit and unit.start()]
+    return Entry(found["key"], UNITS[unit[1]] if unit else "", shape, path)
+
+
+def pick(source: Any, *lines: str) -> dict[str, Any]:
+    """Of anything with these attributes, as plain data."""
+    found: dict[str, Any] = {}
+    for one in map(entry, lines):
+        *outer, key = one.key.split(".")
+        within = found
+        for name in outer:
+            within = within.setdefault(name, {})
+        within[key] = twist(one.of(source)) if one.shape == ("twist",) else plain(one.of(source))
+    return found
+
+
+def plain(value: Any) -> Any:
+    """Records, dataclasses and named tuples as dictionaries, arrays as lists, enumerations by name, numpy's numbers as
+    Python's, and None for numbers that are not finite.
+    """
+    if isinstance(value, Record):
+        return value.to_dict()
+    if is_dataclass(value):
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if hasattr(value, "_fields"):
+        return plain(value._asdict())
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    if isinstance(value, Enum):
+        return value.name
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def twist(motion: Any) -> dict[str, Any] | None:
+    """A motion (6,) [m, rad]; None where there is none."""
+    return None if motion is None else {"linear_m": plain(motion[:3]), "angular_rad": plain(motion[3:])}
+
+
+def json_text(value: Any, ascii_only: bool = False) -> str:
+    """The value as JSON; numbers that are not finite are null."""
+    return json.dumps(plain(value), indent=2, ensure_ascii=ascii_only, allow_nan=False)
+
+
+def versions(*packages: str) -> dict[str, str | None]:
+    """Of handlcp, of Python and of these packages; None for one that is not installed."""
+    from importlib.metadata import PackageNotFoundError, version  # for JSON alone
+
+    found: dict[str, str | None] = {"handlcp": VERSION, "python": platform.python_version()}
+    for name in packages:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = None
+    return found
+
+
+class Record:
+    """Base of answers that are plain data. entries : one line for each of them, see the top of this file; None: every
+    field of the dataclass, under its name.
+    """
+
+    __slots__ = ()
+    entries: ClassVar[tuple[str, ...] | None] = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
+        return pick(self, *self._lines())
+
+    def to_row(self) -> dict[str, Any]:
+        """The same without dictionaries in it, for a row of a table: keys within keys are joined by dots."""
+        return dict(_flat("", self.to_dict()))
+
+    def to_json(self, path: Any = None) -> str | Path:
+        """The same as JSON: the text, or the file that it was written to. Raises InputError for a file that cannot be
+        written.
+        """
+        text = json_text(self.to_dict())
+        if path is None:
+            return text
+        file = Path(path)
+        with writing("path", file):
+            file.write_text(text + "\n", encoding="utf-8")
+        return file
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what prints."""
+        text: str = view("text_html")(self)
+        return text
+
+    def __rich__(self) -> Any:
+        """What rich shows: what prints, brackets and all."""
+        from rich.text import Text
+
+        return Text(str(self))
+
+    def _lines(self) -> tuple[str, ...]:
+        if self.entries is not None:
+            return self.entries
+        return tuple([f"{f.name} = {f.name}" for f in fields(self)])  # type: ignore[arg-type]
+
+
+def _flat(key: str, value: Any) -> Iterable[tuple[str, Any]]:
+    """(key, value) of everything in dictionaries, and in lists of dictionaries; other lists stay."""
+    within: Iterable[tuple[Any, Any]] = ()
+    if isinstance(value, dict):
+        within = value.items()
+    elif isinstance(value, list) and value and all(isinstance(v, dict) for v in value):
+        within = enumerate(value)
+    else:
+        yield key, value
+    for name, v in within:
+        yield from _flat(f"{key}.{name}" if key else str(name), v)
+
+
+def data_frame(columns: Mapping[str, Any], index: Any = None) -> Any:
+    """A `pandas.DataFrame`; pandas is imported here alone. Raises Unsupported without it."""
+    try:
+        from pandas import DataFrame
+    except ImportError:
+        raise Unsupported("tables need pandas: pip install 'handlcp[table]'") from None
+    return DataFrame(dict(columns), index=index)
+
+
+def columns(source: Any, *lines: str) -> dict[str, Any]:
+    """A column for each line: an array of the source, as it stands there."""
+    return {one.key: one.of(source) for one in map(entry, lines)}
+
+
+def rows(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """A dictionary for each row of a table."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def columns_of(rows: Iterable[Any], *lines: str) -> dict[str, Any]:
+    """A column for each line, with what it is in each of the rows."""
+    every = list(rows)
+    return {one.key: [one.of(row) for row in every] for one in map(entry, lines)}

@@ -1,0 +1,154 @@
+"""Records, every class of them: plain data that JSON brings back, with shapes and units as they are described."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.method.accuracy import accuracy_cost
+from handlcp.method.convergence import convergence
+from handlcp.method.paper import run
+from handlcp.simulator import compare, simulate_limit
+from handlcp.study.gallery import Shelf
+from tests.design.hands import pinch as levers
+from tests.hand.conftest import MIMIC
+from tests.study.test_gallery import made
+from tests.support.records import described, doc_of, kinds, plain, within
+from tests.support.texts import same
+
+BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+PUSH = (1.0, 0, 0, 0, 0, 0)
+ONE_BY_ONE = ("Sensitivity", "Solutions")  # their dictionaries are made of what was asked for
+
+
+@cache
+def pinch(law=None, squeeze=1e-3):
+    """Two points that press on an object along x, and have no hand."""
+    law = hl.Coulomb(0.5) if law is None else law
+    contacts = [hl.Contact((s * 0.02, 0, 0), (-s, 0, 0), law) for s in (-1.0, 1.0)]
+    return hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=squeeze)
+
+
+@cache
+def hand(**more):
+    return hl.example_hand("three_finger", **({"joint_stiffness": 6.0} | more))
+
+
+@cache
+def held(**more):
+    """A cube in a hand."""
+    return hand().at(hand().close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), squeeze=5e-3, **more)
+
+
+def pulled_by_tendons():
+    names = hand().joint_names
+    tendons = hl.Tendons({f"tendon {k}": {name: 0.01} for k, name in enumerate(names)}, 1e3, 6.0)
+    loose = hand(joint_stiffness=tendons)
+    return loose.at(hand().close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), squeeze=5e-3).solve()
+
+
+def motors():
+    with TemporaryDirectory() as folder:
+        return levers(Path(folder)).required_torque({"down": PUSH, "up": PUSH})
+
+
+def simulated(make):
+    pytest.importorskip("mujoco")
+    return make()
+
+
+EXAMPLES = {
+    "GraspSolution Accuracy": lambda: pinch().solve(accuracy=1e-6),
+    "HandGraspSolution TorqueCheck": lambda: held().solve(),
+    "HandGraspSolution Effort, of tendons": pulled_by_tendons,
+    "GraspSolution, not held": lambda: pinch(squeeze=0.0).solve(throw=False),
+    "Verdict": lambda: held().check(),
+    "Loading Event Summary": lambda: held().follow((20.0, 0, 0, 0, 0, 0), steps=2),
+    "Loading, of points": lambda: pinch().follow(steps=2),
+    "Equilibria": lambda: pinch().equilibria(faces=4),
+    "Explanation": lambda: held().explain(),
+    "Suggestions": lambda: held().suggest(),
+    "Required": lambda: pinch(squeeze=0.0).required_preload(tolerance=0.5),
+    "LoadLimit LimitEvent Reached Cause": lambda: held().load_limit(PUSH, geometry="fixed"),
+    "LoadLimit, of points": lambda: pinch().load_limit(PUSH),
+    "Margins Least Closure WrenchSpace": lambda: held(wrench=PUSH).margins(),
+    "RequiredStiffness": lambda: held().required_stiffness(2e-3, tolerance=0.5),
+    "BestChange TriedChange": lambda: pinch().best_change(),
+    "RequiredTorque": motors,
+    "Sensitivity": lambda: held().solve().sensitivity(),
+    "Solutions": lambda: hl.solve_many([pinch(), pinch(squeeze=0.0)]),
+    "Audit": lambda: hand().audit(),
+    "HandDescription": lambda: hand().describe(),
+    "HandDescription, of joints that follow": lambda: hl.describe_urdf(MIMIC),
+    "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, seed=0),
+    "Reliability Sample": lambda: hl.reliability(pinch(), {"friction": 0.2, "load": 0.1}, 64, workers=1),
+    "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
+    "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
+    "AccuracyCost": lambda: accuracy_cost(
+        pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1
+    ),
+    "PathCost PathRow": lambda: hl.path_cost(pinch(), times=(0.5, 1), repeats=1),
+    "Convergence": lambda: convergence(pinch(), seeds=[0], max_iterations=200),
+    "PaperReport Case Run": run,
+    "Shelf": lambda: Shelf.from_dict(made()),
+    "Comparison Simulation": lambda: simulated(lambda: compare(held(), None, "together", steps=2, seconds=0.2)),
+    "SimulatedLimit LimitTrack": lambda: simulated(lambda: simulate_limit(held(), PUSH, 1.0, seconds=0.2, settle=0.05)),
+}  # fmt: skip
+
+
+def names_in(what):
+    """The records of an example, as its key names them: those before the comma."""
+    return what.partition(",")[0].split()
+
+
+@pytest.fixture(scope="module", params=EXAMPLES)
+def example(request):
+    """(what it is, names of the records in it, the example)."""
+    return request.param, names_in(request.param), EXAMPLES[request.param]()
+
+
+def test_there_is_an_example_of_every_record():
+    assert {name for what in EXAMPLES for name in names_in(what)} == kinds()
+
+
+def test_a_record_is_plain_data_that_json_brings_back(example):
+    what, names, found = example
+    assert type(found).__name__ == names[0]
+    told = found.to_dict()
+    assert names[0] == "Solutions" or plain(told) == told
+    assert json.loads(found.to_json()) == plain(told)
+    assert not [v for v in found.to_row().values() if isinstance(v, dict)]
+    same(f"show/test_records: keys of {what}", ", ".join(told))
+
+
+def test_tables_have_the_columns_that_they_had(example):
+    what, names, found = example
+    if not hasattr(found, "to_frame") or names[0] == "Sensitivity":
+        pytest.skip("it is no table, or one of each derivative")
+    pytest.importorskip("pandas")
+    same(f"show/test_records: columns of {what}", ", ".join(found.to_frame()))
+
+
+def test_what_is_in_a_record_has_the_shape_and_the_unit_that_it_is_described_with(example):
+    _, names, found = example
+    every = list(within(found))
+    assert {type(r).__name__ for r in every} >= set(names) or names[0] in ONE_BY_ONE
+    for record in every:
+        counts = {}
+        for one, value in described(record):
+            where = f"{type(record).__name__}: {one.key}"
+            if value is not None and one.shape and one.shape != ("twist",):
+                shape = np.shape(value)
+                assert len(shape) == len(one.shape), where
+                for letter, size in zip(one.shape, shape, strict=True):
+                    assert counts.setdefault(letter, int(letter) if letter.isdigit() else size) == size, where
+            if one.key.endswith(getattr(record, "held_as", "…")):  # of an envelope, whose factors may be anything
+                assert one.unit == record.unit, where
+            elif one.unit and "." not in one.path:
+                assert all(unit in doc_of(record, one.path) for unit in one.unit.split(", ")), where

@@ -1,0 +1,54 @@
+"""Doors into records: what they say of themselves, and every class of them."""
+
+from __future__ import annotations
+
+import inspect
+import pkgutil
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import is_dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import handlcp
+from handlcp.lazy import lazy
+from handlcp.record import UNITS, Entry, Record, entry, plain
+
+__all__ = ["UNITS", "Entry", "Record", "described", "doc_of", "entry", "kinds", "plain", "within"]
+
+
+def kinds() -> set[str]:
+    """The names of all classes of records, but for those that others are made of."""
+    names = set[str]()
+    for module in pkgutil.walk_packages(handlcp.__path__, "handlcp."):
+        if not module.name.endswith("__main__"):
+            found = vars(import_module(module.name)).values()
+            own = [v for v in found if isinstance(v, type) and v.__module__ == module.name]
+            names |= {v.__name__ for v in own if issubclass(v, Record)}
+    return names - {"Record", "Shown"}
+
+
+def described(record: Any) -> list[tuple[Entry, Any]]:
+    """Each of its entries, and what that is; () where it makes its dictionary itself."""
+    told = record.entries is not None or is_dataclass(record)
+    return [(one, one.of(record)) for one in map(entry, record._lines() if told else ())]
+
+
+def doc_of(record: Any, name: str) -> str:
+    """What the property says, or of a field what its class says."""
+    found = inspect.getattr_static(type(record), name, None)
+    own = found if isinstance(found, (property, lazy, cached_property)) else type(record)
+    return str(own.__doc__)
+
+
+def within(value: Any) -> Iterator[Any]:
+    """The record, and all that it tells of."""
+    if isinstance(value, Record):
+        yield value
+        told = [v for _, v in described(value)]
+        value = list(value) if isinstance(value, Sequence) and not told else told
+    elif isinstance(value, dict):
+        value = value.values()
+    if isinstance(value, Iterable) and not isinstance(value, str) and not hasattr(value, "tolist"):
+        for v in value:
+            yield from within(v)
