@@ -113,7 +113,7 @@ def test_with_every_effect_the_answer_to_a_load_is_that_of_whole_solves(row):
     solution = grasp.solve(row.faces)
     s = solution.sensitivity()
     assert not [k for k in s.kinks if not k.by]
-    for index in ((0,), (2,), (5,)):
+    for index in ((0,), (1,), (5,)):  # those of a plane, too
         missed = misses(grasp, solution, row.faces, "wrench", index)
         assert max(missed.values()) < 1e-6, (index, missed)
 

@@ -37,15 +37,25 @@ class Giving(NamedTuple):
     begun: Array
 
 
+class Task(NamedTuple):
+    """What one solve goes by. limits (n,) : of friction. tangent : about the look. pattern : of the problem."""
+
+    laws: Laws
+    limits: Array
+    tangent: Condensed
+    giving: Giving
+    pattern: ScenePattern
+
+
 @kernel
 def linear_problem(
-    positions: Array, frames: Array, laws: Laws, limits: Array, t: Condensed, force: Array, moment: Array,
-    giving: Giving, p: ScenePattern, start: Array,
-) -> tuple[Given, Posed, Contacts, Array]:  # fmt: skip
+    positions: Array, frames: Array, task: Task, force: Array, moment: Array, start: Array
+) -> tuple[Given, Posed, Contacts, Array]:
     """The grasp as it stands about the look, its natural units, its problem, and where the solve begins (N,).
 
-    limits (n,) : of friction. force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
+    force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
     """
+    laws, t, giving, p = task.laws, task.tangent, task.giving, task.pattern
     n, c, k, s = len(positions), len(laws.scale), len(giving.room), laws.scale
     m, soft = 3 * n, len(laws.soft)
     turned, spin, E = np.empty((n, 3, 3)), np.empty((3, soft)), np.empty((c, c))
@@ -103,18 +113,18 @@ def linear_problem(
         x[giving.at + b] = giving.begun[b] / posed.motion
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
-        own[b] = limits[p.unknown[p.blocks[b, 0] - normal] // 3]
+        own[b] = task.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
     return g, posed, in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals), x[p.order]
 
 
 @kernel
 def answered(
-    g: Given, posed: Posed, laws: Laws, limits: Array, t: Condensed, giving: Giving, p: ScenePattern, y: Array,
-    residual: float,
-) -> tuple[bool, Array, Array, Array, Ints, Array]:  # fmt: skip
+    g: Given, posed: Posed, task: Task, y: Array, residual: float
+) -> tuple[bool, Array, Array, Array, Ints, Array]:
     """(whether a solution y (N,) passes, forces (c,) and motions (c,) in contact axes, twist (6,) of the object about
     the contacts' centre, contact states (n,), motions (k,) of limits that give way).
     """
+    laws, t, giving, p = task.laws, task.tangent, task.giving, task.pattern
     c, k, s, offset = len(laws.scale), len(giving.room), laws.scale, g.offset
     normal, count, tangent, u, size = p.at
     x = np.empty(size)
@@ -138,7 +148,7 @@ def answered(
             posed.wrench[j] += t.B_r[j, i] * forces[i]
         for i in range(6):
             posed.wrench[j] += t.B_u[j, i] * twist[i]
-    friction = Friction(limits, p.faces, p.normals)
+    friction = Friction(task.limits, p.faces, p.normals)
     v, misses = examine(g, posed, p.contacts, friction, offset, own, twist, _ANY)
     worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
     passes = bool(worst <= CERTIFY and (k == 0 or residual <= SOLVE))

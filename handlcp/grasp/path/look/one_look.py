@@ -8,9 +8,19 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.path.look.linear_solve import Giving, answered, linear_problem, met, solved
+from handlcp.grasp.path.look.linear_solve import Giving, Task, answered, linear_problem, met, solved
 from handlcp.grasp.path.look.numbers import Elastic, Laws, Loads, end_of_step
-from handlcp.grasp.path.look.tangent import Condensed, Moving, Touch, Turned, condensed, skew, turned_forces
+from handlcp.grasp.path.look.tangent import (
+    Condensed,
+    Driven,
+    Moving,
+    Touch,
+    Turned,
+    Yielding,
+    condensed,
+    skew,
+    turned_forces,
+)
 from handlcp.grasp.solve.compiled_solve import ScenePattern
 from handlcp.lcp.kernels.dense import kernel
 
@@ -113,7 +123,8 @@ def one_look(
     turned = Turned(np.zeros((6, 6 + nv + n3)), np.zeros((nv, 6 + nv + n3)), np.zeros((n3, 6 + nv + n3)))
     if not still:
         turned = turned_forces(t, frames, m, centre, forces, torsion)
-    lin = condensed(turned, still, J, el.root, P, _told(el, loads, laws), damping.lag, damping.slow, give, d, yields)
+    driven = Driven(_told(el, loads, laws), damping.lag, damping.slow)
+    lin = condensed(turned, still, Yielding(J, P, el.root, give, d, yields), driven)
     if not lin.found:
         return
     for a in range(6):
@@ -125,11 +136,10 @@ def one_look(
     if not still:
         _follows(lin.B_u, loads.load, loads.reference, centre)
         _follows(lin.B_u, loads.weight, loads.mass_at, centre)
-    g, posed, problem, y = linear_problem(
-        t.positions, frames, laws, limits, lin, force, moment, giving, p, start
-    )  # fmt: skip
+    task = Task(laws, limits, lin, giving, p)
+    g, posed, problem, y = linear_problem(t.positions, frames, task, force, moment, start)
     residual = solved(problem, y, begun and len(start) > 0, seed)
-    passes, r, v, twist, kinds, gives = answered(g, posed, laws, limits, lin, giving, p, y, residual)
+    passes, r, v, twist, kinds, gives = answered(g, posed, task, y, residual)
     if not passes:
         return
     forces, torsion = _by_contact(r, n, soft)

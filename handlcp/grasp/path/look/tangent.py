@@ -63,6 +63,36 @@ class Turned(NamedTuple):
     force: Array
 
 
+class Borne(NamedTuple):
+    """What a contact bears, world axes: at a point (3,) a force (3,) [N], and a moment [N·m] about the normal (3,)."""
+
+    point: Array
+    force: Array
+    normal: Array
+    torsion: float
+
+
+class Yielding(NamedTuple):
+    """What gives way under the forces. J (c, nv), P (c, c) : of the joints, and flexibility of all else, in contact
+    axes, turns of soft contacts last. root (nv, m) : C = root rootᵀ. give (c,) : ŝ. d (c,). Y (nv, k).
+    """
+
+    J: Array
+    P: Array
+    root: Array
+    give: Array
+    d: Array
+    Y: Array
+
+
+class Driven(NamedTuple):
+    """The joints. told (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε."""
+
+    told: Array
+    lag: Array
+    slow: float
+
+
 class Condensed(NamedTuple):
     """v = V_r r + V_u u + V_g g + d' in contact axes but for J Y g, 0 = w' + B_r r + B_u u + B_g g about the contacts'
     centre, L (k, 1 + c + 6 + k) of limits that give way, and what was eliminated: (δq + Y g, δs) = Z (1, r, u, g). All
@@ -107,7 +137,7 @@ def turned_forces(t: Touch, frames: Array, m: Moving, centre: Array, forces: Arr
                 f[a] += frames[i, a, b] * forces[i, b]
             along += normal[a] * f[a]
         if i < k:
-            _joints(torque, motion, lever, m, i, t.positions[i], f, normal, torsion[i])
+            _joints(torque, motion, lever, m, i, Borne(t.positions[i], f, normal, torsion[i]))
         for b in range(9 + joints):  # by each part of the object's motion, each joint, each part of the pad's
             if 6 <= b < 6 + joints and (i >= k or support[i, b - 6] == 0.0):
                 continue
@@ -178,13 +208,11 @@ def _relative(twist: Array, m: Moving, b: int, place: Array, centre: Array, R: A
 
 
 @kernel
-def _joints(
-    torque: Array, motion: Array, lever: Array, m: Moving, i: int, x: Array, f: Array, normal: Array, torsion: float
-) -> None:
+def _joints(torque: Array, motion: Array, lever: Array, m: Moving, i: int, at: Borne) -> None:
     """Write, for each joint of finger i, how fast it moves the contact (3,), and f × its axis; add what the force f and
     the moment do to the torques as other joints turn its axis.
     """
-    columns, support = m.columns, m.support
+    columns, support, x, f, normal = m.columns, m.support, at.point, at.force, at.normal
     for j in range(len(columns)):
         if support[i, j] == 0.0:
             continue
@@ -199,7 +227,7 @@ def _joints(
                 p, q = (a + 1) % 3, (a + 2) % 3
                 spun = columns[j, 3 + p] * normal[q] - columns[j, 3 + q] * normal[p]
                 bent = lever[o, a] * motion[j, a] - lever[j, a] * motion[o, a]
-                torque[j, 6 + o] += bent + torsion * columns[o, 3 + a] * spun
+                torque[j, 6 + o] += bent + at.torsion * columns[o, 3 + a] * spun
 
 
 @kernel
@@ -214,24 +242,17 @@ def _coupled(rows: Array, coupling: Array) -> Array:
 
 
 @kernel
-def condensed(
-    turned: Turned, still: bool, J: Array, root: Array, P: Array, told: Array, lag: Array, slow: float, give: Array,
-    d: Array, Y: Array,
-) -> Condensed:  # fmt: skip
-    """Without δq and δs. still : contacts do not move, and `turned` is not read.
-
-    J (c, nv), P (c, c) : of the joints, and flexibility of all else, in contact axes, turns of soft contacts last.
-    root (nv, m) : C = root rootᵀ. told (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε. give (c,) : ŝ. d (c,).
-    Y (nv, k).
-    """
+def condensed(turned: Turned, still: bool, elastic: Yielding, driven: Driven) -> Condensed:
+    """Without δq and δs. still : contacts do not move, and `turned` is not read."""
+    J, P, Y, slow = elastic.J, elastic.P, elastic.Y, driven.slow
     (c, nv), k = J.shape, Y.shape[1]
     n3, size, found = turned.force.shape[0], nv + c, True
-    C = product(root, np.ascontiguousarray(root.T))
+    C = product(elastic.root, np.ascontiguousarray(elastic.root.T))
     A = np.zeros((size, size + 1 + c + 6 + k))  # the system, then its right sides by (1, r, u, g)
     for j in range(nv):
-        A[j, j], A[j, size] = 1.0 + slow, told[j] + slow * lag[j]
+        A[j, j], A[j, size] = 1.0 + slow, driven.told[j] + slow * driven.lag[j]
     for i in range(c):
-        A[nv + i, nv + i], A[nv + i, size] = 1.0, -give[i]
+        A[nv + i, nv + i], A[nv + i, size] = 1.0, -elastic.give[i]
     A[:nv, size + 1 : size + 1 + c] = -product(C, np.ascontiguousarray(J.T))
     A[nv:, size + 1 : size + 1 + c] = -P
     w, B_r, B_u, B_g = np.zeros(6), np.zeros((6, c)), np.zeros((6, 6)), np.zeros((6, k))
@@ -261,4 +282,4 @@ def condensed(
         B_u[:] = turned.wrench[:, :6] + moved[:, 1 + c : by]
     tip = -np.dot(J, Z[:nv]) - Z[nv:]
     V_r, V_u, V_g = tip[:, 1 : 1 + c].copy(), tip[:, 1 + c : by].copy(), tip[:, by:].copy()
-    return Condensed(V_r, V_u, V_g, d + tip[:, 0], B_r, B_u, B_g, w, L, Z, found)
+    return Condensed(V_r, V_u, V_g, elastic.d + tip[:, 0], B_r, B_u, B_g, w, L, Z, found)
