@@ -62,7 +62,7 @@ def test_it_brings_no_unknowns(faces):
 
 def test_sliding_is_on_the_ellipse_and_against_its_normal():
     slides = 0
-    for seed in range(8):
+    for seed in range(20):
         s = ring(seed, RIBBED).solve("cone", throw=False)
         assert s.status is not hl.Status.UNDECIDED
         for i in range(len(s.forces) if s.held else 0):
@@ -75,7 +75,7 @@ def test_sliding_is_on_the_ellipse_and_against_its_normal():
                 np.testing.assert_allclose(
                     s.slip[i] / np.linalg.norm(s.slip[i]), -normal / np.linalg.norm(normal), atol=1e-6
                 )
-    assert slides >= 3
+    assert slides >= 10
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -127,7 +127,7 @@ class Sentences:
     def _loose(self, directions: Array) -> list[str]:
         """One direction in words, several as a number and what kind they are."""
         if len(directions) >= 6:
-            return ["the object is loose in every direction"]
+            return ["the object is free to move in every direction"]
         if len(directions) == 1:
             return [f"the object can still {self.motion(directions[0], 'slide', 'spin')}"]
         u, omega = np.linalg.norm(directions[:, :3], axis=1), np.linalg.norm(directions[:, 3:], axis=1)

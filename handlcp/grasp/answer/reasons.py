@@ -253,7 +253,7 @@ def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
         text = "other forces satisfy the same conditions; the smallest are given"
         yield Reason("forces_open", "warning", text)
     if k := free.loose_motions:
-        text = f"nothing resists {k} motion{'s' if k > 1 else ''} of the object; the smallest is given"
+        text = f"the object can move freely in {k} direction{'s' if k > 1 else ''}; the smallest motion is given"
         yield Reason("loose", "warning", text, {"directions": k})
     if free.others:
         text = "friction can hold the object in other ways, too; grasp.equilibria() lists them"
