@@ -10,7 +10,7 @@ from .objects.shapes import Box as Box, Cylinder as Cylinder, Ellipsoid as Ellip
 from .objects.table import Table as Table
 from .robot.audit import Audit as Audit, audit_urdf as audit_urdf
 from .robot.describe import HandDescription as HandDescription, describe_urdf as describe_urdf
-from .robot.joint_limits import Doubt as Doubt
+from .robot.joints import Doubt as Doubt
 from .solution import HandGraspSolution as HandGraspSolution, TorqueCheck as TorqueCheck, TorqueRow as TorqueRow
 from .state import HandState as HandState
 from .stream import GraspStream as GraspStream
