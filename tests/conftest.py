@@ -1,6 +1,7 @@
 """Thousands of small solves: the suite runs compiled kernels from their first call on. Set before handlcp is imported.
 
-HANDLCP_KERNELS=interpreted runs it without a compiler, for those with time.
+They wait for the compiler, once: what a test runs then does not depend on how far another process has come, and none
+is left behind. HANDLCP_KERNELS=interpreted runs it without a compiler, for those with time.
 """
 
 from __future__ import annotations

@@ -25,8 +25,8 @@ from handlcp.show import tables
 def warm(json: Json = False) -> None:
     """Compile everything now, for a container or a test machine: a minute or two, once.
 
-    Without it, commands start interpreted and compile when that pays. Exit status 0, 1 if compiled code could not be
-    kept, 2 where HANDLCP_KERNELS forbids to compile, or no folder can be written.
+    Without it, commands start interpreted, while another process compiles what takes long. Exit status 0, 1 if compiled
+    code could not be kept, 2 where HANDLCP_KERNELS forbids to compile, or no folder can be written.
     """
     from handlcp.lcp.compiler import folders, when
 
