@@ -36,7 +36,7 @@ _LOCK = "compiling"  # the file that is locked
 _BUSY, _CANNOT = 3, 4  # exit codes: another process is at work; nothing can be compiled or kept
 _IDLE = 3.0  # without a request for so long it ends [s]
 _RACE = 0.5  # two processes that start at a time look at the lock for so long [s]
-_END = 1.0  # the process may take so long to end [s]
+_END = 0.5  # the process may take so long to end before it is killed [s]
 _NICE = 5  # its work is worth less than the answers themselves, and more than nothing on a busy machine
 _TRIES = 2  # a process that is just ending may not hear what it is asked for
 
