@@ -10,6 +10,7 @@ import errno
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -75,6 +76,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+SceneFile = Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")]
+Faces = Annotated[str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')]
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 
 
@@ -130,6 +133,13 @@ def print_tables(out: Console, tables: Iterable[Table]) -> None:
         out.print(table)
         if table.caption:
             out.print()
+
+
+def print_files(out: Console, pictures: Iterable[Path | None], page: Path | None = None) -> None:
+    """The names of the files that were written; None for one that was not asked for."""
+    for what, path in (*(("Picture", picture) for picture in pictures), ("Page", page)):
+        if path is not None:
+            out.print(Text(f"{what}: {path}", style="dim"))
 
 
 def sides_of(own: Any, faces: str | None) -> Any:

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar, sides_of, titled
+from handlcp.cli.app import Faces, Json, SceneFile, app, print_files, print_json, progress_bar, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.show.file import checked
 from handlcp.show.page.file import checked as checked_page
@@ -16,7 +15,7 @@ from handlcp.show.page.file import checked as checked_page
 
 @app.command()
 def envelope(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: SceneFile,
     json: Json = False,
     of: Annotated[
         str, typer.Option(help="What it holds: force [N], torque [N·m], or gravity, the object's mass [kg].")
@@ -39,9 +38,7 @@ def envelope(
     motion: Annotated[float | None, typer.Option(help="How far the object may move under the load [m].")] = None,
     turn: Annotated[float | None, typer.Option(help="How far the object may turn under the load [rad].")] = None,
     adaptive: Annotated[int, typer.Option(help="How often steps between two causes are halved.")] = 2,
-    faces: Annotated[
-        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
-    ] = None,
+    faces: Faces = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the surface into this file (png, svg, pdf).")] = None,
     polar: Annotated[Path | None, typer.Option(help="Draw polar diagrams into this file.")] = None,
     page: Annotated[Path | None, typer.Option(help="Write a page to turn into this HTML file.")] = None,
@@ -66,8 +63,7 @@ def envelope(
             faces=sides, adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
             progress=lambda done, total: progress(done, total, "directions"),
         )  # fmt: skip
-    drawn = [("Picture", plot, found.plot), ("Picture", polar, found.polar), ("Page", page, found.page)]
-    for _, path, draw in drawn:
+    for path, draw in ((plot, found.plot), (polar, found.polar), (page, found.page)):
         if path is not None:
             draw(path, title=read.title)
     if json:
@@ -75,9 +71,7 @@ def envelope(
     else:
         out = titled(read.title)
         typer.echo(str(found))
-        for what, path, _ in drawn:
-            if path is not None:
-                out.print(Text(f"{what}: {path}", style="dim"))
+        print_files(out, pictures=(plot, polar), page=page)
     raise typer.Exit(0 if found.weakest.factor > 0.0 else 1)
 
 

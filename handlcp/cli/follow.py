@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
+from handlcp.cli.app import Faces, Json, SceneFile, app, print_files, print_json, print_tables, say, sides_of, titled
 from handlcp.grasp import Loading
 from handlcp.show.file import checked
 from handlcp.show.page.file import checked as checked_page
@@ -16,7 +15,7 @@ from handlcp.show.page.file import checked as checked_page
 
 @app.command()
 def follow(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: SceneFile,
     json: Json = False,
     plot: Annotated[
         Path | None, typer.Option(help="Draw forces, motion and torques over the load into this file (png, svg, pdf).")
@@ -31,9 +30,7 @@ def follow(
     fixed: Annotated[
         bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions, as in `handlcp solve`.")
     ] = False,
-    faces: Annotated[
-        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
-    ] = None,
+    faces: Faces = None,
     steps: Annotated[int, typer.Option(help="Steps of a stage, more where something happens.")] = 40,
 ) -> None:
     """Load a scene in steps: the hand squeezes, then weight and load come. Exit status 0 reached, 1 lost, 2 bad input.
@@ -51,28 +48,26 @@ def follow(
     sides = sides_of(read.solve_with.faces, faces)
     stages = tuple([name.strip() for name in order.split(",")])
     found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
-    drawn = _draw(found, read, plot, picture)
+    _draw(found, read, plot, picture)
     if page is not None:
         found.page(page, obj=read.shape(), title=read.title)
     if json:
         print_json({"title": read.title} | found.to_dict())
     else:
-        _print(found, read.title, drawn, page)
+        _print(found, read.title, (plot, picture), page)
     raise typer.Exit(0 if found.reached else 1)
 
 
-def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) -> list[Path]:
-    """The files that were drawn."""
+def _draw(found: Loading, read: Any, plot: Path | None, picture: Path | None) -> None:
     from handlcp.show import loading as shown
 
     if plot is not None:
         found.plot(plot, title=read.title)
     if picture is not None:
         shown.save_picture(found, picture, read.title, read.shape())
-    return [file for file in (plot, picture) if file is not None]
 
 
-def _print(found: Loading, title: str, drawn: list[Path], page: Path | None) -> None:
+def _print(found: Loading, title: str, drawn: tuple[Path | None, ...], page: Path | None) -> None:
     """The outcome, the object's motion, what happens on the way, contacts and joints at the end."""
     from handlcp.show.loading import report
 
@@ -84,7 +79,4 @@ def _print(found: Loading, title: str, drawn: list[Path], page: Path | None) -> 
     if (happens := report.event_table(found)) is not None:
         out.print(happens)
     print_tables(out, report.end_tables(found))
-    for file in drawn:
-        out.print(Text(f"Picture: {file}", style="dim"))
-    if page is not None:
-        out.print(Text(f"Page: {page}", style="dim"))
+    print_files(out, pictures=drawn, page=page)

@@ -10,7 +10,7 @@ import typer
 from rich.text import Text
 
 from handlcp.check import Array
-from handlcp.cli.app import Json, app, print_json, say, sides_of, titled
+from handlcp.cli.app import Faces, Json, SceneFile, app, print_files, print_json, say, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
@@ -24,7 +24,7 @@ _WAYS = np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1))
 
 @app.command()
 def limits(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: SceneFile,
     json: Json = False,
     plot: Annotated[
         Path | None, typer.Option(help="Draw the load that holds least, from nothing to its limit, into this file.")
@@ -37,9 +37,7 @@ def limits(
         float | None, typer.Option(help="How far the load may move the object [mm]; without: any distance.")
     ] = None,
     fixed: Annotated[bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions.")] = False,
-    faces: Annotated[
-        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
-    ] = None,
+    faces: Faces = None,
 ) -> None:
     """How much load does the scene hold beside its weight? Along ±x, ±y, ±z, or as asked; and what gives out there.
 
@@ -101,5 +99,4 @@ def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | No
         say(out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {said(least.binds)}")
         for line in told(least.events, lambda factor: size(least.wrench, factor)):
             out.print(Text(f"  {line}"))
-    if plot is not None:
-        out.print(Text(f"Picture: {plot}", style="dim"))
+    print_files(out, pictures=(plot,))

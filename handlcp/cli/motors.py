@@ -12,7 +12,7 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.check import array
-from handlcp.cli.app import Json, app, print_json, print_tables, progress_bar, say, sides_of, titled
+from handlcp.cli.app import Faces, Json, app, print_json, print_tables, progress_bar, say, sides_of, titled
 from handlcp.errors import InputError, brief
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
@@ -36,9 +36,7 @@ def motors(
     turned: Annotated[
         bool, typer.Option("--turned", help="The file's load with gravity along each axis of the hand's base, too.")
     ] = False,
-    faces: Annotated[
-        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
-    ] = None,
+    faces: Faces = None,
 ) -> None:
     """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, progress_bar, sides_of, titled
+from handlcp.cli.app import Faces, Json, SceneFile, app, print_files, print_json, progress_bar, sides_of, titled
 from handlcp.errors import InputError
 from handlcp.show.file import checked, writable
 
@@ -17,7 +17,7 @@ _SHARE = "standard deviation, as a share"
 
 @app.command()
 def reliability(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: SceneFile,
     friction: Annotated[float | None, typer.Option(help=f"Of the fingers' coefficient: {_SHARE}.")] = None,
     stiffness: Annotated[float | None, typer.Option(help=f"Of the joints: {_SHARE}.")] = None,
     pads: Annotated[float | None, typer.Option(help=f"Of the fingertips' flexibility: {_SHARE}.")] = None,
@@ -33,9 +33,7 @@ def reliability(
     ] = False,
     confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
     resume: Annotated[Path | None, typer.Option(help="Keep what is done in this .npz file, and go on there.")] = None,
-    faces: Annotated[
-        str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')
-    ] = None,
+    faces: Faces = None,
     plot: Annotated[Path | None, typer.Option(help="Draw margins and what matters most (png, svg, pdf).")] = None,
     json: Json = False,
 ) -> None:
@@ -72,4 +70,5 @@ def reliability(
     out = titled(file.title)
     out.print(Text(str(found)), soft_wrap=True)
     if plot is not None:
-        out.print(Text(f"\nPicture: {plot}", style="dim"))
+        out.print()
+        print_files(out, pictures=(plot,))

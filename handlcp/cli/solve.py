@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json, print_tables, say, sides_of, titled
+from handlcp.cli.app import Json, SceneFile, app, print_files, print_json, print_tables, say, sides_of, titled
 from handlcp.errors import InputError
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
 from handlcp.grasp.friction import as_section
@@ -30,7 +30,7 @@ _COLOURS = {"HELD": "green", "UNDECIDED": "yellow"}  # the rest is red
 
 @app.command()
 def solve(
-    scene: Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")],
+    scene: SceneFile,
     json: Json = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the grasp into this file (png, svg, pdf).")] = None,
     page: Annotated[
@@ -82,9 +82,7 @@ def solve(
         out = titled(file.title)
         _print(out, solution, judged, shown, ("Advice",) if suggest else ())
         _print_more(out, left_out, explanation if explain else None)
-        for kind, written in (("Picture", plot), ("Page", page)):
-            if written is not None:
-                out.print(Text(f"{kind}: {written}", style="dim"))
+        print_files(out, pictures=(plot,), page=page)
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short or not judged.ok else 0)
 
