@@ -21,6 +21,7 @@ from handlcp.cli.app import (
     print_json,
     print_tables,
     say,
+    say_files,
     sides_of,
     titled,
 )
@@ -179,4 +180,5 @@ def reliability(
     out = titled(file.title)
     out.print(Text(str(found)), soft_wrap=True)
     if plot is not None:
-        out.print(Text(f"\nPicture: {plot}", style="dim"))
+        out.print()
+        say_files(out, Picture=[plot])

@@ -134,15 +134,11 @@ def figure(limit: LoadLimit, title: str = "") -> Figure:
               for e in limit.events if e.factor <= until]  # fmt: skip
     told = summary(events, spec)
     marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
-    shown = panels(spec, path.forces, _used(limit), path.displacement - path.displacement[0], path.torques)
+    scene = Grasp(spec).scene
+    # The path does not know the moments of soft fingers
+    used = None if scene.soft else used_on_path(scene, path.forces, np.zeros(path.forces.shape[:2]))
+    shown = panels(spec, path.forces, used, path.displacement - path.displacement[0], path.torques)
     return compose(axis, shown, marks, lambda drawn: _head(drawn, limit, title))
-
-
-def _used(limit: LoadLimit) -> Array | None:
-    """(m, n) shares of the friction limits; None for soft fingers, whose moments the path does not know."""
-    assert limit.at_limit.spec is not None  # it was solved
-    scene, forces = Grasp(limit.at_limit.spec).scene, limit.path.forces
-    return None if scene.soft else used_on_path(scene, forces, np.zeros(forces.shape[:2]))
 
 
 def _head(drawn: Figure, limit: LoadLimit, title: str) -> float:

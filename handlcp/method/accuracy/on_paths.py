@@ -96,13 +96,18 @@ class PathCost(Record):
     def __str__(self) -> str:
         """A table and the summary."""
         rows = [
-            (r.question, f"× {r.times:g}", f"{r.steps}", f"{1e3 * r.seconds:.3g}", share(r.error),
+            (r.question, f"× {r.times:g}", f"{r.steps}", _milliseconds(r.seconds), share(r.error),
              share(r.estimate) if np.isfinite(r.estimate) else "–") for r in self.rows
         ]  # fmt: skip
         heads = "question", "asked", "steps", "time\nms", "error", "estimate"
         table = TextTable(heads, tuple(rows), "<>>>>>")
         said = f"{self.summary[0].upper()}{self.summary[1:]}."
         return f"{table}\n\n{wrapped(said, '')}"
+
+
+def _milliseconds(seconds: float) -> str:
+    """In three digits, or whole ones."""
+    return f"{1e3 * seconds:.0f}" if seconds >= 0.1 else f"{1e3 * seconds:.3g}"
 
 
 @at_once()
