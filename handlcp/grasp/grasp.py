@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any, Self, overload
 
 from handlcp.check import Array, number, read_only, yes_or_no
 from handlcp.errors import InputError
-from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
-from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.asked import Asked, alone, remade
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects import Effect
@@ -16,13 +14,13 @@ from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.questions import Questions
-from handlcp.grasp.solve.compiled_answer import start_from
-from handlcp.lcp import Auto, ContactSolver, Solver
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.explanation import Explanation
+    from handlcp.grasp.answer.solution import GraspSolution
     from handlcp.grasp.assembly.contact_form import GraspContactProblem
     from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem
+    from handlcp.lcp import Auto, ContactSolver, Solver
 
 
 class Grasp(Questions):
@@ -124,6 +122,7 @@ class Grasp(Questions):
         """
         from handlcp.grasp.analysis.compare_without import measured
         from handlcp.grasp.analysis.explanation import explain
+        from handlcp.lcp import Auto
 
         section = self._section(faces)
         found = explain(self.spec, self.scene, section)
@@ -133,6 +132,7 @@ class Grasp(Questions):
     def plan(self, faces: int | str | Pyramid = "cone", chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
         from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
+        from handlcp.lcp import Auto
 
         return (chain or Auto()).plan(GraspContactProblem(self.scene, self._section(faces), stamped(self.spec.effects)))
 
@@ -151,6 +151,9 @@ class Grasp(Questions):
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
+        from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
+        from handlcp.grasp.solve.compiled_answer import start_from
+
         where, proof = start_from(start, self.scene), yes_or_no("proof", proof)
         if accuracy is None:
             section = self._section(faces)

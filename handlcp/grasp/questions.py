@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from handlcp.check import number
 from handlcp.errors import InputError, NoSolutionFound
-from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
     from handlcp.grasp.analysis.required import Required
     from handlcp.grasp.analysis.suggestions import Suggestions
+    from handlcp.grasp.answer.solution import GraspSolution
     from handlcp.grasp.answer.verdict import Verdict
     from handlcp.grasp.design.best_change import BestChange
     from handlcp.grasp.design.stiffness import RequiredStiffness
@@ -42,6 +42,7 @@ class Questions(ABC):
 
         solution : of this grasp, solved with `faces`; None: solved now. Raises InputError.
         """
+        from handlcp.grasp.answer.solution import GraspSolution
         from handlcp.grasp.verdict.check import suggested
 
         solution = self.solve(faces, throw=False) if solution is None else solution

@@ -5,18 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from concurrent.futures import Executor
+from typing import TYPE_CHECKING
 
 from handlcp.check import integer
 from handlcp.errors import InputError
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.batch.first_stage import Answers, batch_of
-from handlcp.grasp.batch.run import Single, on_cores
-from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
-from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.lcp.compiler.when import soon
 from handlcp.progress import Progress, told
+
+if TYPE_CHECKING:
+    from handlcp.grasp.answer.solution import GraspSolution
+    from handlcp.grasp.batch.first_stage import Answers
+    from handlcp.grasp.batch.solutions import Solutions
+    from handlcp.lcp import Auto, ContactSolver, Solver
 
 # ----------------------------------------------------------------
 # Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
@@ -46,7 +48,9 @@ def solve_many(
     BrokenProcessPool where a process was killed, comes out as it is, and there are no solutions; a Dask cluster sends
     what a lost worker had to another.
     """
-    from handlcp.grasp.batch.run import on_executor
+    from handlcp.grasp.batch.first_stage import batch_of
+    from handlcp.grasp.batch.run import Single, on_cores, on_executor
+    from handlcp.grasp.batch.solutions import Solutions
 
     batch = batch_of(grasps, faces, solver, proof)
     if executor is not None and not isinstance(executor, Executor):

@@ -15,7 +15,6 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joints import Doubt, JointFacts, joint_facts, model_facts
-from handlcp.hand.robot.source.mjcf import urdf_of_mjcf
 from handlcp.hand.robot.urdf import (
     MOST_JOINTS,
     build_model,
@@ -179,6 +178,8 @@ def robot_of(
     doubts: tuple[Doubt, ...] = ()
     if root.tag == MJCF:
         _shallow(argument, root, shown)
+        from handlcp.hand.robot.source.mjcf import urdf_of_mjcf
+
         root, doubts = urdf_of_mjcf(text.decode() if path is None else "", path)
     return check_robot(argument, root, base, shown), path, doubts
 
