@@ -116,7 +116,7 @@ class HandMechanism(Varied, Mechanism):
         return FollowedHand(spec)
 
     @property
-    def stands(self) -> Array:
+    def nominal(self) -> Array:
         """As the hand was placed."""
         return self.posture.q
 
@@ -191,8 +191,8 @@ class HandMechanism(Varied, Mechanism):
         """
         from handlcp.hand.objects.close import close_on
 
-        told = any(isinstance(e, JointOffset) for e in spec.effects)
-        if told or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
+        commanded = any(isinstance(e, JointOffset) for e in spec.effects)
+        if commanded or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
             return None
         place, hand = self.target.placement, self.posture.hand
         obj = self.target.moved_to(pin.SE3(place.rotation, place.translation + shift))

@@ -58,24 +58,24 @@ def squeezed_further(spec: GraspSpec, depth: float) -> GraspSpec:
     """The grasp with joints commanded on, so that every tip whose force is not prescribed goes deeper by depth [m]."""
     free = set(spec.free_fingers)
     more = np.array([depth if i in free else 0.0 for i in range(spec.of_fingers)])
-    return _told(spec, _command(spec) + motions_of(spec.mechanism, spec.planar).deeper(more))
+    return _with_command(spec, _command(spec) + motions_of(spec.mechanism, spec.planar).deeper(more))
 
 
 def eased(spec: GraspSpec, share: float) -> GraspSpec:
     """The grasp with this share of its squeeze, commands of the joints included."""
     offset, k = spec.offset.copy(), spec.of_fingers
     offset[:k] *= np.where(offset[:k, 2:] < 0.0, share, 1.0)
-    return _told(spec.replace(offset=read_only(offset)), share * _command(spec))
+    return _with_command(spec.replace(offset=read_only(offset)), share * _command(spec))
 
 
 def _command(spec: GraspSpec) -> Array:
     """(nv,) how far the joints are commanded beyond the posture."""
-    told = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
+    command = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
     mechanism: Any = spec.mechanism
-    return np.zeros(len(mechanism.names)) if told is None else told
+    return np.zeros(len(mechanism.names)) if command is None else command
 
 
-def _told(spec: GraspSpec, command: Array) -> GraspSpec:
+def _with_command(spec: GraspSpec, command: Array) -> GraspSpec:
     others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
     return spec.replace(effects=(*others, JointOffset(read_only(command))) if command.any() else others)
 

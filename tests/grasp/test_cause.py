@@ -91,7 +91,7 @@ def test_joints_that_yield_have_no_torque_to_exceed_and_a_grasp_without_joints_h
     far = np.array(hand.upper) + 1.0
     assert {one.kind for one in c.over(c.limits_of(yields), torque, far)} == {"range"}
     assert c.over(c.limits_of(yields, ranges=False), torque, far) == ()
-    assert c.over(c.limits_of(yields, stands=far), torque, far + 1.0) == ()  # it stood out of its range before
+    assert c.over(c.limits_of(yields, nominal=far), torque, far + 1.0) == ()  # it stood out of its range before
     bare = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3)
     assert c.over(c.limits_of(bare.spec), np.zeros(0), np.zeros(0)) == ()
 

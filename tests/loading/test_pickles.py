@@ -59,7 +59,7 @@ def test_a_hand_that_is_followed_finds_the_same_contacts_in_another_process(kind
     here = grasp.spec.mechanism.followed(grasp.spec)
     there = way(here, tmp_path)
     moved = type(here.start)(*here.start[:3], (np.eye(3), np.array([1e-4, -2e-4, 3e-4])))
-    a, b = here.look(moved, None), there.look(moved, None)
+    a, b = here.iterate(moved, None), there.iterate(moved, None)
     for name in ("positions", "frames", "gap"):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name), strict=True)
 

@@ -103,11 +103,11 @@ class Limits:
 
 
 def limits_of(
-    spec: GraspSpec, *, motion: tuple[float, float] = _FREE, ranges: bool = True, stands: Array | None = None
+    spec: GraspSpec, *, motion: tuple[float, float] = _FREE, ranges: bool = True, nominal: Array | None = None
 ) -> Limits:
     """The limits of a grasp. With `TorqueSaturation` torques have no limit to exceed: joints yield at it.
 
-    motion : how far the object may move [m] and turn [rad]. ranges : whether the ends of ranges count. stands (nv,) :
+    motion : how far the object may move [m] and turn [rad]. ranges : whether the ends of ranges count. nominal (nv,) :
     where the joints are before they move; a range that a joint has left there already does not count.
     """
     mechanism = spec.mechanism
@@ -118,8 +118,8 @@ def limits_of(
     if any(isinstance(e, TorqueSaturation) for e in spec.effects):
         torque = free
     lower, upper = (mechanism.ranges if ranges else None) or (-free, free)
-    if stands is not None:
-        left = exceeded(Limits((), mechanism.names, free, lower, upper).by_span * _outside(lower, upper, stands) + 1.0)
+    if nominal is not None:
+        left = exceeded(Limits((), mechanism.names, free, lower, upper).by_span * _outside(lower, upper, nominal) + 1.0)
         lower, upper = np.where(left, -np.inf, lower), np.where(left, np.inf, upper)
     return Limits(spec.names, mechanism.names, torque, lower, upper, motion)
 

@@ -33,8 +33,8 @@ class Reach:
     missing : (k,) how much of it no command of the joints makes, same unit.
     sideways : (k,) what comes with the rest along the surface, same unit: how far a squeeze moves the tip, the force of
         a grip. 0 for a preload and an overlap.
-    carried : whether the grasp is solved with the missing part all the same, as a wedge that only the pads can take up
-        (preload, overlap), or without it (squeeze, grip force).
+    carried : whether the grasp is solved with the missing part all the same, as a preload that only the pads can take
+    up (preload, overlap), or without it (squeeze, grip force).
     """
 
     what: str
@@ -75,7 +75,7 @@ class Reach:
             for name, part, share in zip(self.names, self.missing.tolist(), self.share.tolist(), strict=True)
             if part > _SEEN * self.asked.max()
         ]
-        end = ": a wedge that only the pads give way to" if self.carried else ""
+        end = ": a preload that only the pads give way to" if self.carried else ""
         return f"of {whole} of {_spread(self.asked, say)} the motors cannot make {listed(parts)}{end}"
 
 

@@ -57,8 +57,8 @@ def followed_limit(
     start = before.states[-1]
     size = _as_large(stepper, start, wrench)
     at = stepper.geometry.displacement(start.where.pose)
-    stands = start.where.q if body.follows else None
-    limits = limits_of(spec, motion=most, ranges=body.follows, stands=stands)
+    nominal = start.where.q if body.follows else None
+    limits = limits_of(spec, motion=most, ranges=body.follows, nominal=nominal)
 
     # What is at its limit already before the load comes ends the path only where it goes beyond the limit
     stands_at = _used(stepper, limits, at, start) > 1.0 - OVER

@@ -145,11 +145,11 @@ def _watch(
             rows = np.concatenate([rows, own, -own])
             level = np.concatenate([level, most[some] - held[some], most[some] + held[some]])
             watched += tuple([("torque", joints.names[j]) for j in some]) * 2
-        stands = joints.stands
-        if stands is not None and joints.ranges is not None:
+        nominal = joints.nominal
+        if nominal is not None and joints.ranges is not None:
             sag = sum([e.torque for e in effects if isinstance(e, FingerWeight) and e.sags], np.zeros(len(T)))
-            told = sum([e.command for e in effects if isinstance(e, JointOffset)], np.zeros(len(T)))
-            q = stands + told - joints.deflection(sag)
+            command = sum([e.command for e in effects if isinstance(e, JointOffset)], np.zeros(len(T)))
+            q = nominal + command - joints.deflection(sag)
             Q = joints.root @ (joints.root.T @ T)
             give = _yield_rows(scene, effects, limits, len(T))
             for end, sign in ((joints.ranges[0], 1.0), (joints.ranges[1], -1.0)):  # q = q0 - Q r - give

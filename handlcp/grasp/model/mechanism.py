@@ -112,7 +112,7 @@ class Mechanism:
         return None
 
     @property
-    def stands(self) -> Array | None:
+    def nominal(self) -> Array | None:
         """(nv,) where the joints stand in the grasp's posture [rad, m]; None where that is not known."""
         return None
 

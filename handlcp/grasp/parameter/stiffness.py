@@ -100,7 +100,7 @@ class Stiffness(Parameter):
 
 def hand(spec: GraspSpec, argument: str, given: Any) -> Any:
     """The hand of a grasp. Raises InputError for a grasp without one."""
-    if spec.mechanism is None or spec.mechanism.stands is None:
+    if spec.mechanism is None or spec.mechanism.nominal is None:
         expected = "the grasp of a hand, made by hand.at(q).grasp(...)"
         raise InputError(argument, expected, "a grasp without one")
     return spec.mechanism

@@ -194,8 +194,8 @@ class Loading(Record):
         if not forces[most] > 0.0:
             pressed = "nothing presses on it"
         when = "at the end" if self.reached else "at the last step"
-        told = [str(s) for s in self.summary]
-        lines = [wrapped(self.why, "  "), *(wrapped(line, "    ", "  ") for line in told)]
+        said = [str(s) for s in self.summary]
+        lines = [wrapped(self.why, "  "), *(wrapped(line, "    ", "  ") for line in said)]
         return "\n".join([*lines, wrapped(f"{when}: {moved}; {pressed}", "    ", "  ")])
 
 
@@ -203,7 +203,7 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
     """A state of a path as a certified solution of its own grasp: its forces and motion, if the certifier agrees, else
     those that a solve finds from there.
     """
-    made = grasp.made(state.look, state.loads)
+    made = grasp.made(state.iterate, state.loads)
     scene = build(made)
     if len(state.start) and not grasp.general:
         c = scene.components

@@ -17,8 +17,8 @@ from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.model.kind import cross_rows, shifted
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.look.numbers import Elastic
-from handlcp.grasp.path.look.tangent import Moving, Touch
+from handlcp.grasp.path.newton.numbers import Elastic
+from handlcp.grasp.path.newton.tangent import Moving, Touch
 
 RIGID = 1e-6  # of the mean flexibility: what gives way by less is rigid
 
@@ -35,7 +35,7 @@ class Where(NamedTuple):
     pose: Any
 
 
-class Look(NamedTuple):
+class Iterate(NamedTuple):
     """The contacts in one configuration, world axes.
 
     touch : where contacts are, and how they move; moving : how joints move fingertips. frames (n, 3, 3) : contact axes
@@ -81,17 +81,17 @@ class Geometry:
     noise: float = 0.0
     quick: bool = True
 
-    def mechanism(self, look: Look) -> Mechanism | None:
-        """What moves the fingers, at the contacts of a look."""
+    def mechanism(self, iterate: Iterate) -> Mechanism | None:
+        """What moves the fingers, at the contacts of an iterate."""
         raise NotImplementedError
 
-    def look(self, at: Where, before: Look | None) -> Look:
+    def iterate(self, at: Where, before: Iterate | None) -> Iterate:
         """The contacts there; frames turn as little as they can from those before."""
         raise NotImplementedError
 
-    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
+    def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
         """(n, 3) how far the object has moved past the fingertips' surfaces from a to b: along x and y [m], and turned
-        about z [rad], less carry (n, 3). From b to a it is the opposite.
+        about z [rad], less slip_memory (n, 3). From b to a it is the opposite.
         """
         raise NotImplementedError
 
@@ -181,7 +181,7 @@ class FixedGeometry(Geometry):
         self.posture = read_only(np.zeros(nv))
         self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))
 
-    def look(self, at: Where, before: Look | None) -> Look:
+    def iterate(self, at: Where, before: Iterate | None) -> Iterate:
         spec, R = self.spec, self.spec.frames
         u, omega = at.pose[:3], at.pose[3:]
         moved = u + cross_rows(np.tile(omega, (len(self._arms), 1)), self._arms) - at.give
@@ -191,15 +191,15 @@ class FixedGeometry(Geometry):
         gap = self.apart[:, 2] + along[:, 2]
         still = np.zeros((0, 3, 6))
         touch = Touch(self._positions, R[:, :, 2].copy(), gap, self._positions, still, still)
-        return Look(
+        return Iterate(
             at, touch, self._moving, self._frames, self._elastic, self._radius, spec.reference, self._arm, slips
         )
 
-    def mechanism(self, look: Look) -> Mechanism | None:
+    def mechanism(self, iterate: Iterate) -> Mechanism | None:
         return self.spec.mechanism
 
-    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
-        return np.asarray(b.bodies - a.bodies - carry)
+    def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
+        return np.asarray(b.bodies - a.bodies - slip_memory)
 
     def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
         return pose + shifted(twist, self.spec.reference - centre)

@@ -37,7 +37,9 @@ def flow(
     the contacts' distances; an object that has moved farther is not followed on (MOVES).
     """
     h, start, speed = _FIRST, state, 0.0
-    reach = float(np.sqrt(((state.look.positions - state.look.reference) ** 2).sum(axis=1)).max()) / stepper.length
+    reach = (
+        float(np.sqrt(((state.iterate.positions - state.iterate.reference) ** 2).sum(axis=1)).max()) / stepper.length
+    )
     for count in range(_MOST):
         tick("the object moves on to another place")
         under = controls if push is None or count >= _PUSHED else controls._replace(load=controls.load + push)

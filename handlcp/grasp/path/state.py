@@ -12,8 +12,8 @@ import numpy as np
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.path.events import Event
-from handlcp.grasp.path.geometry import Look, Where
-from handlcp.grasp.path.look.numbers import Loads, Read
+from handlcp.grasp.path.geometry import Iterate, Where
+from handlcp.grasp.path.newton.numbers import Loads, Read
 
 # ----------------------------------------------------------------
 # What is done to a grasp, stage by stage: the hand closes, then the load comes; or any other order.
@@ -42,11 +42,11 @@ class Stage:
 
 
 class Controls(NamedTuple):
-    """load (6,) besides the weight; weight, wedge : shares; command (nv,) beyond the posture."""
+    """load (6,) besides the weight; weight, preload : shares; command (nv,) beyond the posture."""
 
     load: Array
     weight: float
-    wedge: float
+    preload: float
     command: Array
 
     def toward(self, end: Controls, share: float) -> Controls:
@@ -54,7 +54,7 @@ class Controls(NamedTuple):
         rest = 1.0 - share
         return Controls(
             rest * self.load + share * end.load, rest * self.weight + share * end.weight,
-            rest * self.wedge + share * end.wedge, rest * self.command + share * end.command,
+            rest * self.preload + share * end.preload, rest * self.command + share * end.command,
         )  # fmt: skip
 
 
@@ -115,10 +115,10 @@ def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tupl
     elif stage == "squeeze":
         yield Goal("squeeze", Controls(now.load, now.weight, 1.0, commands[1]))
     elif stage in ("load", "together"):
-        wedge, told = (1.0, commands[1]) if stage == "together" else (now.wedge, now.command)
+        preload, commanded = (1.0, commands[1]) if stage == "together" else (now.preload, now.command)
         for k, load in enumerate(path, 1):
             name = str(stage) if k == 1 else f"{stage} {k}"
-            yield Goal(name, Controls(load, 1.0, wedge, told))
+            yield Goal(name, Controls(load, 1.0, preload, commanded))
     else:
         raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", repr(stage)[:80])
 
@@ -129,15 +129,15 @@ def _own(argument: str, stage: Stage, now: Controls, commands: tuple[Array, Arra
         raise InputError(f"{argument}.name", "a name", repr(stage.name))
     load = now.load if stage.load is None else array(f"{argument}.load", stage.load, (6,))
     weight = now.weight if stage.weight is None else number(f"{argument}.weight", stage.weight, minimum=0.0)
-    wedge, told = now.wedge, now.command
+    preload, commanded = now.preload, now.command
     if stage.squeeze is not None:
-        wedge = number(f"{argument}.squeeze", stage.squeeze, minimum=0.0)
-        told = read_only(before + wedge * (command - before))
+        preload = number(f"{argument}.squeeze", stage.squeeze, minimum=0.0)
+        commanded = read_only(before + preload * (command - before))
     if stage.joint_offset is not None:
         if not len(command):
             raise InputError(f"{argument}.joint_offset", "None for a grasp without a hand", repr(stage.joint_offset))
-        told = array(f"{argument}.joint_offset", stage.joint_offset, (len(command),))
-    return Goal(stage.name, Controls(load, weight, wedge, told))
+        commanded = array(f"{argument}.joint_offset", stage.joint_offset, (len(command),))
+    return Goal(stage.name, Controls(load, weight, preload, commanded))
 
 
 # ----------------------------------------------------------------
@@ -149,18 +149,18 @@ STILL = read_only(np.zeros(6))
 
 class State(NamedTuple):
     """where : the configuration at the end of the step. look : the contacts as the step was solved with them.
-    loads : of the step. carry (n, 3) : slip between that look and the end, as `Geometry.slipped` has it.
+    loads : of the step. slip_memory (n, 3) : slip between that iterate and the end, as `Geometry.slipped` has it.
     slid (n, 3) : slip of the step, of the object past the fingertip along x and y [m], and about z [rad].
     read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far
     joints at their limit are driven back [rad]. controls : what was asked for. start : where the next solve begins.
-    gives (k,) : motions of limits that give way. looks : how many the step took. met (dof, dof) : the wrench that a
+    gives (k,) : motions of limits that give way. iterates : how many the step took. met (dof, dof) : the wrench that a
     small push meets, natural units, along it where it drives it further; empty where that was not measured.
     """
 
     where: Where
-    look: Look
+    iterate: Iterate
     loads: Loads
-    carry: Array
+    slip_memory: Array
     slid: Array
     read: Read
     kinds: tuple[str, ...]
@@ -168,7 +168,7 @@ class State(NamedTuple):
     controls: Controls
     start: Array
     gives: Array
-    looks: int
+    iterates: int
     met: Array
 
     @property

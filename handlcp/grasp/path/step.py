@@ -16,9 +16,9 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.geometry import Geometry, Look, Where, between, length_of
-from handlcp.grasp.path.look.numbers import Loads, Read, flexibility_of
-from handlcp.grasp.path.look.one_look import Damping, Led, one_look
+from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
+from handlcp.grasp.path.newton.iteration import Damping, Reached, one_iteration
+from handlcp.grasp.path.newton.numbers import Loads, Read, flexibility_of
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws
 from handlcp.grasp.solve.solve_spec import solve_spec
@@ -31,9 +31,9 @@ _SLOW = 1e8
 _HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
 _NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
 _MOST = 9  # looks at one step, after which it counts as one that does not settle
-_CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the looks from the fourth on, and any look
+_CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any look
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
-_LEAST = 0.2  # of the way from a look to its end
+_LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
 _NOWHERE = np.zeros(0)
@@ -41,11 +41,11 @@ _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction
 
 
 class _Asked(NamedTuple):
-    """What is asked of the solves of a look. slipped (n, 3) : since the step began. gives (k,) : motions of limits that
-    they start from. near : an answer that is no farther from the look than this is measured for its stability.
+    """What is asked of the solves of an iterate. slipped (n, 3) : since the step began. gives (k,) : motions of limits
+    that they start from. near : an answer that is no farther from the iterate than this is measured for its stability.
     """
 
-    look: Look
+    iterate: Iterate
     loads: Loads
     slipped: Array
     damping: Damping
@@ -61,7 +61,7 @@ class Stepper:
     def __init__(self, spec: GraspSpec, geometry: Geometry, section: Section, weight: Array, tolerance: float) -> None:
         self.geometry, self.tolerance, self.section = geometry, max(tolerance, geometry.noise), section
         self.slow = _SLOW
-        self.first = geometry.look(geometry.start, None)
+        self.first = geometry.iterate(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
         self.laws = StepLaws(self.grasp, section)
         E = flexibility_of(self.first.elastic).diagonal()
@@ -97,51 +97,70 @@ class Stepper:
         h = self.slow if h is None else h
         guess = guess or state.same
         geometry, follows = self.geometry, self.geometry.follows
-        look, start, gives = geometry.look(guess.where, state.look), guess.start, guess.gives
+        iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
         last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
         for count in range(1, _MOST + 1):
-            slipped = geometry.slipped(state.look, look, state.carry)
+            slipped = geometry.slipped(state.iterate, iterate, state.slip_memory)
             if past is not None:
                 slipped -= past
-            loads = self.grasp.loads(look, slipped, under)
-            done = self.between(state.where.pose, look.at.pose)
-            damping = Damping(1.0 / h, damper, done, state.where.q - look.at.q)
-            led = self._answer(_Asked(look, loads, slipped, damping, gives, most), start, state)
-            if led is None:
+            loads = self.grasp.loads(iterate, slipped, under)
+            done = self.between(state.where.pose, iterate.at.pose)
+            damping = Damping(1.0 / h, damper, done, state.where.q - iterate.at.q)
+            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most), start, state)
+            if reached is None:
                 return Failure("no answer")
-            end = Where(look.at.q + led.change, led.give, led.turn, geometry.moved(look.at.pose, led.twist, led.centre))
-            start, gives, miss = led.start, led.gives, led.miss
+            end = Where(
+                iterate.at.q + reached.change,
+                reached.give,
+                reached.turn,
+                geometry.moved(iterate.at.pose, reached.twist, reached.centre),
+            )
+            start, gives, miss = reached.start, reached.gives, reached.miss
             if miss <= near or not follows:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
                     return Failure("too far")
-                ahead = led.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length
+                ahead = reached.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length
                 still = not follows and not (ahead and not loads.load.any() and not loads.weight.any())
-                if still and self._held_back(state.where.pose, end.pose, led.forces) > _HELD_BACK:
+                if still and self._held_back(state.where.pose, end.pose, reached.forces) > _HELD_BACK:
                     return Failure("no answer")
-                motion, spin = led.motion, led.spin
+                motion, spin = reached.motion, reached.spin
                 if past is not None:
                     motion[:, :2] += past[:, :2]
                     spin += past[:, 2]
                 slid = motion.copy()
                 slid[:, 2] = spin
                 yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
-                read = Read(led.forces, motion, led.torsion, spin, led.torque, under.stands - end.q - yielded)
-                kinds = names_of(led.kinds)
+                read = Read(
+                    reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
+                )
+                kinds = names_of(reached.kinds)
                 if ahead:
                     kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
                 return State(
-                    end, look, loads, led.carry, slid, read, kinds, yielded, controls, start, gives, count, led.met
+                    end,
+                    iterate,
+                    loads,
+                    reached.slip_memory,
+                    slid,
+                    read,
+                    kinds,
+                    yielded,
+                    controls,
+                    start,
+                    gives,
+                    count,
+                    reached.met,
                 )
             if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
                 return Failure("runs away")
             if self.far(state.where.pose, end.pose) > 2.0 * _LARGEST:
                 return Failure("too far")
             there = geometry.displacement(end.pose)
-            share = swing.share(there - (geometry.displacement(look.at.pose) if here is None else here))
+            share = swing.share(there - (geometry.displacement(iterate.at.pose) if here is None else here))
             here = there if share == 1.0 else None
             last = miss if share == 1.0 else max(miss, last)
-            look = geometry.look(end if share == 1.0 else between(geometry, look.at, end, share), look)
+            iterate = geometry.iterate(end if share == 1.0 else between(geometry, iterate.at, end, share), iterate)
         return Failure("runs away")
 
     def sought(self, state: State, controls: Controls) -> State | Failure | None:
@@ -150,10 +169,10 @@ class Stepper:
         """
         if self.grasp.general:
             return None
-        look = self.geometry.look(state.where, state.look)
-        slipped = self.geometry.slipped(state.look, look, state.carry)
-        loads = self.grasp.loads(look, slipped, self.grasp.under(controls, state.controls))
-        found = solve_spec(self.grasp.made(look, loads), self.section, _ALL)
+        iterate = self.geometry.iterate(state.where, state.iterate)
+        slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
+        loads = self.grasp.loads(iterate, slipped, self.grasp.under(controls, state.controls))
+        found = solve_spec(self.grasp.made(iterate, loads), self.section, _ALL)
         if not found.held:
             return None
         soft, forces = self.grasp.soft, found.forces.reshape(-1)
@@ -180,7 +199,7 @@ class Stepper:
         x, y, z, p, q, r = self.between(a, b).tolist()
         return math.sqrt(x * x + y * y + z * z) / self.length + math.sqrt(p * p + q * q + r * r)
 
-    def _answer(self, asked: _Asked, start: Array, state: State) -> Led | None:
+    def _answer(self, asked: _Asked, start: Array, state: State) -> Reached | None:
         """The answer that continues what is expected. Where a contact changes its state, the answer found from
         contacts that all stick is asked for, too, and the one is taken that changes no state, else the nearer one.
         """
@@ -199,7 +218,7 @@ class Stepper:
         off = [float(abs(a.start[:c] - start[:c]).max()) for a in (found, other)]
         return found if off[0] <= off[1] else other
 
-    def _pressed(self, asked: _Asked) -> Led | None:
+    def _pressed(self, asked: _Asked) -> Reached | None:
         """The loaded answer nearest to contacts that all stick: friction starts high and comes down to what it is, each
         solve from the last. None where an answer opens all contacts on the way.
         """
@@ -211,23 +230,23 @@ class Stepper:
             start = found.start
         return found
 
-    def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Led | None:
+    def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Reached | None:
         """One solve; friction : times what it is. cold : from contacts that all stick, not from the start."""
         self.counts["solves"] += 1
-        laws, look = self.laws, asked.look
-        extra, giving, loads = laws.added(look, asked.loads, asked.gives)
+        laws, iterate = self.laws, asked.iterate
+        extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
         row = np.zeros(laws.answer.size)
-        one_look(
-            look.touch, look.frames, look.moving, look.elastic, loads, asked.slipped, look.radius,
+        one_iteration(
+            iterate.touch, iterate.frames, iterate.moving, iterate.elastic, loads, asked.slipped, iterate.radius,
             asked.damping, extra,
             laws.laws, laws.limits if friction == 1.0 else friction * laws.limits, giving, laws.yields, laws.pattern,
             start, not cold, _SEED, asked.near, row,
         )  # fmt: skip
-        return Led(row, laws.answer.parts) if row[0] else None
+        return Reached(row, laws.answer.parts) if row[0] else None
 
 
 class _Swing:
-    """How far to go from a look to its end: all the way, or less where ends swing from one side to the other, as a
+    """How far to go from an iterate to its end: all the way, or less where ends swing from one side to the other, as a
     contact that sticks on one side and slides on the other does. Aitken's relaxation.
     """
 
@@ -236,7 +255,7 @@ class _Swing:
         self.part = 1.0
 
     def share(self, moved: Array) -> float:
-        """Moved (6,) : of the object from the look to its end."""
+        """Moved (6,) : of the object from the iterate to its end."""
         if self.last is not None:
             change = self.last - moved
             size = float(change @ change)

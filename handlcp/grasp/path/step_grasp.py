@@ -31,10 +31,10 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec, wrench_about
-from handlcp.grasp.path.geometry import Geometry, Look
-from handlcp.grasp.path.look.linear_solve import Giving
-from handlcp.grasp.path.look.numbers import Laws, Loads, flexibility_of
-from handlcp.grasp.path.look.one_look import Answer
+from handlcp.grasp.path.geometry import Geometry, Iterate
+from handlcp.grasp.path.newton.iteration import Answer
+from handlcp.grasp.path.newton.linear_solve import Giving
+from handlcp.grasp.path.newton.numbers import Laws, Loads, flexibility_of
 from handlcp.grasp.path.state import Controls
 from handlcp.grasp.solve.compiled_solve import ScenePattern
 
@@ -79,20 +79,20 @@ class StepLaws:
         self.yields = np.zeros((nv, 0))
         self.answer = Answer(spec.n, nv, scene.components, self.given, kind.dof)
 
-    def added(self, look: Look, loads: Loads, gives: Array) -> tuple[Array, Giving, Loads]:
-        """What effects add to a look: flexibility (c, c) in contact axes, empty for none; limits that give way; loads
-        with their offsets. gives (given,) : from where those begin.
+    def added(self, iterate: Iterate, loads: Loads, gives: Array) -> tuple[Array, Giving, Loads]:
+        """What effects add to an iterate: flexibility (c, c) in contact axes, empty for none; limits that give way;
+        loads with their offsets. gives (given,) : from where those begin.
         """
         grasp = self.grasp
         if not grasp.general:
             return self._no_extra, self._none, loads
-        scene = build(grasp.made(look, loads))
+        scene = build(grasp.made(iterate, loads))
         scale = self.laws.scale
         E = scene.flexibility / np.outer(scale, scale)
-        plain = build(grasp.plain(look, loads))
+        plain = build(grasp.plain(iterate, loads))
         extra = E - plain.flexibility / np.outer(scale, scale)
         moved = (scene.offset - plain.offset) / scale
-        n = len(look.positions)
+        n = len(iterate.positions)
         base, spin = loads.base + moved[: 3 * n].reshape(n, 3), loads.spin.copy()
         spin[self.laws.soft] += moved[3 * n :]
         return extra, self._giving(scene, gives), loads._replace(base=base, spin=spin)
@@ -124,8 +124,8 @@ _NONE, _TOUCHES = 1e-7, 3e-5
 
 @dataclass(frozen=True, eq=False)
 class _Turned(Effect):
-    """How far soft fingertips are turned at the look, for the rows of their moments. It has no title, so that no list
-    of effects shows it.
+    """How far soft fingertips are turned at the iterate, for the rows of their moments. It has no title, so that no
+    list of effects shows it.
     """
 
     spin: Array
@@ -137,12 +137,12 @@ class _Turned(Effect):
 
 
 class Under(NamedTuple):
-    """Of a step: wedge (n, 3) that preloads add between object and fingertips, along the tangents since the step began;
-    None: nothing. stands (nv,) : where joints are commanded to. load (6,), weight (3,).
+    """Of a step: preload (n, 3) that preloads add between object and fingertips, along the tangents since the step
+    began; None: nothing. commanded (nv,) : where joints are commanded to. load (6,), weight (3,).
     """
 
-    wedge: Array | None
-    stands: Array
+    preload: Array | None
+    commanded: Array
     load: Array
     weight: Array
 
@@ -153,11 +153,11 @@ class StepGrasp:
     squeeze the object.
     """
 
-    def __init__(self, spec: GraspSpec, geometry: Geometry, first: Look, weight: Array) -> None:
+    def __init__(self, spec: GraspSpec, geometry: Geometry, first: Iterate, weight: Array) -> None:
         self.spec, self.geometry, self.weight, self.posture = spec, geometry, weight, geometry.posture
         self._weighs = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
-        told = (JointOffset, FingerWeight, GeometricStiffness)  # what each step works out anew
-        self._effects = tuple([e for e in spec.effects if not isinstance(e, told)])
+        command = (JointOffset, FingerWeight, GeometricStiffness)  # what each step works out anew
+        self._effects = tuple([e for e in spec.effects if not isinstance(e, command)])
         self.general, self.sags = bool(self._effects), self._weighs is not None and self._weighs.sags
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
@@ -167,28 +167,28 @@ class StepGrasp:
         self._overlap = np.maximum(self._touching - first.gap, 0.0)
         self._given = spec.offset - geometry.apart
         self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
-        self._wedges = self.squeezes or bool(self._touching.any())
+        self._preloads = self.squeezes or bool(self._touching.any())
 
     def under(self, controls: Controls, before: Controls) -> Under:
         """What all looks at a step have in common, from controls `before`."""
-        wedge = None
-        if self._wedges:
-            wedge = self.wedge(controls)
-            if before.wedge == controls.wedge:
-                wedge[:, :2] = 0.0
+        preload = None
+        if self._preloads:
+            preload = self.preload(controls)
+            if before.preload == controls.preload:
+                preload[:, :2] = 0.0
             else:
-                wedge[:, :2] -= self.wedge(before)[:, :2]
-        return Under(wedge, self.posture + controls.command, controls.load, controls.weight * self.weight)
+                preload[:, :2] -= self.preload(before)[:, :2]
+        return Under(preload, self.posture + controls.command, controls.load, controls.weight * self.weight)
 
-    def loads(self, look: Look, slipped: Array, under: Under) -> Loads:
-        """Of a look at a step. slipped (n, 3) : since the step began, as `Geometry.slipped` has it."""
+    def loads(self, iterate: Iterate, slipped: Array, under: Under) -> Loads:
+        """Of an iterate at a step. slipped (n, 3) : since the step began, as `Geometry.slipped` has it."""
         base = slipped.copy()
-        base[:, 2] = look.gap
-        if under.wedge is not None:
-            base += under.wedge
+        base[:, 2] = iterate.gap
+        if under.preload is not None:
+            base += under.preload
         return Loads(
-            base, slipped[:, 2].copy(), look.at.give, look.at.turn, under.stands - look.at.q, under.load,
-            look.reference, under.weight, look.reference + look.weight_arm,
+            base, slipped[:, 2].copy(), iterate.at.give, iterate.at.turn, under.commanded - iterate.at.q, under.load,
+            iterate.reference, under.weight, iterate.reference + iterate.weight_arm,
         )  # fmt: skip
 
     @property
@@ -196,36 +196,36 @@ class StepGrasp:
         """The effects that a step does not work out itself."""
         return self._effects
 
-    def made(self, look: Look, loads: Loads) -> GraspSpec:
-        """The grasp with the contacts of a look, under these loads."""
-        return self._made(look, loads, self._effects)
+    def made(self, iterate: Iterate, loads: Loads) -> GraspSpec:
+        """The grasp with the contacts of an iterate, under these loads."""
+        return self._made(iterate, loads, self._effects)
 
-    def plain(self, look: Look, loads: Loads) -> GraspSpec:
+    def plain(self, iterate: Iterate, loads: Loads) -> GraspSpec:
         """The same without the effects that a step does not work out itself."""
-        return self._made(look, loads, ())
+        return self._made(iterate, loads, ())
 
-    def _made(self, look: Look, loads: Loads, effects: tuple[Effect, ...]) -> GraspSpec:
+    def _made(self, iterate: Iterate, loads: Loads, effects: tuple[Effect, ...]) -> GraspSpec:
         spec = self.spec
-        offset = loads.base + np.einsum("nji,nj->ni", look.frames, loads.give)
+        offset = loads.base + np.einsum("nji,nj->ni", iterate.frames, loads.give)
         if len(self.soft):
             effects = (*effects, _Turned(loads.spin + loads.turn))
-        mechanism = self.geometry.mechanism(look)
+        mechanism = self.geometry.mechanism(iterate)
         if mechanism is not None:
-            effects = (*effects, JointOffset(loads.told))
+            effects = (*effects, JointOffset(loads.command))
             if self._weighs is not None:
-                effects = (*effects, FingerWeight(look.elastic.gravity, self._weighs.sags))
+                effects = (*effects, FingerWeight(iterate.elastic.gravity, self._weighs.sags))
         contacts = tuple([
             Contact.placed(read_only(p.copy()), read_only(R.copy()), c.friction, c.planar, c.name)
-            for c, p, R in zip(spec.contacts, look.positions, look.frames, strict=True)
+            for c, p, R in zip(spec.contacts, iterate.positions, iterate.frames, strict=True)
         ])  # fmt: skip
         return GraspSpec(
-            contacts, read_only(look.positions.copy()), read_only(look.frames.copy()), spec.plane, spec.fingers,
-            mechanism, wrench_about(look.reference, loads.force, loads.moment), read_only(look.reference),
-            read_only(flexibility_of(look.elastic)), read_only(offset), effects,
+            contacts, read_only(iterate.positions.copy()), read_only(iterate.frames.copy()), spec.plane, spec.fingers,
+            mechanism, wrench_about(iterate.reference, loads.force, loads.moment), read_only(iterate.reference),
+            read_only(flexibility_of(iterate.elastic)), read_only(offset), effects,
         )  # fmt: skip
 
-    def wedge(self, controls: Controls) -> Array:
+    def preload(self, controls: Controls) -> Array:
         """(n, 3) what preloads and offsets put between object and fingertips."""
-        given = controls.wedge * self._given
-        given[:, 2] += (1.0 - min(controls.wedge, 1.0)) * (self._overlap - self._touching)
+        given = controls.preload * self._given
+        given[:, 2] += (1.0 - min(controls.preload, 1.0)) * (self._overlap - self._touching)
         return np.asarray(given)

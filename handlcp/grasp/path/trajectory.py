@@ -106,12 +106,12 @@ class Steps:
     @lazy
     def positions(self) -> Array:
         """(m, n, 3) of the contacts, world axes [m]."""
-        return _rows([s.look.positions for s in self.states])
+        return _rows([s.iterate.positions for s in self.states])
 
     @lazy
     def frames(self) -> Array:
         """(m, n, 3, 3) contact axes in columns, world axes."""
-        return _rows([s.look.frames for s in self.states])
+        return _rows([s.iterate.frames for s in self.states])
 
     @lazy
     def displacement(self) -> Array:
@@ -166,11 +166,11 @@ class Steps:
         """
         states = self.states
         force = _rows([s.loads.force for s in states])
-        moment = _rows([s.loads.moment - cross_rows(s.look.reference, s.loads.force) for s in states])
-        wedge = _rows([self.grasp.wedge(s.controls) for s in states])
-        gravity = _rows([s.look.elastic.gravity for s in states])
+        moment = _rows([s.loads.moment - cross_rows(s.iterate.reference, s.loads.force) for s in states])
+        preload = _rows([self.grasp.preload(s.controls) for s in states])
+        gravity = _rows([s.iterate.elastic.gravity for s in states])
         done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.torques, self.command)
-        done -= _done(self.forces.reshape(len(self), -1), wedge.reshape(len(self), -1)) + _done(gravity, self.q)
+        done -= _done(self.forces.reshape(len(self), -1), preload.reshape(len(self), -1)) + _done(gravity, self.q)
         return read_only(np.cumsum([0.0, *done]))
 
 

@@ -179,15 +179,15 @@ def contacts_at(
 
 
 @kernel
-def slip_between(at: Array, old: Array, A: Bodies, to: Array, new: Array, B: Bodies, carry: Array) -> Array:
+def slip_between(at: Array, old: Array, A: Bodies, to: Array, new: Array, B: Bodies, slip_memory: Array) -> Array:
     """(n, 3) how far the object has moved past the fingertips' surfaces, along x and y [m] and turned about z [rad],
     from contacts `at` (n, 3) with frames `old` (n, 3, 3) to contacts `to` with frames `new`.
 
     The mean of two: the points that touch at first, where they are in the end; and the points that touch in the end,
-    where they were at first. From B to A it is the opposite, so that a path and its reverse cancel. carry (n, 3) : is
-    taken off.
+    where they were at first. From B to A it is the opposite, so that a path and its reverse cancel. slip_memory (n, 3)
+    : is taken off.
     """
-    n, out, moved, R = len(at), -carry, np.empty(3), turned_from(A.R, B.R)
+    n, out, moved, R = len(at), -slip_memory, np.empty(3), turned_from(A.R, B.R)
     t, omega = np.empty(3), rotation_vector(R)
     for b in range(3):
         t[b] = B.t[b] - R[b, 0] * A.t[0] - R[b, 1] * A.t[1] - R[b, 2] * A.t[2]

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.look.tangent import skew
+from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object, on_surface, put_contact
@@ -30,7 +30,7 @@ def ball_look(
     places: Array, turns: Array, positions: Array, normals: Array, gaps: Array, turn: Array, shift: Array,
     frames: Array, P: Array, J: Array, turning: Array,
 ) -> None:  # fmt: skip
-    """Write all that a look knows of contacts that are balls of fingers alone: see `ball_contacts`, `contacts_at`.
+    """Write all that an iterate knows of contacts that are balls of fingers alone: see `ball_contacts`, `contacts_at`.
 
     placements (k, 4, 4) : of the fingertips, give (k, 3) : of their pads. The object has moved by x ↦ R x + t; own
     (3, 3), at (3,) : its shape's axes and frame before.

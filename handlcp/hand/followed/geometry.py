@@ -17,9 +17,9 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.geometry import Geometry, Look, Where, least_flexibility, supports
-from handlcp.grasp.path.look.numbers import Elastic
-from handlcp.grasp.path.look.tangent import Moving, Touch
+from handlcp.grasp.path.geometry import Geometry, Iterate, Where, least_flexibility, supports
+from handlcp.grasp.path.newton.numbers import Elastic
+from handlcp.grasp.path.newton.tangent import Moving, Touch
 from handlcp.hand.followed.contacts import (
     Bodies,
     contacts_at,
@@ -73,13 +73,13 @@ class FollowedHand(Geometry):
         still = (np.eye(3), np.zeros(3))
         self.posture = mechanism.posture.q
         self.start = Where(self.posture, np.zeros((self.n, 3)), np.zeros(self.n), still)
-        there = self.look(self.start, None)
+        there = self.iterate(self.start, None)
         self.apart = np.zeros((self.n, 3))
         self.apart[:k, :2] = mechanism.stand_off[:, :2]
         self.apart[:, 2] = there.gap
         self.start = self.start._replace(q=self._open(there))
 
-    def _open(self, there: Look) -> Array:
+    def _open(self, there: Iterate) -> Array:
         """(nv,) the posture, opened where fingertips overlap the object until they touch it, joint by joint as in
         closing. What joints cannot open stays.
         """
@@ -91,7 +91,7 @@ class FollowedHand(Geometry):
         return read_only(self.posture - tips.deeper(inside))
 
     # ---- where the contacts are
-    def look(self, at: Where, before: Look | None) -> Look:
+    def iterate(self, at: Where, before: Iterate | None) -> Iterate:
         R, t = at.pose
         n, nv, kinematics, balls = self.n, self.hand.nv, self.hand.kinematics, self._find
         placements, columns = kinematics.frames_at(at.q, self._frames)
@@ -115,7 +115,7 @@ class FollowedHand(Geometry):
                 el.turning,
             )  # fmt: skip
         reference, bodies = R.dot(self._reference) + t, Bodies(R, t, turns, places)
-        return Look(at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), bodies)
+        return Iterate(at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), bodies)
 
     def _detect(self, at: Where, placements: Array, touch: Touch, turns: Array) -> None:
         """Write the contacts of fingers and environment, one after the other."""
@@ -152,15 +152,15 @@ class FollowedHand(Geometry):
         point = R @ (on if rolled is None else rolled) + t
         return point, normal, float(normal @ (point - plane))
 
-    def mechanism(self, look: Look) -> Mechanism:
+    def mechanism(self, iterate: Iterate) -> Mechanism:
         k = self.k
-        posture = Posture(self.hand, np.array(look.at.q))
-        made: Mechanism = self._mechanism.moved(posture, look.positions[:k], look.frames[:k])
+        posture = Posture(self.hand, np.array(iterate.at.q))
+        made: Mechanism = self._mechanism.moved(posture, iterate.positions[:k], iterate.frames[:k])
         return made
 
     # ---- what moved
-    def slipped(self, a: Look, b: Look, carry: Array) -> Array:
-        slip = slip_between(a.positions, a.frames, a.bodies, b.positions, b.frames, b.bodies, carry)
+    def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
+        slip = slip_between(a.positions, a.frames, a.bodies, b.positions, b.frames, b.bodies, slip_memory)
         slip[:, 2] -= b.at.turn - a.at.turn
         return slip
 

@@ -22,7 +22,7 @@ from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened, turns
 def grasp_at_end(loading: Loading) -> Grasp:
     """With the contacts and the load of the last step, the hand in its posture there."""
     last = loading.last
-    return grasp_of(loading.steps.grasp.made(last.look, last.loads))
+    return grasp_of(loading.steps.grasp.made(last.iterate, last.loads))
 
 
 def solution_at_end(loading: Loading) -> GraspSolution:

@@ -92,7 +92,7 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
         if posture is not None:
             q = state.where.q if follows else posture.q
         found.append(Snapshot(
-            _when(loading, k), state.look.positions, state.look.frames, state.read.forces, state.read.torsion,
+            _when(loading, k), state.iterate.positions, state.iterate.frames, state.read.forces, state.read.torsion,
             along[k], steps.gap[k], used[k], state.kinds, force, state.loads.moment - np.cross(at, force), at,
             state.read.torque if hand else None, q, moved,
         ))  # fmt: skip

@@ -1,6 +1,6 @@
-"""The consistent tangent of a step: what balance, joints and pads become to first order about a look, compiled.
+"""The consistent tangent of a step: what balance, joints and pads become to first order about an iterate, compiled.
 
-About a look the end of a step differs by the object's small motion u, by changes of the joints δq and by changes of
+About an iterate the end of a step differs by the object's small motion u, by changes of the joints δq and by changes of
 the pads δs. To first order in them, with forces r that keep their components along axes that turn with the contacts,
 
     balance   w + G r + A_u u + A_q δq + A_s δs = 0
@@ -28,7 +28,7 @@ from handlcp.lcp.kernels.dense import kernel, product, solve_wide
 
 
 class Touch(NamedTuple):
-    """n contacts of a look and how they move, world axes. positions (n, 3), normals (n, 3), gap (n,) [m].
+    """n contacts of an iterate and how they move, world axes. positions (n, 3), normals (n, 3), gap (n,) [m].
 
     places (n, 3) : points of the fingertips that their motions refer to, pads deformed. turn, shift (n, 3, 6) : of the
     normal [1/m, 1] and of the position [1, m], by the twist of the fingertip relative to the object about that place;
@@ -86,9 +86,9 @@ class Yielding(NamedTuple):
 
 
 class Driven(NamedTuple):
-    """The joints. told (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε."""
+    """The joints. command (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε."""
 
-    told: Array
+    command: Array
     lag: Array
     slow: float
 
@@ -250,7 +250,7 @@ def condensed(turned: Turned, still: bool, elastic: Yielding, driven: Driven) ->
     C = product(elastic.root, np.ascontiguousarray(elastic.root.T))
     A = np.zeros((size, size + 1 + c + 6 + k))  # the system, then its right sides by (1, r, u, g)
     for j in range(nv):
-        A[j, j], A[j, size] = 1.0 + slow, driven.told[j] + slow * driven.lag[j]
+        A[j, j], A[j, size] = 1.0 + slow, driven.command[j] + slow * driven.lag[j]
     for i in range(c):
         A[nv + i, nv + i], A[nv + i, size] = 1.0, -elastic.give[i]
     A[:nv, size + 1 : size + 1 + c] = -product(C, np.ascontiguousarray(J.T))

@@ -27,7 +27,7 @@ class Laws(NamedTuple):
 
 
 class Elastic(NamedTuple):
-    """What gives way at the contacts of a look, contact axes: P (3n, 3n) all but the joints, J (3n, nv), turning
+    """What gives way at the contacts of an iterate, contact axes: P (3n, 3n) all but the joints, J (3n, nv), turning
     (n, nv) of the fingertips about the normals, root (nv, m) of the joints' compliance, gravity (nv,) torque that holds
     the fingers' weight.
     """
@@ -42,7 +42,7 @@ class Elastic(NamedTuple):
 class Loads(NamedTuple):
     """Of a step. base (n, 3) : slip since the step began and gap, with what preloads put between. spin (n,) : turns of
     the object on the fingertips since the step began. give (n, 3) : of pads, world axes; turn (n,) : of soft pads.
-    told (nv,) : from where the joints stand to where they are commanded. load (6,) : about the reference (3,), which
+    command (nv,) : from where the joints stand to where they are commanded. load (6,) : about the reference (3,), which
     moves with the object; weight (3,) [N] at the centre of mass (3,).
     """
 
@@ -50,7 +50,7 @@ class Loads(NamedTuple):
     spin: Array
     give: Array
     turn: Array
-    told: Array
+    command: Array
     load: Array
     reference: Array
     weight: Array
@@ -89,15 +89,16 @@ def end_of_step(
     motion: Array, spin: Array, change: Array, twist: Array, centre: Array, positions: Array, frames: Array, J: Array,
     turning: Array, base: Array, give: Array, turn: Array, slipped: Array, soft: Ints, radius: Array,
 ) -> tuple[Array, Array, Array, float]:  # fmt: skip
-    """(give, turn, carry, miss): how far pads are pushed away (n, 3) [m], world axes, and turned (n,) [rad] at the end;
-    the slip between the look and the end (n, 3); and how far the end is from the look, as a share of radius (n,) and in
-    radians.
+    """(give, turn, slip_memory, miss): how far pads are pushed away (n, 3) [m], world axes, and turned (n,) [rad] at
+    the end; the slip between the iterate and the end (n, 3); and how far the end is from the iterate, as a share of
+    radius (n,) and in radians.
 
-    motion, spin : of the answer, as in `Read`. change (nv,) : of the joints from the look to the end. twist (6,) : of
-    the object about centre (3,). positions, frames, J, turning, give, turn : of the look. base, slipped : of the step.
+    motion, spin : of the answer, as in `Read`. change (nv,) : of the joints from the iterate to the end. twist (6,) :
+    of the object about centre (3,). positions, frames, J, turning, give, turn : of the iterate. base, slipped : of the
+    step.
     """
     n, nv = len(positions), len(change)
-    give, turn, carry = give.copy(), turn.copy(), np.zeros((n, 3))
+    give, turn, slip_memory = give.copy(), turn.copy(), np.zeros((n, 3))
     omega = twist[3:]
     miss = np.sqrt(omega[0] ** 2 + omega[1] ** 2 + omega[2] ** 2)
     u, tip, own = np.empty(3), np.empty(3), np.empty(3)
@@ -116,7 +117,7 @@ def end_of_step(
             relative = motion[i, a] - base[i, a]
             own[a] = moves - tip[a] - relative  # the pad's share
             if a < 2:
-                carry[i, a] = relative
+                slip_memory[i, a] = relative
             far += moves * moves
             near += (tip[a] + own[a]) ** 2
         miss = max(miss, np.sqrt(max(far, near)) / radius[i])
@@ -125,10 +126,10 @@ def end_of_step(
                 give[i, b] += frames[i, b, a] * own[a]
     for a in range(len(soft)):
         i = soft[a]
-        carry[i, 2] = spin[i] - slipped[i, 2]
-        turn[i] -= carry[i, 2]
+        slip_memory[i, 2] = spin[i] - slipped[i, 2]
+        turn[i] -= slip_memory[i, 2]
         for b in range(3):
             turn[i] += frames[i, b, 2] * omega[b]
         for j in range(nv):
             turn[i] -= turning[i, j] * change[j]
-    return give, turn, carry, miss
+    return give, turn, slip_memory, miss

@@ -13,8 +13,8 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.assembly.candidate import in_si
 from handlcp.grasp.model.grasp_matrix import Given, Posed, pose
-from handlcp.grasp.path.look.numbers import Laws
-from handlcp.grasp.path.look.tangent import Condensed
+from handlcp.grasp.path.newton.numbers import Laws
+from handlcp.grasp.path.newton.tangent import Condensed
 from handlcp.grasp.solve.compiled_solve import ScenePattern, begin, stamped_rows
 from handlcp.grasp.verify.contact_laws import Friction, examine
 from handlcp.grasp.verify.contact_states import find_states
@@ -38,7 +38,7 @@ class Giving(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What one solve goes by. limits (n,) : of friction. tangent : about the look. pattern : of the problem."""
+    """What one solve goes by. limits (n,) : of friction. tangent : about the iterate. pattern : of the problem."""
 
     laws: Laws
     limits: Array
@@ -51,7 +51,7 @@ class Task(NamedTuple):
 def linear_problem(
     positions: Array, frames: Array, task: Task, force: Array, moment: Array, start: Array
 ) -> tuple[Given, Posed, Contacts, Array]:
-    """The grasp as it stands about the look, its natural units, its problem, and where the solve begins (N,).
+    """The grasp as it stands about the iterate, its natural units, its problem, and where the solve begins (N,).
 
     force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
     """

@@ -1,4 +1,4 @@
-"""One look at a step in one compiled call: the tangent about it, the solve, and where its answer leads."""
+"""One iteration of a step in one compiled call: the tangent about it, the solve, and where its answer leads."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.path.look.linear_solve import Giving, Task, answered, linear_problem, met, solved
-from handlcp.grasp.path.look.numbers import Elastic, Laws, Loads, end_of_step
-from handlcp.grasp.path.look.tangent import (
+from handlcp.grasp.path.newton.linear_solve import Giving, Task, answered, linear_problem, met, solved
+from handlcp.grasp.path.newton.numbers import Elastic, Laws, Loads, end_of_step
+from handlcp.grasp.path.newton.tangent import (
     Condensed,
     Driven,
     Moving,
@@ -28,7 +28,7 @@ from handlcp.lcp.kernels.dense import kernel
 class Damping(NamedTuple):
     """What resists the motions of a step. slow : ε of the joints. body (6,) : force [N/m] and moment [N·m/rad] on the
     object, about the contacts' centre. done (6,) : of the object's motion, and lag (nv,) of the joints' (backwards),
-    from the step's beginning to the look.
+    from the step's beginning to the iterate.
     """
 
     slow: float
@@ -54,10 +54,11 @@ class Answer:
             self.parts[name] = slice(begin, self.size), shape
 
 
-class Led:
-    """Where a look's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the joints
-    from the look, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,), carry (n, 3) : as
-    `end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the laws' coordinates.
+class Reached:
+    """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
+    joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
+    slip_memory (n, 3) : as `end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the laws'
+    coordinates.
     """
 
     __slots__ = ("_parts", "_row")
@@ -77,7 +78,7 @@ class Led:
 
     @property
     def miss(self) -> float:
-        """How far it is from the look, as `end_of_step` has it."""
+        """How far it is from the iterate, as `end_of_step` has it."""
         return float(self._row[1])
 
     @property
@@ -93,7 +94,7 @@ class Led:
 
 
 @kernel
-def one_look(
+def one_iteration(
     t: Touch, frames: Array, m: Moving, el: Elastic, loads: Loads, slipped: Array, radius: Array, damping: Damping,
     extra: Array, laws: Laws, limits: Array, giving: Giving, yields: Array, p: ScenePattern, start: Array, begun: bool,
     seed: int, near: float, row: Array,
@@ -101,11 +102,11 @@ def one_look(
     """Write the numbers of `Answer` into the row (of zeros): each array that compiled code makes for Python costs more
     than most of what is computed here.
 
-    slipped (n, 3) : since the step began. radius (n,) : as in `Look`. extra (c, c) : flexibility that effects add, in
-    contact axes; empty: none. limits (n,) : of friction. yields (nv, k) : how far limits that give way drive joints
-    back. start : forces in the laws' coordinates (c,), about which they turn, twist and centre; empty: no forces.
-    begun : whether the solve begins there, or else from contacts that all stick.
-    near : what a push meets is measured where the answer misses its look by no more.
+    slipped (n, 3) : since the step began. radius (n,) : as in `Iterate`. extra (c, c) : flexibility that effects add,
+    in contact axes; empty: none. limits (n,) : of friction. yields (nv, k) : how far limits that give way drive joints
+    back. start : forces in the laws' coordinates (c,), about which they turn, twist and centre; empty: no forces. begun
+    : whether the solve begins there, or else from contacts that all stick. near : what a push meets is measured where
+    the answer misses its look by no more.
     """
     n, nv, soft, c = len(frames), el.J.shape[1], laws.soft, len(laws.scale)
     n3 = 3 * n
@@ -144,15 +145,15 @@ def one_look(
         return
     forces, torsion = _by_contact(r, n, soft)
     motion, spin = _by_contact(v, n, soft)
-    joints, torque = _led(lin, turned, J, el, r, twist, gives, yields, soft, torsion)
-    pads, turns, carry, miss = end_of_step(
+    joints, torque = _reached(lin, turned, J, el, r, twist, gives, yields, soft, torsion)
+    pads, turns, slip_memory, miss = end_of_step(
         motion, spin, joints, twist, centre, t.positions, frames, el.J, el.turning, loads.base, loads.give, loads.turn,
         slipped, soft, radius,
     )  # fmt: skip
     row[0], row[1], at = 1.0, miss, 3
     for part in (forces.reshape(-1), motion.reshape(-1), torsion, spin, torque, joints, twist, centre, gives):
         at = _put(row, at, part)
-    for part in (pads.reshape(-1), turns, carry.reshape(-1)):
+    for part in (pads.reshape(-1), turns, slip_memory.reshape(-1)):
         at = _put(row, at, part)
     for i in range(n):
         row[at + i] = kinds[i]
@@ -176,20 +177,20 @@ def _put(row: Array, at: int, values: Array) -> int:
 @kernel
 def _told(el: Elastic, loads: Loads, laws: Laws) -> Array:
     """(nv,) from where the joints stand to where they are commanded, and their fingers' weight pulls them."""
-    told, root = loads.told.copy(), el.root
+    command, root = loads.command.copy(), el.root
     if laws.sags == 0.0:
-        return told
+        return command
     for m in range(root.shape[1]):
         pull = 0.0
-        for j in range(len(told)):
+        for j in range(len(command)):
             pull += root[j, m] * el.gravity[j]
-        for j in range(len(told)):
-            told[j] -= laws.sags * root[j, m] * pull
-    return told
+        for j in range(len(command)):
+            command[j] -= laws.sags * root[j, m] * pull
+    return command
 
 
 @kernel
-def _led(
+def _reached(
     lin: Condensed, turned: Turned, J: Array, el: Elastic, r: Array, twist: Array, gives: Array, yields: Array,
     soft: Ints, torsion: Array,
 ) -> tuple[Array, Array]:  # fmt: skip

@@ -1,1 +1,0 @@
-"""One look at a step, compiled: how contacts turn, the problem about them, its answer and where that leads."""
