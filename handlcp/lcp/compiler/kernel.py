@@ -85,8 +85,8 @@ class Kernel:
         return dispatcher(self)
 
     def begin_anew(self) -> None:
-        """It has compiled code for these arguments, and runs it; the next ones that it has none for wait as long."""
-        self.run, self.spent, self.asked, self.look = self.jit, 0.0, False, 0.0
+        """It has compiled code for these arguments; the next ones that it has none for wait as long."""
+        self.spent, self.asked, self.look = 0.0, False, 0.0
 
     def wait(self, again: bool) -> None:
         """Go on as Python for a while. again : without asking numba's dispatcher, which has no code for any types."""
@@ -100,7 +100,8 @@ class Kernel:
             if when.mode() == "interpreted":
                 self.run = self.interpret
             elif self._is_worth_a_look():
-                return self.dispatcher(*args)
+                self.run = self.dispatcher  # until it has no code: `wait`
+                return self.run(*args)
         return self.interpret(*args)
 
     def _is_worth_a_look(self) -> bool:
