@@ -54,6 +54,8 @@ def test_calls_go_on_as_python_until_another_process_has_compiled(tmp_path):
         assert beside.process is not None, "somebody was asked"
         assert until(lambda: np.array_equal(run_small(kernel), interpreted) and k.is_compiled(kernel))
         assert k.loaded(kernel) == 1, "compiled there, not here"
+        assert np.array_equal(run_small(kernel), interpreted)
+        assert kernel.spent == 0.0, "nothing runs as Python any more"
 
 
 def test_a_kernel_that_has_run_for_long_is_asked_for_without_a_word(tmp_path, capfd):

@@ -100,7 +100,8 @@ class Kernel:
             if when.mode() == "interpreted":
                 self.run = self.interpret
             elif self._is_worth_a_look():
-                return self.dispatcher(*args)
+                self.run = self.dispatcher  # until it has no code: `wait`
+                return self.run(*args)
         return self.interpret(*args)
 
     def _is_worth_a_look(self) -> bool:
