@@ -25,8 +25,8 @@ WHAT = {
 }
 
 
-def system(names, rng):
-    """(laws, states, parts): contacts that do these things, and two limits of which the second gives way."""
+def system(names, rng, gives=(False, True)):
+    """(laws, states, parts): contacts that do these things, and two limits of which these give way."""
     n = len(names)
     c = 3 * n
     B = rng.normal(size=(c, c))
@@ -38,7 +38,7 @@ def system(names, rng):
             faces[i, a, :2] = normal
     turn = np.array([WHAT[name][2] for name in names])
     contacts = np.array([[3 * i + 2, 3 * i, 3 * i + 1, -1] for i in range(n)])
-    kept = np.array([False] * c + [True] * 6 + [False, True])
+    kept = np.array([False] * c + [True] * 6 + list(gives))
     softness = 2.0
     laws = t.Laws(t.saddle(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
     return laws, t.States(kind, against, faces, turn), (E * softness, G, A)
@@ -47,7 +47,7 @@ def system(names, rng):
 def reference(names, parts, b, more, softness):
     """The changes, from the laws written down one by one: balance, limits, then each contact's three equations."""
     E, G, A = parts
-    n, c = len(names), len(E)
+    c = len(E)
     V = np.hstack([E, G.T, A.T])  # of the motions
     rows, right = [np.hstack([G, np.zeros((6, 8))])], [-b[c : c + 6]]
     nothing = np.zeros(c + 8)
@@ -73,7 +73,7 @@ def reference(names, parts, b, more, softness):
                 across = np.array([-faces[0][1], faces[0][0]])
                 rows.append((across @ (V[T] + turn * softness * force[T]))[None])
                 right.append([-across @ b[T]])
-    return np.linalg.solve(np.concatenate(rows), np.concatenate(right)), n
+    return np.linalg.solve(np.concatenate(rows), np.concatenate(right))
 
 
 @pytest.mark.parametrize("name", WHAT)
@@ -85,7 +85,7 @@ def test_each_contact_state_has_its_equations(name, seed):
     A, B = t.active_rows(laws, states)
     inverse, regular = t.inverted(A, B, 1e-10)
     b, more = rng.normal(size=len(A)), rng.normal(size=4)
-    expected, _ = reference(names, parts, b, more, laws.softness)
+    expected = reference(names, parts, b, more, laws.softness)
     assert regular
     np.testing.assert_allclose(inverse @ np.append(b, more), expected, atol=1e-9 * abs(expected).max())
     again, free = t.smallest(A, (B @ np.append(b, more))[:, None], 1e-10)
@@ -96,8 +96,7 @@ def test_each_contact_state_has_its_equations(name, seed):
 
 def test_what_no_law_resists_is_found():
     """All contacts open: the object may go anywhere, and nothing answers a load."""
-    laws, states, _ = system(["separated", "resting"], np.random.default_rng(0))
-    laws = laws._replace(kept=np.append(laws.kept[:-2], [False, False]))  # no limit gives way
+    laws, states, _ = system(["separated", "resting"], np.random.default_rng(0), (False, False))
     A, B = t.active_rows(laws, states)
     found, free = t.smallest(A, B[:, [6]], 1e-10)
     assert free.shape[1] == 6
