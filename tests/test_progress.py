@@ -19,7 +19,7 @@ import handlcp as hl
 from handlcp import scene as scenes
 from handlcp.cli import app
 from tests.design.hands import pinch as levers
-from tests.support.progress import EVERY, PATIENCE, Clock, Terminal, steps, terminal_with, tick, told
+from tests.support.progress import EVERY, NINE_SECONDS, PATIENCE, Clock, Terminal, steps, terminal_with, tick, told
 
 CUBE = pathlib.Path(__file__).parents[1] / "examples" / "cube_three_fingers.toml"
 
@@ -218,13 +218,10 @@ def test_a_command_leaves_the_line_to_the_call_that_it_makes(monkeypatch):
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
 def test_on_a_pseudo_terminal_the_line_comes_and_goes():
     """Another process, whose stderr is one, with a clock that runs ahead."""
-    code = (
-        "import itertools, handlcp.progress as p; ahead = itertools.count(); p.clock = lambda: float(next(ahead))\n"
-        "with p.told('parts', 9) as say:\n    for _ in range(9): say(1)\n"
-    )
     ours, theirs = pty.openpty()
     env = {**os.environ, "TERM": "xterm", "COLUMNS": "80", "HANDLCP_PROGRESS": "auto"}
-    done = subprocess.run([sys.executable, "-c", code], stderr=theirs, stdout=subprocess.PIPE, env=env, check=True)
+    program = [sys.executable, "-c", NINE_SECONDS]
+    done = subprocess.run(program, stderr=theirs, stdout=subprocess.PIPE, env=env, check=True)
     os.close(theirs)
     screen = Terminal()
     while chunk := _read(ours):

@@ -8,8 +8,19 @@ import re
 from handlcp import progress
 from handlcp.progress import EVERY, PATIENCE, steps, tick, told
 
-__all__ = ["EVERY", "PATIENCE", "Clock", "Terminal", "steps", "terminal_with", "tick", "told"]
+__all__ = ["EVERY", "NINE_SECONDS", "PATIENCE", "Clock", "Terminal", "steps", "terminal_with", "tick", "told"]
 
+# A program that takes nine seconds of a clock that runs ahead
+NINE_SECONDS = """
+import itertools
+import handlcp.progress as progress
+
+ahead = itertools.count()
+progress.clock = lambda: float(next(ahead))
+with progress.told("parts", 9) as say:
+    for _ in range(9):
+        say(1)
+"""
 _CONTROL = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
 
