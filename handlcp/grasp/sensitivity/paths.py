@@ -19,6 +19,7 @@ from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import named, parameters
+from handlcp.record import plain
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
 
@@ -179,8 +180,8 @@ class PathSensitivity:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, SI: the quantities, and the derivatives asked for so far, None for what is no number; `jumps`."""
-        found = {f"{of}_by_{by}": _plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
-        return {**{name: _plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
+        found = {f"{of}_by_{by}": plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
+        return {**{name: plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
 
     def __str__(self) -> str:
         """What a tenth more of each parameter, of all fingers or joints together, does to each quantity."""
@@ -203,10 +204,3 @@ class PathSensitivity:
 def _stacked(columns: list[Array], shape: tuple[int, ...]) -> Array:
     whole = np.stack(columns, axis=-1)
     return read_only(whole.reshape(*whole.shape[:-1], *shape))
-
-
-def _plain(value: Array) -> Any:
-    """Nested lists."""
-    if np.ndim(value):
-        return [_plain(part) for part in value]
-    return float(value) if np.isfinite(value) else None
