@@ -45,7 +45,7 @@ class Answer:
     def __init__(self, n: int, nv: int, c: int, k: int, dof: int) -> None:
         shapes: dict[str, tuple[int, ...]] = {
             "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
-            "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "carry": (n, 3),
+            "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
             "kinds": (n,), "start": (c + 9,), "met": (dof, dof),
         }  # fmt: skip
         self.parts, self.size = dict[str, tuple[slice, tuple[int, ...]]](), 3
