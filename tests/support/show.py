@@ -23,7 +23,7 @@ from handlcp.show.picture.camera import Marks, camera_for, facing, fill
 from handlcp.show.picture.figure import contact_sheet
 from handlcp.show.picture.overlay import Turn, nice, rim
 from handlcp.show.record import record
-from handlcp.show.style import shortened
+from handlcp.show.style import moved, shortened
 
 __all__ = [
     "ENVELOPE_COLOURS",
@@ -44,6 +44,7 @@ __all__ = [
     "hand_bodies",
     "html",
     "loading_figure",
+    "moved",
     "nice",
     "record",
     "report",
