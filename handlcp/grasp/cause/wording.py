@@ -14,16 +14,17 @@ from handlcp.grasp.model.spec import GraspSpec
 # ---------------------------------------------------------------- Why an object is lost, in one sentence.
 
 # How a loading fails
-RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_BALANCE, NO_FORCES = (
-    "runs away", "unstable", "pushed out", "loose", "no balance", "no forces"
+RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS = (
+    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps"
 )  # fmt: skip
 _SENTENCES = {
     RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
     UNSTABLE: "the object is in balance, but a small push{} drives it away: the fingers are too soft for their forces",
     PUSHED_OUT: "the squeeze pushes the object out from between the fingers",
     LOOSE: "no finger holds the object any more",
-    NO_BALANCE: "no forces within friction balance the load in this position",
     NO_FORCES: "the fingers do not create the forces that would balance the load",
+    TOO_FAR: "no balance was found near the last one, however small the step: the object would have to jump",
+    LEAPS: "no balance was found near the last one, however small the step: the object would have to jump",
 }
 
 
@@ -40,7 +41,7 @@ def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | No
         state.append(f"{called(sliding, spec)} {'slide' if len(sliding) > 1 else 'slides'}")
     if open_:
         state.append(f"{called(open_, spec)} {'have' if len(open_) > 1 else 'has'} let go")
-    text = _SENTENCES[how if how in _SENTENCES else NO_FORCES].format("" if motion is None else moves(motion))
+    text = _SENTENCES[how].format("" if motion is None else moves(motion))
     return f"{text} ({' and '.join(state)})" if state else text
 
 

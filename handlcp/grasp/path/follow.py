@@ -328,7 +328,9 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
         events.append(Event("slides through", OBJECT, goals[run.slides.stage].name, run.slides.share, run.slides.stage))
     events.sort(key=lambda e: (e.number, e.share))
     last = run.states[-1]
-    if lost:
+    if run.outcome is Outcome.GAVE_UP:
+        sentence = f"given up in stage {stage!r} at {words.percent(share)}: it takes more steps than are allowed"
+    elif lost:
         assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
         if run.failure.kind == UNSTABLE:

@@ -90,9 +90,7 @@ _ENDS = ("within limit", "holds", "range")
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """limits : of torques and ranges. torques (nv,) : limits at which joints yield, too. near : gaps up to this are
-    none [m].
-    """
+    """limits : of torques and ranges. near : gaps up to this are none [m]."""
 
     limits: Limits
     near: float
