@@ -204,8 +204,8 @@ class Failure(NamedTuple):
 
 class Outcome(Enum):
     """How a path ends: at the END of its program; at a LIMIT that was set, such as a joint's torque; LOST, no static
-    state follows and the object leaves, or does not come to rest while it flows; UNBOUNDED, nothing ends it however large the load; GAVE_UP, more steps than any
-    path of use takes: never a limit.
+    state follows and the object leaves, or does not come to rest while it flows; UNBOUNDED, nothing ends it however
+    large the load; GAVE_UP, more steps than any path of use takes: never a limit.
     """
 
     END = "end"
