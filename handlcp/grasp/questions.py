@@ -111,9 +111,10 @@ class Questions(ABC):
         self, order: Any = ("squeeze", "load"), faces: int | str | Pyramid = "cone",
         solution: GraspSolution | None = None,
     ) -> Verdict:  # fmt: skip
-        """Does it hold? The verdict when it is squeezed, then loaded, as by `follow`: HELD if the end is reached within
-        torque limits. Links inside the object, joints past their ranges and doubtful limits are named; where it does
-        not hold, what was tried and would help. solution : of this grasp with these faces; None: solved now.
+        """Does it hold? The verdict when it is squeezed, then loaded, as by `follow`. HELD: the end is reached, the
+        object neither slides through nor snaps, joints are within their torque limits, and no link or joint is where
+        the hand cannot be. Doubtful limits are named; where it does not hold, what was tried and would help.
+        solution : of this grasp with these faces; None: solved now.
         """
         from handlcp.grasp.verdict.check import check
 

@@ -64,7 +64,8 @@ class Reason:
 class Verdict(Record):
     """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns.
 
-    word : "HELD"; "OVER LIMIT": the contacts hold, some motor cannot; "NOT HELD"; "UNDECIDED": nothing is known.
+    word : "HELD"; "OVER LIMIT": the contacts hold, some motor cannot; "NOT HELD"; "UNDECIDED": no
+    verdict can be given, since a solver stopped or the model does not hold there.
     reasons : those that decide the word first, then notes, warnings and advice.
     loading : the `Loading` that `grasp.check()` followed, whose last step the reasons are about; None where none was.
     """

@@ -148,7 +148,7 @@ STILL = read_only(np.zeros(6))
 
 
 class State(NamedTuple):
-    """where : the configuration at the end of the step. look : the contacts as the step was solved with them.
+    """where : the configuration at the end of the step. iterate : the contacts as the step was solved with them.
     loads : of the step. slip_memory (n, 3) : slip between that iterate and the end, as `Geometry.slipped` has it.
     slid (n, 3) : slip of the step, of the object past the fingertip along x and y [m], and about z [rad].
     read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far

@@ -30,8 +30,8 @@ from handlcp.lcp import Auto
 _SLOW = 1e8
 _HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
 _NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
-_MOST = 9  # looks at one step, after which it counts as one that does not settle
-_CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any look
+_MOST = 9  # iterates of one step, after which it counts as one that does not settle
+_CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any iterate
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 _LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
@@ -71,7 +71,6 @@ class Stepper:
         laws = [c.friction for c in spec.contacts]
         self.friction = self.laws.limits
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
-        self.counts = {"looks": 0, "solves": 0, "steps": 0}
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
@@ -93,7 +92,6 @@ class Stepper:
         """The state under other controls. guess : what is expected of it. h : of the damper, less for a viscous step.
         rough : times the tolerance. past (n, 3) : slip that is left out of what friction opposes; None: none.
         """
-        self.counts["steps"] += 1
         h = self.slow if h is None else h
         guess = guess or state.same
         geometry, follows = self.geometry, self.geometry.follows
@@ -232,7 +230,6 @@ class Stepper:
 
     def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Reached | None:
         """One solve; friction : times what it is. cold : from contacts that all stick, not from the start."""
-        self.counts["solves"] += 1
         laws, iterate = self.laws, asked.iterate
         extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
         row = np.zeros(laws.answer.size)

@@ -43,9 +43,9 @@ from handlcp.grasp.solve.compiled_solve import ScenePattern
 
 
 class StepLaws:
-    """Of one grasp and section. laws, limits (n,) of friction, pattern : as `one_look` reads them. given : how many
-    limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first look. answer : the layout
-    of an answer's row.
+    """Of one grasp and section. laws, limits (n,) of friction, pattern : as `one_iteration` reads them. given : how
+    many limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first iterate. answer : the
+    layout of an answer's row.
     """
 
     def __init__(self, grasp: StepGrasp, section: Section) -> None:
@@ -170,7 +170,7 @@ class StepGrasp:
         self._preloads = self.squeezes or bool(self._touching.any())
 
     def under(self, controls: Controls, before: Controls) -> Under:
-        """What all looks at a step have in common, from controls `before`."""
+        """What all iterates of a step have in common, from controls `before`."""
         preload = None
         if self._preloads:
             preload = self.preload(controls)

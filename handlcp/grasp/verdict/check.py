@@ -67,6 +67,7 @@ def _suggestion(r: Reason) -> Suggestion:
 
 # ----------------------------------------------------------------
 
+_OF_ONE_PATH = "lost", "slides_through", "no_equilibrium", "not_holdable"  # which another number of steps contradicts
 _CHAIN = Auto(search_seconds=0.0)
 _ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
 STEPS = 8  # of a stage; where something happens there are more
@@ -93,13 +94,13 @@ def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution
     try:
         path, agree = followed_to(spec, section, order)
     except Unsupported as why:
-        told = Reason("not_followed", "warning", f"the loading was not followed: {why}")
-        return verdict_of([*solution.verdict.reasons, told])
+        unfollowed = Reason("not_followed", "warning", f"the loading was not followed: {why}")
+        return verdict_of([*solution.verdict.reasons, unfollowed])
     reasons = [*_reasons(spec, scene, section, solution, path)]
     if not agree:
         text = "fewer and more steps of loading end differently: one says that it holds, another that it does not"
         reasons.append(Reason("steps_differ", "decides", text))
-        reasons = [r for r in reasons if r.code not in ("lost", "slides_through")]
+        reasons = [r for r in reasons if r.code not in _OF_ONE_PATH]
     return verdict_of(reasons, path)
 
 

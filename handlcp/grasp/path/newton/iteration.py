@@ -106,7 +106,7 @@ def one_iteration(
     in contact axes; empty: none. limits (n,) : of friction. yields (nv, k) : how far limits that give way drive joints
     back. start : forces in the laws' coordinates (c,), about which they turn, twist and centre; empty: no forces. begun
     : whether the solve begins there, or else from contacts that all stick. near : what a push meets is measured where
-    the answer misses its look by no more.
+    the answer misses its iterate by no more.
     """
     n, nv, soft, c = len(frames), el.J.shape[1], laws.soft, len(laws.scale)
     n3 = 3 * n
