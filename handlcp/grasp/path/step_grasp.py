@@ -44,8 +44,8 @@ from handlcp.grasp.solve.compiled_solve import ScenePattern
 
 class StepLaws:
     """Of one grasp and section. laws, limits (n,) of friction, pattern : as `one_iteration` reads them. given : how
-    many limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first iterate. answer : the
-    layout of an answer's row.
+    many limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first iterate. answer :
+    the layout of an answer's row.
     """
 
     def __init__(self, grasp: StepGrasp, section: Section) -> None:
