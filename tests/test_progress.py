@@ -219,12 +219,15 @@ def test_a_command_leaves_the_line_to_the_call_that_it_makes(monkeypatch):
 def test_on_a_pseudo_terminal_the_line_comes_and_goes():
     """Another process, whose stderr is one, with a clock that runs ahead."""
     code = (
-        "import itertools, handlcp.progress as p; ahead = itertools.count(); p.clock = lambda: float(next(ahead))\n"
+        "import itertools\nfrom tests.support.progress import progress as p\n"
+        "ahead = itertools.count()\np.clock = lambda: float(next(ahead))\n"
         "with p.told('parts', 9) as say:\n    for _ in range(9): say(1)\n"
     )
     ours, theirs = pty.openpty()
     env = {**os.environ, "TERM": "xterm", "COLUMNS": "80", "HANDLCP_PROGRESS": "auto"}
-    done = subprocess.run([sys.executable, "-c", code], stderr=theirs, stdout=subprocess.PIPE, env=env, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], stderr=theirs, stdout=subprocess.PIPE, env=env, check=True, cwd=CUBE.parents[1]
+    )
     os.close(theirs)
     screen = Terminal()
     while chunk := _read(ours):
