@@ -46,7 +46,12 @@ GRASP = [
 ]  # fmt: skip
 FILES = sorted(p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ORDER)
 MOST = 14  # files of a folder, besides its __init__.py
-LISTS = ("effects", "friction", "solvers")  # folders of one kind of thing, of which there may be any number
+LISTS = (
+    "effects",
+    "friction",
+    "parameter",
+    "solvers",
+)  # folders of one kind of thing, of which there may be any number
 
 
 def dotted(file):

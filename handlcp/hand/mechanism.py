@@ -25,7 +25,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, weight_left_out, weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION
-from handlcp.hand.elasticity.stiffness import JointStiffness, tip_flexibility
+from handlcp.hand.elasticity.stiffness import JointStiffness, Pads, tip_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.joints import TorqueLimits
@@ -210,6 +210,16 @@ class HandMechanism(Varied, Mechanism):
             flexibility=finger_flexibility(made), reference=read_only(spec.reference + shift),
             offset=read_only(spec.offset + np.outer(gaps, (0.0, 0.0, 1.0))),
         )  # fmt: skip
+
+    def padded(self, contact: int, more: float) -> Self:
+        """Of the fingertip that touches there; a loading that is followed asks its pad."""
+        if contact >= len(self.tips):
+            return self
+        hand = self.posture.hand
+        blocks = hand.pads.blocks.copy()
+        blocks[self.tips[contact]] += more * np.eye(3)
+        made = hand.with_parts(pads=Pads(blocks))
+        return replace(self, posture=type(self.posture)(made, self.posture.q))
 
     def stiffer(self, factor: float) -> Self:
         """The same hand in the same posture, with springs that are so many times as stiff."""

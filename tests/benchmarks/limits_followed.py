@@ -53,7 +53,7 @@ def main() -> None:
             counted.limit(load)
             took.append(time.process_time() - begun)
             steps.append(counted.steps)
-            looks.append(counted.looks)
+            looks.append(counted.iterates)
         begun = time.process_time()
         for _ in range(50):
             make().solve("cone")

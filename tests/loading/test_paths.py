@@ -52,7 +52,7 @@ def test_soft_pads_twist_as_their_flexibility_says_while_contacts_are_followed()
     h = g.follow(np.append(np.zeros(3), moment * line))
     assert h.last.kinds == ("sticking", "sticking")
     assert line @ h.displacement[3:] == pytest.approx(0.5 * moment * c, rel=1e-4)
-    assert max(s.looks for s in h.steps.states) <= 5  # Newton's steps: no part of the tangent is missing
+    assert max(s.iterates for s in h.steps.states) <= 5  # Newton's steps: no part of the tangent is missing
 
 
 @pytest.mark.parametrize("grasp", [cube, ball])

@@ -81,3 +81,18 @@ def test_names_of_common_changes_are_checked(found):
     assert "all_friction" in found.parameters
     with pytest.raises(hl.HandLCPError, match="a parameter among"):
         found.of("factor", "all_wrench")
+
+
+def test_pads_count_where_hand_and_object_are_followed():
+    """Against limits of hands with other pads, closed by the same command of the joints."""
+    hand, cube = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+    q, pad, more = hand.close_on(cube), 1e-4, 1e-7
+    held = hand.at(q).grasp(cube, friction=0.8, squeeze=0.005)
+
+    def factor(softness):
+        other = hand.replace(pad_flexibility=softness).at(q).grasp(cube, friction=0.8, joint_offset=held.joint_offset)
+        return other.load_limit((0, 0, -1.0, 0, 0, 0)).factor
+
+    found = held.load_limit((0, 0, -1.0, 0, 0, 0)).sensitivity().factor_by_all_pads
+    assert found == pytest.approx((factor(pad + more) - factor(pad - more)) / (2 * more), rel=1e-4)
+    assert found < -100.0

@@ -26,17 +26,17 @@ class Counted:
 
     def __init__(self, grasp: Any) -> None:
         self.spec, self.section = grasp.spec, as_section("cone", planar=False)
-        self.steps = self.looks = 0
+        self.steps = self.iterates = 0
 
     def limit(self, load: Any) -> LoadLimit:
         """With the geometry followed."""
-        self.steps = self.looks = 0
+        self.steps = self.iterates = 0
         step = Stepper.step
 
         def counted(stepper: Stepper, *given: Any, **more: Any) -> Any:
             found = step(stepper, *given, **more)
             self.steps += 1
-            self.looks += found.looks if isinstance(found, State) else 0
+            self.iterates += found.iterates if isinstance(found, State) else 0
             return found
 
         Stepper.step = counted  # type: ignore[method-assign]

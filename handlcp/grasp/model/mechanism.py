@@ -197,6 +197,12 @@ class Mechanism:
         """The grasp with other torque limits (nv,) [N·m], inf for none."""
         return spec.replace(mechanism=replace(self, limits=limits))
 
+    def padded(self, contact: int, more: float) -> Self:
+        """The same with the pad of a finger's contact softer by so much along all axes [m/N]; pads that only the
+        flexibility of a grasp has are not the mechanism's.
+        """
+        return self
+
     def stiffer(self, factor: float) -> Self:
         """The same with joints that are so many times as stiff."""
         return replace(self, root=read_only(self.root / np.sqrt(factor)))

@@ -54,4 +54,4 @@ class Mass(Parameter):
         return (Entry("mass", (), float(values[0]), 0.0, "kg", given, argument),)
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.put("mass", 1.0, 1, (), values / self.values(samples.spec)[0])
+        samples.times("mass", 1, (), values / self.values(samples.spec)[0])

@@ -42,7 +42,8 @@ class Pads(Parameter):
         E = spec.flexibility
         for a in (0, 2) if spec.planar else (0, 1, 2):
             E = larger(E, (3 * k + a) * (len(E) + 1), step)
-        return spec.replace(flexibility=E)
+        mechanism = None if spec.mechanism is None else spec.mechanism.padded(k, step)
+        return spec.replace(flexibility=E, mechanism=mechanism)
 
     def change(self, answer: Answer) -> Change:
         n = answer.scene.n
@@ -59,4 +60,4 @@ class Pads(Parameter):
         return factors("pads", argument, given, fingers, "a fingertip of this grasp")
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.put("pads", 1.0, samples.spec.of_fingers, at, values)
+        samples.times("pads", samples.spec.of_fingers, at, values)

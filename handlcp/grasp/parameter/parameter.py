@@ -1,6 +1,6 @@
 """What a parameter is: its name, unit, shape and nominal values, and how a grasp changes with it.
 
-A parameter is one class in one file of this folder, found by its class: no other file lists it. It says
+A parameter is one class in one file of this folder, found by its class: no other file needs a line for it. It says
 
     what it is                          `shape`, `values`, `without`
     the same grasp with other values    `varied`, `scaled`
@@ -106,7 +106,9 @@ class Parameter(ABC):
     # ---- the same grasp with other values
     @abstractmethod
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
-        """The grasp with the k-th entry larger by a step; contacts, commands and offsets stay unless it says so."""
+        """The grasp with the k-th entry larger by a step; contacts, commands and offsets stay unless it says so. Of a
+        hand's grasp change its mechanism, too: a loading that is followed asks that, not the specification.
+        """
 
     def varied_all(self, spec: GraspSpec, steps: Array) -> GraspSpec:
         """The grasp with each entry larger by a step of its own, steps in its shape; `without` stay as they are."""

@@ -35,8 +35,12 @@ class Samples:
         return self.written[name]
 
     def put(self, name: str, nominal: Array | float, count: int, at: tuple[int, ...], values: Array) -> None:
-        """Write values (m,) into some of `count` entries, () all of them."""
+        """Write values (m,) into some of `count` entries, () all of them, in place of what was written there."""
         self.array(name, nominal, count)[:, list(at) if at else slice(None)] = values[:, None]
+
+    def times(self, name: str, count: int, at: tuple[int, ...], factors: Array) -> None:
+        """Multiply some of `count` factors, () all of them, by factors (m,): two parameters may write the same."""
+        self.array(name, 1.0, count)[:, list(at) if at else slice(None)] *= factors[:, None]
 
     def get(self, name: str) -> Array | None:
         """What was written; None: nothing."""

@@ -72,7 +72,7 @@ class Squeeze(Parameter):
         return (Entry("squeeze", (), 1.0, 0.0, "×", given, argument),)
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.put("squeeze", 1.0, 1, (), values)
+        samples.times("squeeze", 1, (), values)
 
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
         what = "preload" if spec.mechanism is None else "grip"

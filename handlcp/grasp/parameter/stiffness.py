@@ -84,7 +84,7 @@ class Stiffness(Parameter):
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
         count = 1 if samples.spec.mechanism is None else len(samples.spec.mechanism.names)
-        samples.put("springs", 1.0, count, at, values)
+        samples.times("springs", count, at, values)
 
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
         who = "fingers" if spec.mechanism is None else "joints"

@@ -39,7 +39,7 @@ class Wrench(Parameter):
         return (Entry("load", (), 1.0, -np.inf, "×", given, argument),)
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.put("load", 1.0, 1, (), values)
+        samples.times("load", 1, (), values)
 
 
 def beside_weight(spec: GraspSpec) -> Array:
