@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from typing import TYPE_CHECKING, Any, Self, overload
 
 from handlcp.check import Array, number, read_only, yes_or_no
@@ -21,6 +22,15 @@ if TYPE_CHECKING:
     from handlcp.grasp.assembly.contact_form import GraspContactProblem
     from handlcp.grasp.assembly.problem import AnyProblem, GraspProblem
     from handlcp.lcp import Auto, ContactSolver, Solver
+
+
+@cache
+def _solving() -> tuple[Any, Any, Any]:
+    """What a solve calls, imported at the first one; an import statement in each would take a tenth of its time."""
+    from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
+    from handlcp.grasp.solve.compiled_answer import start_from
+
+    return solve_with_advice, start_from, no_solution
 
 
 class Grasp(Questions):
@@ -151,13 +161,11 @@ class Grasp(Questions):
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
-        from handlcp.grasp.analysis.advice import no_solution, solve_with_advice
-        from handlcp.grasp.solve.compiled_answer import start_from
-
+        solve_with_advice, start_from, no_solution = _solving()
         where, proof = start_from(start, self.scene), yes_or_no("proof", proof)
         if accuracy is None:
             section = self._section(faces)
-            solution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
+            solution: GraspSolution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
         elif faces == "cone":
             from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 
