@@ -177,8 +177,8 @@ class Found(Record, Sequence[Candidate]):
         return "\n".join([wrapped(f"{self.why}."), *map(wrapped, warnings), *grasps])
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI units in the keys: what became of the search, and its grasps as `Candidate.to_dict` has them,
-        the best with its verdict.
+        """Plain data, SI units in the keys: what became of the search, and each grasp as its own `to_dict` says it, the
+        best with its verdict.
         """
         grasps = [one.to_dict() for one in self]
         if grasps:
