@@ -11,6 +11,7 @@ from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.sites.sited import by_site
 from handlcp.hand.squeeze import by_tip, gripping, motions_of, squeezing
 
 
@@ -41,11 +42,11 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
     if joint_offset is not None:
         effect = JointOffset(read_joint_offset(joint_offset, mechanism.names))
     elif squeeze is not None:
-        depth = by_tip("squeeze", squeeze, mechanism.fingertips)
+        depth = by_tip("squeeze", by_site("squeeze", squeeze, mechanism.posture.hand), mechanism.fingertips)
         command, reach = squeezing(motions_of(mechanism, spec.planar), depth, mechanism.stand_off[:, 2])
         effect = JointOffset(read_only(command), reach if depth.any() else None)
     else:
-        force = by_tip("grip_force", grip_force, mechanism.fingertips)
+        force = by_tip("grip_force", by_site("grip_force", grip_force, mechanism.posture.hand), mechanism.fingertips)
         E, stand_off = _of_fingers(spec, mechanism)
         command, reach = gripping(motions_of(mechanism, spec.planar), force, E, mechanism.root, stand_off)
         effect = JointOffset(read_only(command), reach if force.any() else None)

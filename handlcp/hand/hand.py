@@ -12,7 +12,7 @@ from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.description import COLLISION, Description
 from handlcp.hand.robot.tip_geometry import TipGeometry
 from handlcp.hand.state import HandState
 from handlcp.keywords import helped, needed
@@ -64,8 +64,9 @@ class Hand(HandModel):
             link's geometry. `hand.describe()` shows what was taken, and why.
         joint_stiffness : [N·m/rad] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv); None or inf:
             rigid. Or a transmission: `Tendons`, `Synergies`.
-        pad_flexibility : [m/N] a number, (3,) along the tip frame's axes, (3, 3) PSD in tip axes, (n, 3, 3), or a
-            mapping by tip name.
+        pad_flexibility : [m/N] a number, of every link that touches; (3,) along the tip frame's axes, (3, 3) PSD in
+            tip axes, (n, 3, 3), of the fingertips; or a mapping by name of a fingertip or link of the first three
+            (others: rigid), such as {"index_tip": 1e-4, "palm": 2e-5}.
         torque_limits : [N·m] None: the file's efforts (zero, infinite or absent: unknown); a number, (nv,), or a
             mapping by joint name over the file's; inf: no limit.
         base : only the links below this one are the hand, and its frame is the world frame.
@@ -148,7 +149,7 @@ class Hand(HandModel):
         tips = find_tips(model, described, fingertips)
         joints = kinematics.joint_names
         hand = cls(
-            kinematics, tips, read_stiffness(stiffness, joints), read_pads(pads, tips.names),
+            kinematics, tips, read_stiffness(stiffness, joints), read_pads(pads, tips.names, described.has(COLLISION)),
             read_torque_limits(limits, joints, {f.name: f for f in described.facts}),
             TipGeometry(described, tips, read_radii(radius, tips.names)),
         )  # fmt: skip
@@ -188,7 +189,7 @@ class Hand(HandModel):
             tips = find_tips(model, self.description, fingertips)
             parts |= {"tips": tips, "fingertips": tips.names, "kinematics": Kinematics(model, facts)}
         if fingertips is not ... or pad_flexibility is not ...:
-            parts["pads"] = read_pads(by_tip["pads"], tips.names)
+            parts["pads"] = read_pads(by_tip["pads"], tips.names, self.description.has(COLLISION))
         if fingertips is not ... or tip_radius is not ...:
             parts["_geometry"] = TipGeometry(self.description, tips, read_radii(by_tip["radius"], tips.names))
         if joint_stiffness is not ...:

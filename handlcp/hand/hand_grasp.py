@@ -141,10 +141,11 @@ class HandGrasp(HandQuestions):
         friction: Any = None, effects: Any = None, environment: Any = None, gravity: Any = None, mass: Any = None,
         object: Any = None, squeeze: Any = None, grip_force: Any = None, joint_offset: Any = None,
         finger_weight: Any = None, fingers: Any = None, max_gap: Any = None, load: Any = None,
+        links: Any = None,
     ) -> Self:  # fmt: skip
         """The grasp made again with other arguments, each as in `state.grasp`, in the same posture; None: as it was.
 
-        object : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
+        object, links : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
         given beside it stays. load : (6,) force [N] and torque [N·m] besides the weight, as `wrench` of `state.grasp`.
         wrench : the whole load, in place of the weight and of what was given beside it: the object then weighs nothing
         unless its weight is part of this wrench, and the verdict says so. To keep the weight, pass `load` instead.
@@ -161,6 +162,7 @@ class HandGrasp(HandQuestions):
             wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
             environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
             joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap, load=load,
+            links=links,
         )  # fmt: skip
         made = type(self)(hand_remade(self.spec, given))
         if isinstance(asked := made.spec.asked, HandAsked) and asked.flexibility is not None:

@@ -38,6 +38,7 @@ class HandState(Posture):
         grip_force: Any = None,
         joint_offset: Any = None,
         environment: Any = None,
+        links: Any = "tips",
     ) -> HandGrasp:
         """The grasp of an object from this posture.
 
@@ -73,6 +74,10 @@ class HandState(Posture):
             joint_offset : (nv,) or a mapping by joint name (others: 0) [rad, m], δq itself.
         environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those
             contacts come last; friction, preload and offset above are the fingers', n of them.
+        links : which parts of the hand may touch an object: "tips", the fingertips, all of which have to; "all", every
+            link with collision geometry, palm and base included; or names of links and fingertips. Of links, those
+            within max_gap touch, at a point, at both ends of a line, or at up to four corners of a patch. What is said
+            by fingertip above is then said by link (of all its contacts) or by contact, such as "palm 2".
 
         Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
         """
@@ -81,6 +86,6 @@ class HandState(Posture):
 
         asked = HandAsked(
             self, target, friction, wrench, gravity, preload, offset, reference, fingers, max_gap, effects,
-            finger_weight, plane, squeeze, grip_force, joint_offset, environment,
+            finger_weight, plane, squeeze, grip_force, joint_offset, environment, links,
         )  # fmt: skip
         return HandGrasp(asked.spec())

@@ -27,6 +27,8 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_metres, far_from
 from handlcp.hand.objects.table import surrounding
 from handlcp.hand.robot.posture import GRAVITY, Posture
+from handlcp.hand.sites.sited import by_site, sited
+from handlcp.hand.sites.touchers import TIPS
 from handlcp.hand.squeeze import joint_by_joint, overlaps
 
 # ----------------------------------------------------------------
@@ -36,14 +38,14 @@ DEFAULT = Coulomb(0.6)  # of contacts with an object
 
 
 def found_on(
-    state: Posture, obj: Object, friction: Any, fingers: Sequence[str] | None, max_gap: Any
+    state: Posture, obj: Object, friction: Any, fingers: Sequence[str] | None, max_gap: float
 ) -> tuple[tuple[int, ...], tuple[Contact, ...], Array]:
     """Numbers of the fingertips, their contacts with an object, and the signed gaps (k,) [m]. Raises NotReached."""
     tips = state.hand.tip_numbers("fingers", fingers)
     ask_for_metres("target", obj, state.tip_positions)
     names = [state.hand.fingertips[i] for i in tips]
-    laws = laws_by_name(DEFAULT if friction is None else friction, names, [DEFAULT] * len(names))
-    contacts, gaps = touching(state, tips, obj, laws, number("max_gap", max_gap, minimum=0.0))
+    laws = laws_by_name(DEFAULT if friction is None else by_site("friction", friction, state.hand), names, [DEFAULT] * len(names))
+    contacts, gaps = touching(state, tips, obj, laws, max_gap)
     return tips, contacts, gaps
 
 
@@ -89,7 +91,9 @@ class HandAsked:
 
     flexibility : of the fingers, in place of the hand's own; None: that. load : the whole load, in place of wrench and
     weight; None: these. found : contacts and offsets (k, 3) of the fingers as they are, in place of a detection.
-    inside : (k,) [m] how far fingertips count as inside the object; None: as detected.
+    inside : (k,) [m] how far fingertips count as inside the object; None: as detected. bare : the posture of the hand
+    itself, where `state` is that of a hand whose fingertips are the places on its links that touch; None: not yet looked
+    for, or fingertips alone touch.
     """
 
     state: Posture
@@ -109,10 +113,12 @@ class HandAsked:
     grip_force: Any = None
     joint_offset: Any = None
     environment: Any = None
+    links: Any = TIPS
     flexibility: Any = None
     load: Any = None
     found: tuple[tuple[Contact, ...], Array] | None = None
     inside: Array | None = None
+    bare: Posture | None = None
 
     def __post_init__(self) -> None:
         fastened(self)
@@ -120,6 +126,8 @@ class HandAsked:
     def spec(self) -> GraspSpec:
         """See `state.grasp`. Raises NotReached, UnknownName, InputError."""
         obj = self.target if isinstance(self.target, Object) else None
+        if self.bare is None and not (isinstance(self.links, str) and self.links == TIPS):
+            return self._on_links(obj).spec()
         weighed = _weight_given(self.finger_weight)
         tips, contacts, gaps = self._fingers(obj)
         k, around = len(contacts), None if self.environment is None else surrounding(self.environment, obj)
@@ -151,6 +159,20 @@ class HandAsked:
         spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, self.joint_offset)
         return spec.replace(asked=self)
 
+    def _on_links(self, obj: Object | None) -> HandAsked:
+        """The same asked of the hand whose fingertips are the places that touch."""
+        if obj is None:
+            expected = '"tips" where contacts are given (they are found on links where an object is given)'
+            raise InputError("links", expected, repr(self.links)[:80])
+        if self.fingers is not None:
+            raise InputError("fingers", "None beside links, which says what touches", repr(self.fingers)[:80])
+        ask_for_metres("target", obj, self.state.tip_positions)
+        return replace(self, state=sited(self.state, obj, self.links, self._reach), bare=self.state)
+
+    @property
+    def _reach(self) -> float:
+        return number("max_gap", self.max_gap, minimum=0.0)
+
     def _fingers(self, obj: Object | None) -> tuple[tuple[int, ...], tuple[Contact, ...], Array]:
         """Numbers of the fingertips, their contacts, and their gaps (k,) [m]."""
         if self.found is not None:
@@ -158,7 +180,8 @@ class HandAsked:
             return self.state.hand.tip_numbers("fingers", self.fingers), contacts, np.zeros(len(contacts))
         if obj is None:
             return given_by(self.state, self.target, self.friction, self.fingers)
-        return found_on(self.state, obj, self.friction, self.fingers, self.max_gap)
+        reach = self._reach if self.bare is None else np.inf  # those farther away were left out
+        return found_on(self.state, obj, self.friction, self.fingers, reach)
 
 
 def _weight_given(value: Any) -> bool | str:

@@ -23,7 +23,7 @@ from handlcp.hand.objects.object import Object
 
 _COMMANDS = ("squeeze", "grip_force", "joint_offset")
 _WEIGH = ("object", "mass", "gravity")
-_PLACE = ("object", "fingers", "max_gap")  # what makes the fingertips look for the object anew
+_PLACE = ("object", "fingers", "max_gap", "links")  # what makes the fingertips look for the object anew
 
 
 def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
@@ -45,6 +45,8 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
         changes = dict.fromkeys(_COMMANDS) | changes
     if any(name in given for name in _PLACE):
         changes["found"] = None
+        if asked.bare is not None:
+            changes |= {"state": asked.bare, "bare": None}
     changes["target"] = _target(asked, spec, mechanism, given)
     changes |= _friction(asked, spec, mechanism, changes)
     made: HandAsked = again(asked, {name: x for name, x in changes.items() if name not in ("object", "mass")})

@@ -150,13 +150,20 @@ def _stiffness(argument: str, value: Any) -> float:
 
 
 class Pads:
-    """Flexibility of n pads: blocks (n, 3, 3) [m/N], PSD, tip axes. isotropic : each is the same in all directions."""
+    """Flexibility of n pads: blocks (n, 3, 3) [m/N], PSD, tip axes. isotropic : each is the same in all directions.
+    links : blocks (3, 3) of links that were named, in their axes. rest : of those that were not.
+    """
 
-    __slots__ = ("_every", "blocks", "isotropic")
+    __slots__ = ("_every", "_links", "_rest", "blocks", "isotropic")
 
-    def __init__(self, blocks: Array) -> None:
+    def __init__(self, blocks: Array, links: Mapping[str, Array] | None = None, rest: Array | None = None) -> None:
         self.blocks, self._every = read_only(blocks), tuple(range(len(blocks)))
+        self._links, self._rest = links or {}, read_only(np.zeros((3, 3))) if rest is None else read_only(rest)
         self.isotropic = bool((blocks == blocks[:, :1, :1] * np.eye(3)).all())
+
+    def of_link(self, name: str) -> Array:
+        """(3, 3) of a link that is no fingertip, in its axes."""
+        return self._links.get(name, self._rest)
 
     def in_axes(self, rotations: Callable[[], Array], tips: tuple[int, ...]) -> Array:
         """(m, 3, 3) of the m tips numbered `tips`; rotations makes what turns tip axes into those of the result, (m, 3,
@@ -181,19 +188,22 @@ def tip_flexibility(jacobian: Array, root: Array, pads: Array) -> Array:
     return E
 
 
-def read_pads(value: Any, tips: Sequence[str]) -> Pads:
-    """From a number, (3,), (3, 3), (n, 3, 3) [m/N], or a mapping by tip name of the first three (others: rigid).
+def read_pads(value: Any, tips: Sequence[str], links: Sequence[str] = ()) -> Pads:
+    """From a number, of all links, too; (3,), (3, 3), (n, 3, 3) [m/N], of fingertips; or a mapping by name of a
+    fingertip or link of the first three (others: rigid).
 
     Raises InputError for anything that is not positive semidefinite; UnknownName.
     """
     argument, n = "pad_flexibility", len(tips)
     if isinstance(value, Mapping):
-        values = per_name(argument, value, tips, "a fingertip")
-        return Pads(np.array([_pad(f"{argument}[{tip!r}]", values.get(tip, 0.0)) for tip in tips]))
+        values = per_name(argument, value, tuple(dict.fromkeys((*tips, *links))), "a fingertip or link")
+        given = {name: _pad(f"{argument}[{name!r}]", pad) for name, pad in values.items()}
+        return Pads(np.array([given.get(tip, np.zeros((3, 3))) for tip in tips]), given)
     if dimensions(value) == 3:
         stack = array(argument, value, (n, 3, 3))
         return Pads(np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
-    return Pads(np.tile(_pad(argument, value), (n, 1, 1)))
+    pad = _pad(argument, value)
+    return Pads(np.tile(pad, (n, 1, 1)), None, pad if dimensions(value) == 0 else None)
 
 
 def _pad(argument: str, value: Any) -> Array:

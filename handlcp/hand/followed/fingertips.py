@@ -15,6 +15,7 @@ from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object, on_surface, put_contact
+from handlcp.hand.objects.swept import nearest_station, station_moves
 from handlcp.lcp.kernels.dense import kernel, product
 
 # ----------------------------------------------------------------
@@ -26,11 +27,12 @@ _TURN = 1e-6  # of the object's size: central differences of normals, good to te
 @kernel
 def ball_look(
     placements: Array, columns: Array, support: Array, coupling: Array, pads: Array, around: Array, kind: int,
-    sizes: Array, own: Array, at: Array, beside: Array, radii: Array, R: Array, t: Array, give: Array, old: Array,
-    places: Array, turns: Array, positions: Array, normals: Array, gaps: Array, turn: Array, shift: Array,
-    frames: Array, P: Array, J: Array, turning: Array,
+    sizes: Array, own: Array, at: Array, swept: Stations, R: Array, t: Array, give: Array, old: Array, places: Array,
+    turns: Array, positions: Array, normals: Array, gaps: Array, turn: Array, shift: Array, frames: Array, P: Array,
+    J: Array, turning: Array,
 ) -> None:  # fmt: skip
-    """Write all that an iterate knows of contacts that are balls of fingers alone: see `ball_contacts`, `contacts_at`.
+    """Write all that an iterate knows of contacts that are swept balls of fingers alone: see `ball_contacts`,
+    `contacts_at`.
 
     placements (k, 4, 4) : of the fingertips, give (k, 3) : of their pads. The object has moved by x ↦ R x + t; own
     (3, 3), at (3,) : its shape's axes and frame before.
@@ -38,38 +40,55 @@ def ball_look(
     p = np.empty(3)
     for a in range(3):
         p[a] = t[a] + R[a, 0] * at[0] + R[a, 1] * at[1] + R[a, 2] * at[2]
-    for i in range(len(radii)):
+    for i in range(len(swept.radii)):
         for a in range(3):
             places[i, a] = placements[i, a, 3] + give[i, a]
             for b in range(3):
                 turns[i, a, b] = placements[i, a, b]
-    ball_contacts(kind, sizes, product(R, own), p, places, turns, beside, radii, positions, normals, gaps, turn, shift)
+    ball_contacts(kind, sizes, product(R, own), p, places, turns, swept, positions, normals, gaps, turn, shift)
     contacts_at(
         columns, support, coupling, pads, around, turns, positions, old, normals, frames, P, J, turning
     )  # fmt: skip
 
 
+class Stations(NamedTuple):
+    """Swept balls in tip axes (`Swept`): beside (k, 3) their middles, spans (k, 2, 3), radii (k,) [m]."""
+
+    beside: Array
+    spans: Array
+    radii: Array
+
+
 @kernel
 def ball_contacts(
-    kind: int, sizes: Array, R: Array, p: Array, places: Array, turns: Array, beside: Array, radii: Array,
-    positions: Array, normals: Array, gaps: Array, turn: Array, shift: Array,
+    kind: int, sizes: Array, R: Array, p: Array, places: Array, turns: Array, swept: Stations, positions: Array,
+    normals: Array, gaps: Array, turn: Array, shift: Array,
 ) -> None:  # fmt: skip
-    """Write the contacts of k balls with a shape of this kind and sizes (3,), whose axes are the columns of R and whose
-    frame is at p: positions, normals, gaps, turn, shift as in `Touch`.
+    """Write the contacts of k swept balls with a shape of this kind and sizes (3,), whose axes are the columns of R and
+    whose frame is at p: positions, normals, gaps, turn, shift as in `Touch`.
 
-    places (n, 3), turns (n, 3, 3) : of the fingertips. beside (k, 3), radii (k,) : of their balls, in tip axes.
+    places (n, 3), turns (n, 3, 3) : of the fingertips.
     """
     arm, c, out, step = np.empty(3), np.empty(3), np.empty(3), _TURN * sizes.max()
-    H, N = np.empty((3, 3)), np.empty((3, 3))
-    for i in range(len(radii)):
-        for a in range(3):
-            arm[a] = 0.0
-            for b in range(3):
-                arm[a] += turns[i, a, b] * beside[i, b]
+    H, N, spans, own, at, moves = (
+        np.empty((3, 3)), np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.zeros(2), np.empty((3, 6)),
+    )  # fmt: skip
+    for i in range(len(swept.radii)):
+        turned(turns[i], swept.beside[i], arm)
         for a in range(3):
             c[a] = 0.0
             for b in range(3):
                 c[a] += R[b, a] * (places[i, b] + arm[b] - p[b])
+        line = False
+        for k in range(2):
+            turned(turns[i], swept.spans[i, k], spans[k])
+            for a in range(3):
+                line = line or swept.spans[i, k, a] != 0.0
+                own[k, a] = R[0, a] * spans[k, 0] + R[1, a] * spans[k, 1] + R[2, a] * spans[k, 2]
+        if line:
+            c = nearest_station(kind, sizes, c, own, at)
+            for a in range(3):
+                arm[a] += at[0] * spans[0, a] + at[1] * spans[1, a]
         distance, x, out = on_surface(kind, sizes, c)
         for a in range(3):
             kept = c[a]
@@ -86,9 +105,32 @@ def ball_contacts(
                 for e in range(3):
                     if H[e, 0] != 0.0 or H[e, 1] != 0.0 or H[e, 2] != 0.0:
                         N[a, b] += R[a, e] * (H[e, 0] * R[b, 0] + H[e, 1] * R[b, 1] + H[e, 2] * R[b, 2])
-        gaps[i] = distance - radii[i]
+        gaps[i] = distance - swept.radii[i]
         put_contact(R, p, x, out, positions[i], normals[i])
-        moved_along(turn[i], shift[i], N, normals[i], distance, arm)
+        if line:
+            station_moves(N, normals[i], spans, at, arm, sizes.max(), moves)
+            carried_along(turn[i], shift[i], N, normals[i], distance, moves)
+        else:
+            moved_along(turn[i], shift[i], N, normals[i], distance, arm)
+
+
+@kernel
+def turned(R: Array, x: Array, out: Array) -> None:
+    """Write R x, (3,)."""
+    for a in range(3):
+        out[a] = R[a, 0] * x[0] + R[a, 1] * x[1] + R[a, 2] * x[2]
+
+
+@kernel
+def carried_along(turn: Array, shift: Array, N: Array, normal: Array, distance: float, moves: Array) -> None:
+    """Write turn, shift (3, 6) as `moved_along`, of a point whose motion is moves (3, 6)."""
+    for a in range(3):
+        for j in range(6):
+            turn[a, j] = shift[a, j] = 0.0
+            for b in range(3):
+                turn[a, j] += N[a, b] * moves[b, j]
+                shift[a, j] += (distance * N[a, b] - normal[a] * normal[b]) * moves[b, j]
+            shift[a, j] += moves[a, j]
 
 
 @kernel
@@ -135,13 +177,13 @@ def finger_contacts(spec: GraspSpec, mechanism: Any) -> Find:
     if obj is None:
         return _Given(spec, mechanism)
     shapes = [hand.tip_shapes(i) for i in mechanism.tips]
-    if obj.known is not None and all(len(s) == 1 and s[0].radius is not None for s in shapes):
-        return Balls(obj, [s[0] for s in shapes])
+    if obj.known is not None and all(len(s) == 1 and s[0].swept is not None for s in shapes):
+        return Balls(obj, [s[0].swept for s in shapes])
     return _Detected(obj, shapes)
 
 
 class Balls:
-    """Spherical fingertips on an object whose surface is known in closed form."""
+    """Fingertips that are swept balls, on an object whose surface is known in closed form."""
 
     noise = 0.0
 
@@ -149,16 +191,14 @@ class Balls:
         assert obj.known is not None  # `finger_contacts` saw to it
         self.kind, self.sizes = obj.known[0], np.array(obj.known[1], dtype=float)
         self.own, self.at = np.ascontiguousarray(obj.placement.rotation), obj.placement.translation.copy()
-        self.radii = np.array([tip.radius for tip in tips], dtype=float)
-        self.beside = np.array([tip.translation for tip in tips], dtype=float)
+        parts = [np.array([tip[k] for tip in tips], dtype=float) for k in range(3)]
+        self.swept = Stations(*parts)
 
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
     ) -> None:
         """See `Find`."""
-        ball_contacts(
-            self.kind, self.sizes, R @ self.own, R @ self.at + t, places, turns, self.beside, self.radii, *out
-        )
+        ball_contacts(self.kind, self.sizes, R @ self.own, R @ self.at + t, places, turns, self.swept, *out)
 
 
 class _Seen(NamedTuple):

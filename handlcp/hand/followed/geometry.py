@@ -105,7 +105,7 @@ class FollowedHand(Geometry):
         if self.quick and isinstance(balls, Balls):
             ball_look(
                 placements, *moving, self._pads, self._around, balls.kind, balls.sizes, balls.own, balls.at,
-                balls.beside, balls.radii, R, t, at.give, old, places, turns, touch.positions, touch.normals, touch.gap,
+                balls.swept, R, t, at.give, old, places, turns, touch.positions, touch.normals, touch.gap,
                 touch.turn, touch.shift, frames, el.P, el.J, el.turning,
             )  # fmt: skip
         else:

@@ -17,8 +17,9 @@ from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
-from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.object import Object, on_surface
 from handlcp.hand.objects.overlap import apart, beyond, known, overlap, size_of, support
+from handlcp.hand.objects.swept import Swept, nearest_station
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import TipShape
 
@@ -177,7 +178,12 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
     """
     if len(shapes) == 1 and shapes[0].central:
         return _nearest(shapes[0], position, _UNTURNED, obj)
-    found = [_nearest(s, position + rotation @ s.translation, rotation @ s.rotation, obj) for s in shapes]
+    found = [
+        _nearest(s, position + rotation @ s.translation, rotation @ s.rotation, obj)
+        if s.face is None or obj.known is None
+        else _by_face(s.face, position, rotation, obj)
+        for s in shapes
+    ]
     return min(found, key=lambda one: one.gap)
 
 
@@ -223,3 +229,12 @@ def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], nam
         Contact.placed(p, R, law, False, name) if law.x_axis is None else Contact(p, R[:, 2], law, None, name)
         for p, R, law, name in zip(positions, frames, laws, names, strict=True)
     ])  # fmt: skip
+
+
+def _by_face(face: Swept, p: Array, R: Array, obj: Object) -> Proximity:
+    """Of a swept ball in a frame at p (3,) with rotation R (3, 3), and an object that `on_surface` knows."""
+    (kind, sizes), (Q, q), at = obj.known, obj.frame, np.zeros(2)  # type: ignore[misc]  # the caller saw to it
+    station = nearest_station(kind, sizes, (p + R @ face.centre - q) @ Q, face.spans @ R.T @ Q, at)
+    away, on, out = on_surface(kind, sizes, station)
+    outward = Q @ out
+    return Proximity(away - face.radius, Q @ on + q, Q @ station + q - face.radius * outward, -outward)

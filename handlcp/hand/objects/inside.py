@@ -48,7 +48,7 @@ def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[
         return ()
     placements, _ = hand.kinematics.frames_at(posture.q, [link.frame for link in links])
     carried = {hand.kinematics.model.frames[hand.tips.frames[i]].parentJoint: i for i in tips}
-    centre, around = _ball_around(obj)
+    centre, around = ball_around(obj)
     found = []
     for link, placement in zip(links, placements, strict=True):
         R, p = placement[:3, :3], placement[:3, 3]
@@ -135,7 +135,7 @@ def _corners(obj: Object) -> Array:
     return np.array(obj.geometry.points(), dtype=float)
 
 
-def _ball_around(obj: Object) -> tuple[Array, float]:
+def ball_around(obj: Object) -> tuple[Array, float]:
     """Centre (3,) and radius [m] of a ball that holds the object."""
     place = obj.placement
     if isinstance(obj, Sphere):

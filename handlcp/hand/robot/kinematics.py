@@ -73,6 +73,15 @@ class Kinematics:
             placements[i] = oMf[frame].homogeneous
         return placements, data.J
 
+    def joints_at(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
+        """Placements (n, 4, 4) of joints' frames, and the Jacobian as `frames_at`."""
+        model, data = self._of_this_thread()
+        pin.computeJointJacobians(model, data, self.configuration(q))
+        oMi, placements = data.oMi, np.empty((len(joints), 4, 4))
+        for i, joint in enumerate(joints):
+            placements[i] = oMi[joint].homogeneous
+        return placements, data.J
+
     def gravity_torque(self, q: Array, gravity: Array) -> Array:
         """(nv,) torque g(q) that holds the links' weight [N·m]; q (nv,), gravity (3,) [m/s²] in world axes."""
         model, data = self._of_this_thread()

@@ -35,6 +35,7 @@ class HandModel:
     lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
     neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
     torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
+    links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None.
     """
 
     kinematics: Kinematics
@@ -51,6 +52,7 @@ class HandModel:
     upper: Array
     neutral: Array
     torque_limits: Array
+    links_of_sites: tuple[str, ...] | None
     _geometry: TipGeometry
 
     def __init__(
@@ -66,7 +68,7 @@ class HandModel:
             kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques, _geometry=geometry,
             name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
             nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
-            neutral=kinematics.neutral, torque_limits=torques.limits,
+            neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None,
         )  # fmt: skip
 
     @property
@@ -118,6 +120,10 @@ class HandModel:
         """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError for none."""
         return self._geometry.shapes(tip)
 
+    def tip_links(self, tip: int) -> set[str]:
+        """The links whose collision geometry is that of the tip numbered `tip`."""
+        return self._geometry.covers(tip)
+
     @lazy
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
@@ -139,7 +145,7 @@ class HandModel:
         return self.with_parts(stiffness=self.stiffness.stiffer(factor))
 
     def with_parts(self, **parts: Any) -> Self:
-        """The same hand with other `stiffness` or `pads`."""
+        """The same hand with other parts, such as `stiffness` or `pads`."""
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__, **parts)
         return made

@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
+from handlcp.hand.objects.swept import Swept
 from handlcp.hand.robot.fingertips import TipFrames
 from handlcp.hand.robot.link_surface import hull
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
@@ -26,7 +27,8 @@ class TipShape:
     """One convex shape of a fingertip: coal's geometry and its placement in the tip frame.
 
     radius : [m] of a sphere, None for other shapes. central : whether it is a sphere about the origin of the tip frame.
-    name : for messages.
+    name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches; None: not
+    known, or a sphere's.
     """
 
     geometry: Any
@@ -35,6 +37,14 @@ class TipShape:
     radius: float | None
     central: bool = False
     name: str = "a fingertip"
+    face: Swept | None = None
+
+    @property
+    def swept(self) -> Swept | None:
+        """The swept ball that it is, where it touches; None: another shape."""
+        if self.radius is not None:
+            return Swept(self.translation, np.zeros((2, 3)), self.radius)
+        return self.face
 
 
 class TipGeometry:
@@ -76,7 +86,19 @@ class TipGeometry:
             raise URDFError("tip_radius", f"a radius for {name!r}, whose link has no geometry", "None")
         frames = self.description.model.frames
         parts = self.description.parts(kind, links)
-        return tuple(_shape(name, p.shape, place.actInv(frames[p.frame].placement), p) for p in parts)
+        return tuple(convex_shape(name, p.shape, place.actInv(frames[p.frame].placement), p) for p in parts)
+
+    def covers(self, tip: int) -> set[str]:
+        """The links whose collision geometry is the tip's."""
+        kind, links = self._links(tip)
+        return links if kind == COLLISION and tip not in self._round else set()
+
+    @classmethod
+    def of(cls, description: Description, tips: TipFrames, shapes: Sequence[tuple[TipShape, ...]]) -> TipGeometry:
+        """Of tips whose shapes are known, one tuple for each."""
+        made = cls(description, tips, {})
+        made._found = dict(enumerate(shapes))
+        return made
 
 
 def sphere_tip(radius: float) -> tuple[TipShape, ...]:
@@ -102,7 +124,7 @@ def _radius(argument: str, value: Any) -> float:
     return radius
 
 
-def _shape(name: str, geometry: Any, link: Any, part: Part) -> TipShape:
+def convex_shape(name: str, geometry: Any, link: Any, part: Part) -> TipShape:
     """A part of a link as that of a tip; link : where the link's frame is in the tip's. A mesh becomes its hull."""
     if isinstance(geometry, coal.BVHModelBase):
         if (made := hull(np.array(geometry.vertices(), dtype=float))) is None:

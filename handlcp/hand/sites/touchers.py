@@ -1,0 +1,99 @@
+"""What of a hand may touch: its fingertips, and the collision geometry of its links, the palm's included."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array, read_only
+from handlcp.errors import InputError, UnknownName, URDFError
+from handlcp.hand.robot.fingertips import TipPlace
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.source.description import COLLISION
+from handlcp.hand.robot.tip_geometry import TipShape, convex_shape
+
+TIPS, ALL = "tips", "all"
+
+
+@dataclass(frozen=True, eq=False)
+class Toucher:
+    """A fingertip, or a link. place : its frame in that of its joint. support (1, joints) : 1 where a joint moves it.
+    shapes : convex, in its frame. pad (3, 3) : flexibility of its surface in its axes [m/N].
+    """
+
+    name: str
+    place: TipPlace
+    support: Array
+    shapes: tuple[TipShape, ...]
+    pad: Array
+
+
+def touchers(hand: HandModel, links: Any) -> tuple[Toucher, ...]:
+    """Those named by `links`: "all", or names of links and fingertips; fingertips first. A link whose geometry is that
+    of a fingertip comes under the fingertip's name.
+
+    Raises UnknownName; InputError for a link without collision geometry; URDFError for meshes that cannot be read.
+    """
+    every = _every(hand)
+    if isinstance(links, str) and links == ALL:
+        if not every:
+            raise InputError("links", "links with collision geometry", f"{hand.name!r}, whose links have none")
+        return tuple(every.values())
+    if isinstance(links, str) or not isinstance(links, Sequence) or not links:
+        raise InputError("links", '"tips", "all", or names of links, at least one', repr(links)[:80])
+    known = _names(hand)
+    if unknown := [str(name) for name in links if name not in known and name not in every]:
+        raise UnknownName("links", "a link", unknown, (*known, *hand.fingertips))
+    tip_of = {link: hand.fingertips[i] for i in hand.tips.every for link in hand.tip_links(i)}
+    chosen = dict.fromkeys(name if name in every else tip_of.get(name, name) for name in links)
+    if bare := [name for name in chosen if name not in every]:
+        expected = f"links with collision geometry (such as {', '.join(list(every)[:3])})"
+        raise InputError("links", expected, f"{', '.join(bare)}, which {'has' if len(bare) == 1 else 'have'} none")
+    return tuple(every[name] for name in chosen)
+
+
+def link_names(hand: HandModel) -> tuple[str, ...]:
+    """What may be named where something is said by link: fingertips and links with collision geometry."""
+    return tuple(dict.fromkeys([*hand.fingertips, *hand.description.has(COLLISION)]))
+
+
+def _names(hand: HandModel) -> list[str]:
+    return [f.name for f in hand.description.model.frames if f.type == pin.FrameType.BODY and f.name != "universe"]
+
+
+def _every(hand: HandModel) -> dict[str, Toucher]:
+    """By name: fingertips, then links with collision geometry that is no fingertip's, in the file's order."""
+    found, covered = dict[str, Toucher](), set[str]()
+    for i, name in enumerate(hand.fingertips):
+        if hand.tip_kind(i):
+            own = hand.tips.places[i]
+            pad = hand.pads.blocks[i]
+            found[name] = Toucher(name, own, hand.tips.support[i], hand.tip_shapes(i), pad)
+        covered |= hand.tip_links(i)
+    model = hand.description.model
+    for part in hand.description.parts(COLLISION):
+        frame = model.frames[part.frame]
+        if frame.name in covered or frame.name in hand.fingertips:
+            continue  # a fingertip with a radius takes the place of its link's geometry
+        try:
+            shape = convex_shape(frame.name, part.shape, pin.SE3.Identity(), part)
+        except URDFError:
+            continue  # a flat mesh, or a shape that no distance is known of
+        if (known := found.get(frame.name)) is not None:
+            found[frame.name] = replace(known, shapes=(*known.shapes, shape))
+            continue
+        place = TipPlace(part.frame, int(frame.parentJoint), pin.SE3(frame.placement))
+        found[frame.name] = Toucher(frame.name, place, _support(model, frame), (shape,), hand.pads.of_link(frame.name))
+    return found
+
+
+def _support(model: Any, frame: Any) -> Array:
+    row = np.zeros((1, model.nv))
+    for joint in model.supports[frame.parentJoint]:
+        if joint and model.joints[joint].nv:
+            row[0, model.joints[joint].idx_v] = 1.0
+    return read_only(row)

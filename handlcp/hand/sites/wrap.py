@@ -1,0 +1,218 @@
+"""Closing the whole hand: joints bend from an open posture until what they move touches, and what lies beyond goes on.
+
+All joints that bend turn at once. Where a link touches, the joints that carry it stop, because turning on would push it
+into the object; the joints beyond it go on until their own links touch or their range ends. So a proximal link that
+touches first lets the distal one wrap round, and a fingertip that touches first stops its whole finger.
+
+Which joints bend, and which way: of each finger, its last joint and those with axes within 45° of that one's (the
+others spread or oppose it), toward the object. Each link is measured again when it could have arrived at the earliest:
+its gap over a bound of its speed (conservative advancement: Mirtich 1996).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Bools, number, per_name, read_only
+from handlcp.errors import InputError, NotReached
+from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.meshes import what_to_pass
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import size_of
+from handlcp.hand.objects.shapes import ask_for_metres
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.sites.sited import placed
+from handlcp.hand.sites.touchers import ALL, Toucher, touchers
+
+_BENDS = np.cos(np.pi / 4)
+_PLAIN = 0.05  # of its speed: a tip that nears the object more slowly does not say which way a finger bends
+_TOUCHES = 1e-6  # [m]
+_LEAST = 1e-5  # of a unit of time: no step is shorter, and a step too far is taken back
+_SLIDES = 0.05  # [m] that a joint that slides moves while others turn by a radian
+_MARGIN = 1.5  # levers grow as fingers bend
+_STEPS = 20_000
+
+
+class Touched(NamedTuple):
+    """A link that came to touch, and when: the angle [rad] by which bending joints had turned by then."""
+
+    link: str
+    at: float
+
+
+class Wrapped(NamedTuple):
+    """q (nv,) where the joints stopped, and the links in the order in which they touched."""
+
+    q: Array
+    touched: tuple[Touched, ...]
+
+
+def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True) -> Wrapped:
+    """From q0 (None: `neutral`), moved into the joints' ranges. rates : True; or how fast each joint turns, a mapping
+    by joint name (others: 0) or (nv,), with its sign.
+
+    Raises NotReached where no link comes to touch; InputError, UnknownName.
+    """
+    if not isinstance(obj, Object):
+        raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
+    ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
+    q = np.clip(hand.kinematics.posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
+    links = touchers(hand, ALL)
+    speed = bending(hand, q, obj) if rates is True else _given(rates, hand)
+    closing = _Closing(hand, links, obj, q, speed)
+    touched = closing.run()
+    there = [(t, near.gap) for t, near in closing.final()]
+    if not any(gap <= 10 * _TOUCHES for _, gap in there):
+        gaps = dict(sorted(((t.name, gap) for t, gap in there), key=lambda item: item[1])[:5])
+        raise NotReached("obj", "an object that links come to touch when the hand closes from q0", gaps)
+    return Wrapped(read_only(closing.q), tuple(touched))
+
+
+def _given(value: Any, hand: HandModel) -> Array:
+    if isinstance(value, Mapping):
+        named = per_name("wrap", value, hand.joint_names, "a joint")
+        return np.array([number(f"wrap[{j!r}]", named[j]) if j in named else 0.0 for j in hand.joint_names])
+    speed = np.asarray(value, dtype=float)
+    if speed.shape != (hand.nv,) or not np.isfinite(speed).all():
+        raise InputError("wrap", "True, a mapping of joints to speeds, or a speed for each joint", repr(value)[:80])
+    return speed
+
+
+def bending(hand: HandModel, q: Array, obj: Object) -> Array:
+    """(nv,) ±1 of joints that bend fingers toward the object, less of those that slide; 0 of all others."""
+    posture, speed, moves = Posture(hand, q), np.zeros(hand.nv), hand.moves
+    alone = moves.sum(axis=0) == 1
+    turning = posture.turning(hand.tips.every)
+    for i in hand.tips.every:
+        own = np.flatnonzero(moves[i] & alone) if (moves[i] & alone).any() else np.flatnonzero(moves[i])
+        if not len(own):
+            continue
+        last, p = own[-1], posture.tip_positions[i]
+        J = posture.jacobian_at(p[None], (i,))[0]
+        toward = _toward(obj, p)
+        if not turning[i, :, last].any():
+            slides = [j for j in own if not turning[i, :, j].any()]
+            speed[slides] = _SLIDES * np.sign(toward @ J[:, slides])
+            continue
+        axes = turning[i][:, own] / np.maximum(np.linalg.norm(turning[i][:, own], axis=0), 1e-12)
+        along = axes[:, -1] @ axes
+        bends = own[abs(along) >= _BENDS]
+        signs = np.sign(along[abs(along) >= _BENDS])
+        nears = float((toward @ J[:, bends]) @ signs)
+        if abs(nears) < _PLAIN * float(np.linalg.norm(J[:, bends], axis=0).sum()):
+            nears = float((hand.upper[bends] - q[bends] - q[bends] + hand.lower[bends]) @ signs)
+        speed[bends] = signs * (1.0 if nears >= 0.0 else -1.0)
+    return speed
+
+
+def _toward(obj: Object, p: Array) -> Array:
+    """(3,) direction from a point to the object's middle."""
+    way = obj.center_of_mass - p
+    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-12))
+
+
+class _Closing:
+    """Joints at q that turn at `speed`; those that have stopped have speed 0."""
+
+    def __init__(self, hand: HandModel, links: tuple[Toucher, ...], obj: Object, q: Array, speed: Array) -> None:
+        self.hand, self.links, self.obj, self.q, self.speed, self.time = hand, links, obj, q.copy(), speed.copy(), 0.0
+        C = hand.kinematics.coupling
+        rows = np.array([t.support[0] for t in links])
+        self.moves: Bools = (rows if C is None else rows @ abs(C)) > 0
+        self.sizes = [
+            max(float(np.linalg.norm(s.translation)) + np.sqrt(3.0) * size_of(s.geometry) for s in t.shapes)
+            for t in links
+        ]
+        self.stopped = np.zeros(len(links), dtype=bool)
+
+    def run(self) -> list[Touched]:
+        """Until nothing moves."""
+        found = list[Touched]()
+        due = np.array([self._due(k) for k in range(len(self.links))])
+        for _ in range(_STEPS):
+            self._stop_at_ends()
+            moving = (self.moves & (self.speed != 0.0)).any(axis=1)
+            if not moving.any():
+                return found
+            due[~moving] = np.inf
+            k, end = int(np.argmin(due)), self._first_end()
+            if due[k] >= end:
+                self._go(end)
+                continue
+            before = self.time
+            self._go(max(float(due[k]), self.time + _LEAST))
+            near, nears = self._near(k)
+            if near.gap <= _TOUCHES and nears > 0.0:
+                if near.gap < -_TOUCHES:
+                    self._back(k, before)
+                found.append(Touched(self.links[k].name, self.time))
+                self.speed[self.moves[k]] = 0.0
+                due = np.array([self._due(m) for m in range(len(self.links))])
+            else:
+                due[k] = self._due(k)
+        raise NotReached("obj", f"a hand that closes within {_STEPS} steps", {})
+
+    def final(self) -> list[tuple[Toucher, Proximity]]:
+        """Each link and how near it is."""
+        state = Posture(self.hand, self.q)
+        return [(t, nearest(t.shapes, p, R, self.obj)) for t, R, p in placed(state, self.links)]
+
+    def _go(self, time: float) -> None:
+        self.q = self.q + (time - self.time) * self.speed
+        self.time = time
+
+    def _back(self, k: int, before: float) -> None:
+        """To when a link that has gone too far touched, by halving."""
+        low, high = before, self.time
+        while high - low > 1e-3 * _TOUCHES:
+            self._go(0.5 * (low + high))
+            near, _ = self._near(k)
+            if abs(near.gap) <= _TOUCHES:
+                return
+            low, high = (self.time, high) if near.gap > 0.0 else (low, self.time)
+
+    def _near(self, k: int) -> tuple[Proximity, float]:
+        """Where a link is nearest, and how fast it nears [m per unit of time]."""
+        state, link = Posture(self.hand, self.q), self.links[k]
+        ((_, R, p),) = placed(state, (link,))
+        near = nearest(link.shapes, p, R, self.obj)
+        J = self._jacobian(state, link, near.tip_point)
+        return near, float(near.normal @ (J @ self.speed))
+
+    def _jacobian(self, state: Posture, link: Toucher, point: Array) -> Array:
+        """(3, nv) of a point of a link, world axes."""
+        _, columns = self.hand.kinematics.frames_at(state.q, ())
+        J = (columns[:3] + np.cross(columns[3:].T, point).T) * link.support[0]
+        C = self.hand.kinematics.coupling
+        return np.asarray(J if C is None else J @ C)
+
+    def _due(self, k: int) -> float:
+        """The earliest time at which a link could touch."""
+        active = self.moves[k] & (self.speed != 0.0)
+        if not active.any():
+            return np.inf
+        state, link = Posture(self.hand, self.q), self.links[k]
+        ((_, R, p),) = placed(state, (link,))
+        near = nearest(link.shapes, p, R, self.obj)
+        if near.gap <= _TOUCHES:
+            nears = float(near.normal @ (self._jacobian(state, link, near.tip_point) @ self.speed))
+            return self.time if nears > 0.0 else self.time + 1e-3
+        levers = np.linalg.norm(self._jacobian(state, link, p), axis=0) + self.sizes[k]
+        fastest = _MARGIN * float(levers[active] @ abs(self.speed[active]))
+        return self.time + near.gap / fastest
+
+    def _first_end(self) -> float:
+        """When the next joint comes to the end of its range."""
+        ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
+        active = self.speed != 0.0
+        if not active.any() or not np.isfinite(ends[active]).any():
+            return np.inf if active.any() else self.time
+        return self.time + float((ends[active] / abs(self.speed[active])).min())
+
+    def _stop_at_ends(self) -> None:
+        ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
+        self.speed[(self.speed != 0.0) & (ends <= 1e-12)] = 0.0
