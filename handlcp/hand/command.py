@@ -26,17 +26,23 @@ def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
     return array("joint_offset", value, (len(joints),))
 
 
+COMMANDS = ("squeeze", "grip_force", "joint_offset", "closing_torque")
+
+
+def one_command(**said: Any) -> None:
+    """Raises InputError for more than one."""
+    given = [name for name, value in said.items() if value is not None]
+    if len(given) > 1:
+        expected = f"at most one of {', '.join(COMMANDS[:-1])} and {COMMANDS[-1]}"
+        raise InputError(given[1], expected, f"{' and '.join(given)}")
+
+
 def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any) -> GraspSpec:
     """The grasp of a hand with the command that one of the three says, in place of an earlier one; None of them: as it
-    is. Raises InputError for more than one; UnknownName.
+    is. Raises InputError, UnknownName.
     """
-    said = {"squeeze": squeeze, "grip_force": grip_force, "joint_offset": joint_offset}
-    given = [name for name, value in said.items() if value is not None]
-    if not given:
+    if squeeze is None and grip_force is None and joint_offset is None:
         return spec
-    if len(given) > 1:
-        expected = "at most one of squeeze, grip_force and joint_offset"
-        raise InputError(given[1], expected, f"{' and '.join(given)}")
     mechanism: Any = spec.mechanism  # a hand's
     spec = spec.replace(effects=tuple([e for e in spec.effects if not isinstance(e, JointOffset)]))
     if joint_offset is not None:

@@ -141,7 +141,7 @@ class HandGrasp(HandQuestions):
         friction: Any = None, effects: Any = None, environment: Any = None, gravity: Any = None, mass: Any = None,
         object: Any = None, squeeze: Any = None, grip_force: Any = None, joint_offset: Any = None,
         finger_weight: Any = None, fingers: Any = None, max_gap: Any = None, load: Any = None,
-        links: Any = None,
+        links: Any = None, closing_torque: Any = None, hold_object: Any = None,
     ) -> Self:  # fmt: skip
         """The grasp made again with other arguments, each as in `state.grasp`, in the same posture; None: as it was.
 
@@ -162,7 +162,7 @@ class HandGrasp(HandQuestions):
             wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
             environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
             joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap, load=load,
-            links=links,
+            links=links, closing_torque=closing_torque, hold_object=hold_object,
         )  # fmt: skip
         made = type(self)(hand_remade(self.spec, given))
         if isinstance(asked := made.spec.asked, HandAsked) and asked.flexibility is not None:

@@ -19,7 +19,7 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -160,6 +160,8 @@ class HandMechanism(Varied, Mechanism):
         from handlcp.hand.squeeze import reach_reasons
 
         yield from reach_reasons(spec)
+        if (command := command_of(spec.effects)) is not None and command.keeps:
+            yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
 
@@ -191,8 +193,7 @@ class HandMechanism(Varied, Mechanism):
         """
         from handlcp.hand.objects.close import close_on
 
-        commanded = any(isinstance(e, JointOffset) for e in spec.effects)
-        if commanded or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
+        if self.commands(spec) or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
             return None
         place, hand = self.target.placement, self.posture.hand
         obj = self.target.moved_to(pin.SE3(place.rotation, place.translation + shift))
@@ -240,13 +241,14 @@ class HandMechanism(Varied, Mechanism):
 
     def commands(self, spec: GraspSpec) -> bool:
         """By a squeeze, a grip force or a joint offset."""
-        return any(isinstance(e, JointOffset) for e in spec.effects)
+        return command_of(spec.effects) is not None
 
     def gripping_again(self, spec: GraspSpec) -> GraspSpec:
         """A grip force stays the force that it is."""
         from handlcp.hand.command import gripped
 
-        reach = next((e.reach for e in spec.effects if isinstance(e, JointOffset)), None)
+        command = command_of(spec.effects)
+        reach = None if command is None else command.reach
         return spec if reach is None or reach.unit != "N" else gripped(spec, reach.asked)
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.effects.joint_offset import JointOffset, Reach
+from handlcp.grasp.effects.joint_offset import Reach, command_of, joints_commanded, recommanded
 from handlcp.grasp.model.spec import GraspSpec
 
 # ----------------------------------------------------------------
@@ -40,7 +40,8 @@ def out_of_reach(spec: GraspSpec) -> tuple[Reach, ...]:
     given[given[:, 2] < 0.0] = 0.0  # a gap, which nothing has to make
     if abs(given).max(initial=0.0) > TOUCHING:
         found.append(tips.preloaded(given))
-    found += [e.reach for e in spec.effects if isinstance(e, JointOffset) and e.reach is not None]
+    if (command := command_of(spec.effects)) is not None and command.reach is not None:
+        found.append(command.reach)
     return tuple([reach for reach in found if not reach.complete])
 
 
@@ -70,14 +71,12 @@ def eased(spec: GraspSpec, share: float) -> GraspSpec:
 
 def _command(spec: GraspSpec) -> Array:
     """(nv,) how far the joints are commanded beyond the posture."""
-    command = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
     mechanism: Any = spec.mechanism
-    return np.zeros(len(mechanism.names)) if command is None else command
+    return joints_commanded(spec.effects, len(mechanism.names))
 
 
 def _with_command(spec: GraspSpec, command: Array) -> GraspSpec:
-    others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
-    return spec.replace(effects=(*others, JointOffset(read_only(command))) if command.any() else others)
+    return spec.replace(effects=recommanded(spec.effects, command))
 
 
 # ----------------------------------------------------------------

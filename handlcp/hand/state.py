@@ -39,6 +39,8 @@ class HandState(Posture):
         joint_offset: Any = None,
         environment: Any = None,
         links: Any = "tips",
+        closing_torque: Any = None,
+        hold_object: bool = False,
     ) -> HandGrasp:
         """The grasp of an object from this posture.
 
@@ -63,7 +65,7 @@ class HandState(Posture):
             the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
             "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset
             applies.
-        squeeze, grip_force, joint_offset : how hard the hand closes, at most one of them. Each commands the joints
+        squeeze, grip_force, joint_offset, closing_torque : how hard the hand closes, at most one of them. Each commands the joints
             beyond the posture, by δq, which adds -J δq to the offsets; `out_of_reach` of the grasp says what joints
             cannot make.
             squeeze : [m] how much deeper than touching the tips are commanded along the normals, by the smallest δq, a
@@ -72,6 +74,13 @@ class HandState(Posture):
             grip_force : [N] normal force with which each tip would press on an object that stays where it is, and where
             it does not slip; otherwise likewise.
             joint_offset : (nv,) or a mapping by joint name (others: 0) [rad, m], δq itself.
+            closing_torque : [N·m] with which each joint that bends a finger pulls at an object that stays where it is,
+            and then holds where it stands: δq = K⁻¹ τ. A number; (nv,) or a mapping by joint name (others: 0), where
+            negative ones pull away from the object. Beside links, this posture and the one of a joint_offset may be
+            open: the hand closes until links touch, from the palm outwards (as `hand.close_on(obj, wrap=True)`); the
+            grasp is that of the posture where they do, and a loading that is followed begins in this one.
+        hold_object : whether the object is kept in place, by something else, until the hand has closed; it matters to a
+            loading that is followed.
         environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those
             contacts come last; friction, preload and offset above are the fingers', n of them.
         links : which parts of the hand may touch an object: "tips", the fingertips, all of which have to; "all", every
@@ -86,6 +95,6 @@ class HandState(Posture):
 
         asked = HandAsked(
             self, target, friction, wrench, gravity, preload, offset, reference, fingers, max_gap, effects,
-            finger_weight, plane, squeeze, grip_force, joint_offset, environment, links,
+            finger_weight, plane, squeeze, grip_force, joint_offset, environment, links, closing_torque, hold_object,
         )  # fmt: skip
         return HandGrasp(asked.spec())

@@ -13,7 +13,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import shifted_by, softened_by
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import recommanded
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model import validate
@@ -181,8 +181,7 @@ class GraspStream:
         if moved:
             self._move(posture)
         if command is not None:
-            others = tuple(e for e in self._effects if not isinstance(e, JointOffset))
-            self._effects = (*others, JointOffset(command))
+            self._effects = recommanded(self._effects, command)
         if shift is not None or command is not None or (moved and self._effects):
             self._offset[:] = shifted_by(self._effects, self._at, (), self._given.reshape(-1))
         return self._solved()

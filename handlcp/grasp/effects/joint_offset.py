@@ -9,8 +9,8 @@ force at the fingertips; what of that the joints cannot make is a `Reach`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,16 +85,41 @@ def _spread(values: Array, say: Callable[[float], str]) -> str:
     return say(most) if most - least <= _SEEN * most else f"{say(least)} to {say(most)}"
 
 
+def command_of(effects: Iterable[Effect]) -> JointOffset | None:
+    """The command among these effects; None: there is none."""
+    return next((e for e in effects if isinstance(e, JointOffset)), None)
+
+
+def joints_commanded(effects: Iterable[Effect], nv: int) -> Array:
+    """(nv,) how far they command the joints beyond the posture [rad, m]; 0 without a command."""
+    found = command_of(effects)
+    return np.zeros(nv) if found is None else found.command
+
+
+def recommanded(effects: Iterable[Effect], command: Array) -> tuple[Effect, ...]:
+    """The effects with another command (nv,), which says no more what it was made from; how the hand closes stays."""
+    old = command_of(effects)
+    others = tuple([e for e in effects if not isinstance(e, JointOffset)])
+    if not command.any() and (old is None or old.opened is None):
+        return others
+    new = JointOffset(read_only(command)) if old is None else replace(old, command=read_only(command), reach=None)
+    return (*others, new)
+
+
 @dataclass(frozen=True, eq=False)
 class JointOffset(Effect):
     """Asked for with `squeeze=`, `grip_force=` or `joint_offset=` of `state.grasp`.
 
     command : (nv,) δq [rad, m], beyond the posture. reach : what it was made from, and what of that is out of reach;
-    None: it was given itself.
+    None: it was given itself. opened : (nv,) where the joints are when the hand begins to close, if not in the grasp's
+    posture. keeps : whether the object is kept in place until the hand has closed. Both matter to a loading that is
+    followed, and to nothing else.
     """
 
     command: Array
     reach: Reach | None = None
+    opened: Array | None = None
+    keeps: bool = False
 
     title = "commanded joint offset"
     equation = "d -= J δq"

@@ -13,7 +13,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.further import largest_held
@@ -122,8 +122,9 @@ def _followed(system: System, order: tuple[str | Stage, ...]) -> Start:
 
 def _pushes(spec: GraspSpec) -> bool:
     """Whether anything squeezes the object: a preload, tips that are moved along it, joints that are commanded."""
-    commands = [e.command for e in spec.effects if isinstance(e, JointOffset)]
-    return bool(spec.offset[:, :2].any() or (spec.offset[:, 2] < 0.0).any() or any(c.any() for c in commands))
+    command = command_of(spec.effects)
+    commanded = command is not None and bool(command.command.any())
+    return bool(spec.offset[:, :2].any() or (spec.offset[:, 2] < 0.0).any() or commanded)
 
 
 def _from_solution(system: System, found: GraspSolution) -> Place:

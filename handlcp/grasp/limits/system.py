@@ -14,7 +14,7 @@ from handlcp.grasp.assembly.contact_form import outward
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import joints_commanded
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Cone, Section, limit_set
 from handlcp.grasp.limits.kernels.happens import Watch
@@ -148,7 +148,7 @@ def _watch(
         nominal = joints.nominal
         if nominal is not None and joints.ranges is not None:
             sag = sum([e.torque for e in effects if isinstance(e, FingerWeight) and e.sags], np.zeros(len(T)))
-            command = sum([e.command for e in effects if isinstance(e, JointOffset)], np.zeros(len(T)))
+            command = joints_commanded(effects, len(T))
             q = nominal + command - joints.deflection(sag)
             Q = joints.root @ (joints.root.T @ T)
             give = _yield_rows(scene, effects, limits, len(T))

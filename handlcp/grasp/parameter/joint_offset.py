@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import joints_commanded, recommanded
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import Parameter, larger
 from handlcp.grasp.tangent.answer import Answer
@@ -24,12 +22,10 @@ class JointCommand(Parameter):
         return (0 if spec.mechanism is None else len(spec.mechanism.names),)
 
     def values(self, spec: GraspSpec) -> Array:
-        command: Any = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
-        return np.zeros(self.shape(spec)) if command is None else np.asarray(command)
+        return joints_commanded(spec.effects, self.shape(spec)[0])
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
-        others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
-        return spec.replace(effects=(*others, JointOffset(larger(self.values(spec), k, step))))
+        return spec.replace(effects=recommanded(spec.effects, larger(self.values(spec), k, step)))
 
     def change(self, answer: Answer) -> Change:
         J = answer.rows

@@ -133,7 +133,7 @@ class Leg:
         self._slides(state, found, share, size)
         self.share = share = share + size
         happens = self._add(found, share)
-        if state.loaded and not found.loaded:
+        if state.loaded and not found.loaded and not found.controls.kept:
             return run.ends(Outcome.LOST, Failure("loose"))
         self.before = None if happens else (state, size)
         self.step = self._following(share, found, np.inf if happens else size * (1.0 if self.failed else 2.0), size)

@@ -19,7 +19,7 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.cause.judge import OBJECT
 from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_lost
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
@@ -289,14 +289,12 @@ def begun(
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
     weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
     stepper = Stepper(spec, body, section, weight[:3], tolerance)
-    command = np.zeros(len(body.posture))
-    for e in spec.effects:
-        if isinstance(e, JointOffset):
-            command = e.command
+    closing = command_of(spec.effects)
+    command, kept = (np.zeros(len(body.posture)), False) if closing is None else (closing.command, closing.keeps)
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     weighs = bool(weight[:3].any())
-    first, goals = read_stages(order, load, beside_weight(spec, stepper), before, command, squeezes, weighs)
+    first, goals = read_stages(order, load, beside_weight(spec, stepper), before, command, squeezes, weighs, kept)
     return first, goals, stepper
 
 

@@ -42,12 +42,15 @@ class Stage:
 
 
 class Controls(NamedTuple):
-    """load (6,) besides the weight; weight, preload : shares; command (nv,) beyond the posture."""
+    """load (6,) besides the weight; weight, preload : shares; command (nv,) beyond the posture. kept : whether the
+    object is kept in place, by something else than the hand.
+    """
 
     load: Array
     weight: float
     preload: float
     command: Array
+    kept: bool = False
 
     def toward(self, end: Controls, share: float) -> Controls:
         """On the straight way to `end`."""
@@ -55,6 +58,7 @@ class Controls(NamedTuple):
         return Controls(
             rest * self.load + share * end.load, rest * self.weight + share * end.weight,
             rest * self.preload + share * end.preload, rest * self.command + share * end.command,
+            end.kept,
         )  # fmt: skip
 
 
@@ -67,7 +71,14 @@ class Goal:
 
 
 def read_stages(
-    order: Any, load: Any, wrench: Array, before: Array, command: Array, squeezes: bool, weighs: bool = False
+    order: Any,
+    load: Any,
+    wrench: Array,
+    before: Array,
+    command: Array,
+    squeezes: bool,
+    weighs: bool = False,
+    kept: bool = False,
 ) -> tuple[Controls, list[Goal]]:
     """The controls before anything is done, and the stages.
 
@@ -75,7 +86,8 @@ def read_stages(
     `Grasp.follow`. wrench (6,) : the grasp's own load besides the weight. before, command (nv,) : how far the joints
     are commanded beyond the posture before and after the squeeze. squeezes : whether there is anything to squeeze with;
     a stage "squeeze" without is left out. weighs : whether the object's weight is known apart from the load: "load"
-    then brings the weight first, as a stage of its own where there is a load besides.
+    then brings the weight first, as a stage of its own where there is a load besides. kept : whether the object is kept
+    in place while the hand squeezes.
     Raises InputError.
     """
     given = [order] if isinstance(order, (str, Stage)) else order
@@ -89,10 +101,15 @@ def read_stages(
             now = now._replace(weight=1.0)
             goals.append(Goal("weight", now))
         for goal in _goals(f"order[{k}]", stage, path, now, (before, command)):
-            if goal.name == "squeeze" and not squeezes:
-                continue
+            if goal.name == "squeeze":
+                if not squeezes:
+                    continue
+                goal = Goal(goal.name, goal.end._replace(kept=kept))
             goals.append(goal)
             now = goal.end
+            if now.kept:
+                now = now._replace(kept=False)
+                goals.append(Goal("let go", now))
     if not goals:
         expected = "a stage that loads the grasp" + ("" if squeezes else ", which has nothing to squeeze with")
         raise InputError("order", expected, repr(order)[:80])

@@ -28,6 +28,7 @@ from handlcp.lcp import Auto
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
 # the certifier, and closed forms are met to nine digits
 _SLOW = 1e8
+_KEPT = 1e6  # 1 / h of the object alone, where something keeps it in place: it gives way by a millionth of the fingers
 _HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
 _NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
 _MOST = 9  # iterates of one step, after which it counts as one that does not settle
@@ -98,6 +99,8 @@ class Stepper:
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
         last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
+        if controls.kept:
+            damper = _KEPT * self._damper
         for count in range(1, _MOST + 1):
             slipped = geometry.slipped(state.iterate, iterate, state.slip_memory)
             if past is not None:

@@ -12,7 +12,7 @@ from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import joints_commanded
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.limit import Limit
@@ -105,8 +105,7 @@ class Answer:
     @lazy
     def command(self) -> Array:
         """(nv,) how far the joints are commanded beyond the posture."""
-        told: Any = next((e.command for e in self.spec.effects if isinstance(e, JointOffset)), None)
-        return np.zeros(self.rows.shape[1]) if told is None else told
+        return joints_commanded(self.spec.effects, self.rows.shape[1])
 
     @lazy
     def bent(self) -> Array | None:

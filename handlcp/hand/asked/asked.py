@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, number, per_name, read_only
+from handlcp.check import Array, array, number, per_name, read_only, yes_or_no
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import as_asked, fastened
 from handlcp.grasp.effects import Effect
@@ -18,8 +18,9 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, offset_beside
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.asked.closing import Closed, begun_open, closed_by, closing_torques, pulled
 from handlcp.hand.asked.load import load_of, point_of
-from handlcp.hand.command import commanded
+from handlcp.hand.command import commanded, one_command
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility, mechanism_of
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
@@ -44,7 +45,9 @@ def found_on(
     tips = state.hand.tip_numbers("fingers", fingers)
     ask_for_metres("target", obj, state.tip_positions)
     names = [state.hand.fingertips[i] for i in tips]
-    laws = laws_by_name(DEFAULT if friction is None else by_site("friction", friction, state.hand), names, [DEFAULT] * len(names))
+    laws = laws_by_name(
+        DEFAULT if friction is None else by_site("friction", friction, state.hand), names, [DEFAULT] * len(names)
+    )
     contacts, gaps = touching(state, tips, obj, laws, max_gap)
     return tips, contacts, gaps
 
@@ -93,7 +96,7 @@ class HandAsked:
     weight; None: these. found : contacts and offsets (k, 3) of the fingers as they are, in place of a detection.
     inside : (k,) [m] how far fingertips count as inside the object; None: as detected. bare : the posture of the hand
     itself, where `state` is that of a hand whose fingertips are the places on its links that touch; None: not yet looked
-    for, or fingertips alone touch.
+    for, or fingertips alone touch. closed : how it came to touch there; None: it was asked for there.
     """
 
     state: Posture
@@ -114,11 +117,14 @@ class HandAsked:
     joint_offset: Any = None
     environment: Any = None
     links: Any = TIPS
+    closing_torque: Any = None
+    hold_object: Any = False
     flexibility: Any = None
     load: Any = None
     found: tuple[tuple[Contact, ...], Array] | None = None
     inside: Array | None = None
     bare: Posture | None = None
+    closed: Closed | None = None
 
     def __post_init__(self) -> None:
         fastened(self)
@@ -128,6 +134,12 @@ class HandAsked:
         obj = self.target if isinstance(self.target, Object) else None
         if self.bare is None and not (isinstance(self.links, str) and self.links == TIPS):
             return self._on_links(obj).spec()
+        one_command(
+            squeeze=self.squeeze, grip_force=self.grip_force, joint_offset=self.joint_offset,
+            closing_torque=self.closing_torque,
+        )  # fmt: skip
+        closed = self._closed(obj)
+        offset = self.joint_offset if closed is None else closed.command
         weighed = _weight_given(self.finger_weight)
         tips, contacts, gaps = self._fingers(obj)
         k, around = len(contacts), None if self.environment is None else surrounding(self.environment, obj)
@@ -156,8 +168,19 @@ class HandAsked:
             contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, E,
             read_only(d), _weight(self.state, weighed, g),
         )  # fmt: skip
-        spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, self.joint_offset)
-        return spec.replace(asked=self)
+        spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, offset)
+        opened, keeps = None if closed is None else closed.opened, yes_or_no("hold_object", self.hold_object)
+        return begun_open(spec, opened, keeps).replace(asked=self)
+
+    def _closed(self, obj: Object | None) -> Closed | None:
+        """How the hand has closed, where that was asked for."""
+        if self.closed is not None or self.closing_torque is None:
+            return self.closed
+        if obj is None:
+            expected = "None where contacts are given: joint_offset, or grip_force"
+            raise InputError("closing_torque", expected, repr(self.closing_torque)[:80])
+        torque = closing_torques(self.state.hand, self.state.q, obj, self.closing_torque)
+        return Closed(self.state.q, None, pulled(self.state.hand, torque))
 
     def _on_links(self, obj: Object | None) -> HandAsked:
         """The same asked of the hand whose fingertips are the places that touch."""
@@ -167,7 +190,11 @@ class HandAsked:
         if self.fingers is not None:
             raise InputError("fingers", "None beside links, which says what touches", repr(self.fingers)[:80])
         ask_for_metres("target", obj, self.state.tip_positions)
-        return replace(self, state=sited(self.state, obj, self.links, self._reach), bare=self.state)
+        closed, state = None, self.state
+        if self.joint_offset is not None or self.closing_torque is not None:
+            closed = closed_by(state, obj, self.joint_offset, self.closing_torque)
+            state = type(state)(state.hand, closed.q)
+        return replace(self, state=sited(state, obj, self.links, self._reach), bare=self.state, closed=closed)
 
     @property
     def _reach(self) -> float:

@@ -12,16 +12,16 @@ from handlcp.check import array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, environment_of, of_fingers_alone, rubbed, said, under
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.asked.load import load_of, weight_of
+from handlcp.hand.command import COMMANDS
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 from handlcp.hand.objects.object import Object
 
-_COMMANDS = ("squeeze", "grip_force", "joint_offset")
 _WEIGH = ("object", "mass", "gravity")
 _PLACE = ("object", "fingers", "max_gap", "links")  # what makes the fingertips look for the object anew
 
@@ -41,12 +41,12 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
             under_it.wrench, spec.reference, mechanism.target, mechanism.gravity, spec.positions, spec.plane
         )  # fmt: skip
         return under(spec, whole, under_it)
-    if any(name in given for name in _COMMANDS):  # one takes the place of another
-        changes = dict.fromkeys(_COMMANDS) | changes
+    if any(name in given for name in COMMANDS):  # one takes the place of another
+        changes = dict.fromkeys(COMMANDS) | {"closed": None} | changes
     if any(name in given for name in _PLACE):
         changes["found"] = None
-        if asked.bare is not None:
-            changes |= {"state": asked.bare, "bare": None}
+    if asked.bare is not None and any(name in given for name in (*_PLACE, *COMMANDS)):  # the hand closes anew
+        changes |= {"state": asked.bare, "bare": None, "closed": None, "found": None}
     changes["target"] = _target(asked, spec, mechanism, given)
     changes |= _friction(asked, spec, mechanism, changes)
     made: HandAsked = again(asked, {name: x for name, x in changes.items() if name not in ("object", "mass")})
@@ -118,7 +118,7 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
     """Arguments that make a grasp of which a specification alone is known: its contacts stay where they are."""
     k, tips = spec.of_fingers, mechanism.fingertips
     weight = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
-    command = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
+    command = command_of(spec.effects)
     offset, E = of_fingers_alone(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
     offset[:k] -= mechanism.stand_off
     own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
@@ -128,7 +128,7 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
         mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
         offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
         finger_weight=False if weight is None else True if weight.sags else "torques",
-        plane=None if contacts[0].planar else spec.plane, joint_offset=command, environment=environment_of(spec),
+        plane=None if contacts[0].planar else spec.plane, joint_offset=None if command is None else command.command, environment=environment_of(spec),
         flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
         found=(contacts, mechanism.stand_off),
     )  # fmt: skip

@@ -15,6 +15,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, least_flexibility, supports
@@ -77,7 +78,9 @@ class FollowedHand(Geometry):
         self.apart = np.zeros((self.n, 3))
         self.apart[:k, :2] = mechanism.stand_off[:, :2]
         self.apart[:, 2] = there.gap
-        self.start = self.start._replace(q=self._open(there))
+        command = command_of(spec.effects)
+        opened = None if command is None else command.opened
+        self.start = self.start._replace(q=self._open(there) if opened is None else opened)
 
     def _open(self, there: Iterate) -> Array:
         """(nv,) the posture, opened where fingertips overlap the object until they touch it, joint by joint as in

@@ -47,7 +47,9 @@ def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[
     if not links:
         return ()
     placements, _ = hand.kinematics.frames_at(posture.q, [link.frame for link in links])
-    carried = {hand.kinematics.model.frames[hand.tips.frames[i]].parentJoint: i for i in tips}
+    carried = dict[int, list[int]]()
+    for i in tips:
+        carried.setdefault(hand.tips.places[i].joint, []).append(i)
     centre, around = ball_around(obj)
     found = []
     for link, placement in zip(links, placements, strict=True):
@@ -58,11 +60,11 @@ def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[
         points = points @ R.T + p
         near = np.linalg.norm(points - centre, axis=1) < radii + around
         depth = _depth(points[near], radii[near], obj)
-        tip = carried.get(link.joint)
-        if depth > 0.0 and tip is not None:
-            depth -= max(0.0, -_tip_gap(posture, tip, obj))
+        own = carried.get(link.joint, ())
+        if depth > 0.0 and own:
+            depth -= max(0.0, *(-_tip_gap(posture, tip, obj) for tip in own))
         if depth > 0.0:
-            found.append(Inside(link.name, depth, None if tip is None else hand.fingertips[tip]))
+            found.append(Inside(link.name, depth, hand.fingertips[own[0]] if own else None))
     return tuple(sorted(found, key=lambda one: -one.depth))
 
 

@@ -51,9 +51,9 @@ class Wrapped(NamedTuple):
     touched: tuple[Touched, ...]
 
 
-def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True) -> Wrapped:
+def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until: float = np.inf) -> Wrapped:
     """From q0 (None: `neutral`), moved into the joints' ranges. rates : True; or how fast each joint turns, a mapping
-    by joint name (others: 0) or (nv,), with its sign.
+    by joint name (others: 0) or (nv,), with its sign. until : when all stop.
 
     Raises NotReached where no link comes to touch; InputError, UnknownName.
     """
@@ -63,7 +63,7 @@ def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True) -> Wra
     q = np.clip(hand.kinematics.posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
     links = touchers(hand, ALL)
     speed = bending(hand, q, obj) if rates is True else _given(rates, hand)
-    closing = _Closing(hand, links, obj, q, speed)
+    closing = _Closing(hand, links, obj, q, speed, until)
     touched = closing.run()
     there = [(t, near.gap) for t, near in closing.final()]
     if not any(gap <= 10 * _TOUCHES for _, gap in there):
@@ -118,8 +118,9 @@ def _toward(obj: Object, p: Array) -> Array:
 class _Closing:
     """Joints at q that turn at `speed`; those that have stopped have speed 0."""
 
-    def __init__(self, hand: HandModel, links: tuple[Toucher, ...], obj: Object, q: Array, speed: Array) -> None:
+    def __init__(self, hand: HandModel, links: tuple[Toucher, ...], obj: Object, q: Array, speed: Array, until: float) -> None:  # fmt: skip
         self.hand, self.links, self.obj, self.q, self.speed, self.time = hand, links, obj, q.copy(), speed.copy(), 0.0
+        self.until = until
         C = hand.kinematics.coupling
         rows = np.array([t.support[0] for t in links])
         self.moves: Bools = (rows if C is None else rows @ abs(C)) > 0
@@ -209,10 +210,12 @@ class _Closing:
         """When the next joint comes to the end of its range."""
         ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
         active = self.speed != 0.0
-        if not active.any() or not np.isfinite(ends[active]).any():
-            return np.inf if active.any() else self.time
-        return self.time + float((ends[active] / abs(self.speed[active])).min())
+        if not active.any():
+            return self.time
+        return min(self.time + float((ends[active] / abs(self.speed[active])).min()), self.until)
 
     def _stop_at_ends(self) -> None:
         ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
         self.speed[(self.speed != 0.0) & (ends <= 1e-12)] = 0.0
+        if self.time >= self.until:
+            self.speed[:] = 0.0

@@ -1,0 +1,109 @@
+"""A grasp with links that begins where the hand is still open: where it comes to touch, and what commands it there.
+
+The hand closes from the palm outwards until its links touch (`hand/sites/wrap.py`). The grasp is that of the posture
+where they do, and its command goes on from there. A loading that is followed begins in the open posture instead, and
+finds its own way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, dimensions, number, per_name, read_only
+from handlcp.errors import InputError, NotReached
+from handlcp.grasp.effects.joint_offset import JointOffset, command_of
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.command import read_joint_offset
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.posture import Posture
+from handlcp.hand.sites.wrap import bending, wrap
+
+_MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command (nv,) : on from q."""
+
+    q: Array
+    opened: Array | None
+    command: Array
+
+
+def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: Any) -> Closed:
+    """The hand closed from a posture, by a joint offset or by torques of its joints. Raises NotReached, InputError."""
+    hand, q = state.hand, state.q
+    if closing_torque is not None:
+        torque = closing_torques(hand, q, obj, closing_torque)
+        rates, until, offset = np.sign(torque) * abs(bending(hand, q, obj)), np.inf, None
+    else:
+        torque, offset = np.zeros(hand.nv), read_joint_offset(joint_offset, hand.joint_names)
+        rates, until = offset, 1.0
+    if not rates.any():
+        return Closed(q, None, pulled(hand, torque) if offset is None else offset)
+    found = wrap(hand, obj, q, rates, until)
+    opened = q if abs(found.q - q).max() > _MOVED else None
+    if offset is not None:
+        return Closed(found.q, opened, read_only(q + offset - found.q))
+    return Closed(found.q, opened, pulled(hand, np.where(carries(state, found.q, obj), torque, 0.0)))
+
+
+def closing_torques(hand: HandModel, q: Array, obj: Object, value: Any) -> Array:
+    """(nv,) [N·m], with the sign in which each joint turns: a number for all joints that bend; (nv,) or a mapping by
+    joint name (others: 0), positive towards the object of joints that bend. Raises InputError, UnknownName.
+    """
+    way = bending(hand, q, obj)
+    if dimensions(value) == 0 and not isinstance(value, Mapping):
+        return np.asarray(number("closing_torque", value, minimum=0.0) * np.sign(way))
+    if isinstance(value, Mapping):
+        named = per_name("closing_torque", value, hand.joint_names, "a joint")
+        given = {joint: number(f"closing_torque[{joint!r}]", v) for joint, v in named.items()}
+        torque = np.array([given.get(joint, 0.0) for joint in hand.joint_names])
+    else:
+        torque = array("closing_torque", value, (hand.nv,))
+    return np.where(way != 0.0, np.sign(way) * torque, torque)
+
+
+def carries(state: Posture, q: Array, obj: Object) -> Array:
+    """(nv,) whether a joint carries a link that touches where the joints are at q."""
+    from handlcp.hand.sites.sited import gaps_of
+    from handlcp.hand.sites.touchers import ALL, touchers
+
+    hand, found = state.hand, np.zeros(state.hand.nv, dtype=bool)
+    C = hand.kinematics.coupling
+    for link, gap in gaps_of(Posture(hand, q), touchers(hand, ALL), obj):
+        if gap <= 1e-5:
+            row = link.support[0]
+            found |= (row if C is None else row @ abs(C)) > 0.0
+    if not found.any():
+        raise NotReached("closing_torque", "a hand that closes on the object", {})
+    return found
+
+
+def pulled(hand: HandModel, torque: Array) -> Array:
+    """(nv,) K⁻¹ τ: how far joints are commanded that pull with these torques at an object that stays where it is."""
+    root = hand.stiffness.root
+    command = np.asarray(root @ (torque @ root))
+    if (rigid := (torque != 0.0) & (command == 0.0)).any():
+        stuck = ", ".join(name for name, is_rigid in zip(hand.joint_names, rigid, strict=True) if is_rigid)
+        raise InputError("closing_torque", "joints that give way, which a torque turns", f"{stuck}: rigid")
+    return read_only(command)
+
+
+def begun_open(spec: GraspSpec, opened: Array | None, keeps: bool) -> GraspSpec:
+    """The grasp that begins to close elsewhere, with the object kept in place or not. Raises InputError."""
+    if opened is None and not keeps:
+        return spec
+    old = command_of(spec.effects)
+    if old is None and keeps:
+        expected = "False where nothing closes the hand: beside squeeze, grip_force, joint_offset or closing_torque"
+        raise InputError("hold_object", expected, "True")
+    nothing = JointOffset(read_only(np.zeros_like(opened)))
+    new = replace(old or nothing, opened=opened, keeps=keeps)
+    others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
+    return spec.replace(effects=(*others, new))
