@@ -145,8 +145,9 @@ class HandGrasp(HandQuestions):
     ) -> Self:  # fmt: skip
         """The grasp made again with other arguments, each as in `state.grasp`, in the same posture; None: as it was.
 
-        object, links : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what was
-        given beside it stays. load : (6,) force [N] and torque [N·m] besides the weight, as `wrench` of `state.grasp`.
+        object, links : is looked for anew, and so are tables under it. mass, gravity, object : change the weight; what
+        was given beside it stays. load : (6,) force [N] and torque [N·m] besides the weight, as `wrench` of
+        `state.grasp`.
         wrench : the whole load, in place of the weight and of what was given beside it: the object then weighs nothing
         unless its weight is part of this wrench, and the verdict says so. To keep the weight, pass `load` instead.
         friction : a coefficient, a law, or a mapping by fingertip, where the others keep theirs (in a squeeze or a grip

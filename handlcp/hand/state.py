@@ -65,9 +65,9 @@ class HandState(Posture):
             the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
             "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset
             applies.
-        squeeze, grip_force, joint_offset, closing_torque : how hard the hand closes, at most one of them. Each commands the joints
-            beyond the posture, by δq, which adds -J δq to the offsets; `out_of_reach` of the grasp says what joints
-            cannot make.
+        squeeze, grip_force, joint_offset, closing_torque : how hard the hand closes, at most one of them. Each commands
+            the joints beyond the posture, by δq, which adds -J δq to the offsets; `out_of_reach` of the grasp says what
+            joints cannot make.
             squeeze : [m] how much deeper than touching the tips are commanded along the normals, by the smallest δq, a
             gap or an overlap included: as `close_on` with that squeeze, the posture staying. A number ≥ 0, (n,), or a
             mapping by fingertip name (others: 0).

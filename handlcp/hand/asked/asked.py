@@ -95,8 +95,8 @@ class HandAsked:
     flexibility : of the fingers, in place of the hand's own; None: that. load : the whole load, in place of wrench and
     weight; None: these. found : contacts and offsets (k, 3) of the fingers as they are, in place of a detection.
     inside : (k,) [m] how far fingertips count as inside the object; None: as detected. bare : the posture of the hand
-    itself, where `state` is that of a hand whose fingertips are the places on its links that touch; None: not yet looked
-    for, or fingertips alone touch. closed : how it came to touch there; None: it was asked for there.
+    itself, where `state` is that of a hand whose fingertips are the places on its links that touch; None: not yet
+    looked for, or fingertips alone touch. closed : how it came to touch there; None: it was asked for there.
     """
 
     state: Posture

@@ -128,7 +128,8 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
         mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
         offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
         finger_weight=False if weight is None else True if weight.sags else "torques",
-        plane=None if contacts[0].planar else spec.plane, joint_offset=None if command is None else command.command, environment=environment_of(spec),
+        plane=None if contacts[0].planar else spec.plane, environment=environment_of(spec),
+        joint_offset=None if command is None else command.command,
         flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
         found=(contacts, mechanism.stand_off),
     )  # fmt: skip

@@ -65,8 +65,8 @@ def nearest_station(kind: int, sizes: Array, c: Array, spans: Array, at: Array) 
 
 @kernel
 def _along(kind: int, sizes: Array, c: Array, span: Array) -> float:
-    """S in [-1, 1] of the station nearest to the shape: where the slope changes its sign, by false position, the value at
-    an end that stays halved (the Illinois method), and every third time in the middle.
+    """S in [-1, 1] of the station nearest to the shape: where the slope changes its sign, by false position, the value
+    at an end that stays halved (the Illinois method), and every third time in the middle.
     """
     low, high = -1.0, 1.0
     f, g = _slope(kind, sizes, c, span, low), _slope(kind, sizes, c, span, high)

@@ -27,8 +27,8 @@ class TipShape:
     """One convex shape of a fingertip: coal's geometry and its placement in the tip frame.
 
     radius : [m] of a sphere, None for other shapes. central : whether it is a sphere about the origin of the tip frame.
-    name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches; None: not
-    known, or a sphere's.
+    name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches; None:
+    not known, or a sphere's.
     """
 
     geometry: Any

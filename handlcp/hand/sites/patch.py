@@ -46,7 +46,7 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
     points = np.array([_tilted(shape, p, R, obj, near, a * x + b * y) for a, b in _WAYS])
     flat = np.stack([(points - near.tip_point) @ x, (points - near.tip_point) @ y], axis=1)
     middle = flat.mean(axis=0)
-    _, s, V = np.linalg.svd(flat - middle)
+    V = np.linalg.svd(flat - middle)[2]
     along = (flat - middle) @ V.T
     length = np.ptp(along, axis=0)
     if length[0] <= _SPREAD:
@@ -71,7 +71,7 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
 
 
 def _tilted(shape: TipShape, p: Array, R: Array, obj: Object, near: Proximity, way: Array) -> Array:
-    """(3,) the point of the shape, where it is, that is nearest when the shape is tilted toward a tangent `way` (3,)."""
+    """(3,) the point of the shape, where it is, that is nearest when it is tilted toward a tangent `way` (3,)."""
     turn = pin.exp3(_TILT * np.cross(near.normal, way))
     lifted = near.tip_point - near.normal * 2.0 * _TILT * size_of(shape.geometry)
     there = nearest((shape,), lifted + turn @ (p - near.tip_point), turn @ R, obj)
@@ -104,9 +104,9 @@ def _at_point(shape: TipShape, point: Array, normal: Array) -> TipShape:
         half = float(geometry.halfLength)
         return replace(shape, face=_swept(shape, np.zeros(3), np.array([[0, 0, half], [0, 0, 0]]), geometry.radius))
     if isinstance(geometry, coal.Box):
-        half = np.array(geometry.halfSide).reshape(3)
-        on = abs(x) >= half - 1e-6
-        centre, spans = np.where(on, np.copysign(half, x), 0.0), np.diag(half)[~on]
+        sides = np.array(geometry.halfSide).reshape(3)
+        on = abs(x) >= sides - 1e-6
+        centre, spans = np.where(on, np.copysign(sides, x), 0.0), np.diag(sides)[~on]
         return replace(shape, face=_swept(shape, centre, np.vstack([spans, np.zeros((2 - len(spans), 3))]), 0.0))
     return shape
 
@@ -121,7 +121,8 @@ def _stands(shape: TipShape, point: Array, normal: Array, across: Array | None) 
     """What stands at an end of a line or a corner of a patch: a ball; at the end of a line that lies across a flat
     face, the line over the face. across (3,) : the tangent across the line that touches; None: a corner's.
     """
-    radius, ends = _TINY, np.zeros(2)
+    radius: float = _TINY
+    ends = np.zeros(2)
     if across is not None:
         local = shape.rotation.T
         ways = np.stack([normal + side * _TILT * across for side in (-1.0, 1.0)]) @ local.T

@@ -45,11 +45,11 @@ def touchers(hand: HandModel, links: Any) -> tuple[Toucher, ...]:
         return tuple(every.values())
     if isinstance(links, str) or not isinstance(links, Sequence) or not links:
         raise InputError("links", '"tips", "all", or names of links, at least one', repr(links)[:80])
-    known = _names(hand)
+    known: list[str] = _names(hand)
     if unknown := [str(name) for name in links if name not in known and name not in every]:
         raise UnknownName("links", "a link", unknown, (*known, *hand.fingertips))
     tip_of = {link: hand.fingertips[i] for i in hand.tips.every for link in hand.tip_links(i)}
-    chosen = dict.fromkeys(name if name in every else tip_of.get(name, name) for name in links)
+    chosen: dict[str, None] = dict.fromkeys(str(name if name in every else tip_of.get(name, name)) for name in links)
     if bare := [name for name in chosen if name not in every]:
         expected = f"links with collision geometry (such as {', '.join(list(every)[:3])})"
         raise InputError("links", expected, f"{', '.join(bare)}, which {'has' if len(bare) == 1 else 'have'} none")

@@ -118,7 +118,9 @@ def _toward(obj: Object, p: Array) -> Array:
 class _Closing:
     """Joints at q that turn at `speed`; those that have stopped have speed 0."""
 
-    def __init__(self, hand: HandModel, links: tuple[Toucher, ...], obj: Object, q: Array, speed: Array, until: float) -> None:  # fmt: skip
+    def __init__(
+        self, hand: HandModel, links: tuple[Toucher, ...], obj: Object, q: Array, speed: Array, until: float
+    ) -> None:
         self.hand, self.links, self.obj, self.q, self.speed, self.time = hand, links, obj, q.copy(), speed.copy(), 0.0
         self.until = until
         C = hand.kinematics.coupling
