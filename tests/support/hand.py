@@ -159,3 +159,20 @@ def torque_check_of(
 def knows_all_limits(hand: Hand) -> bool:
     """Whether no joint's torque limit is unknown."""
     return all(hand.torques.known)
+
+
+def swept_station(obj, centre, spans):
+    """(3,) the station of a swept ball that is nearest to an object at the origin."""
+    from handlcp.hand.objects.swept import nearest_station
+
+    kind, sizes = obj.known
+    return nearest_station(kind, np.array(sizes, dtype=float), centre, spans, np.zeros(2))
+
+
+def swept_contacts(obj, swept, place, turn):
+    """Position, normal, gap, and how both turn and shift, of a swept ball (centre, spans, radius) in a moved frame."""
+    from handlcp.hand.followed.fingertips import Balls
+
+    one = (np.empty((1, 3)), np.empty((1, 3)), np.empty(1), np.empty((1, 3, 6)), np.empty((1, 3, 6)))
+    Balls(obj, [swept])(place[None].copy(), turn[None].copy(), np.eye(3), np.zeros(3), one)
+    return tuple(part[0] for part in one)

@@ -5,7 +5,7 @@ into the object; the joints beyond it go on until their own links touch or their
 touches first lets the distal one wrap round, and a fingertip that touches first stops its whole finger.
 
 Which joints bend, and which way: of each finger, its last joint and those with axes within 45° of that one's (the
-others spread or oppose it), toward the object. Each link is measured again when it could have arrived at the earliest:
+others spread or oppose it), toward the object. Where tendons or synergies move them, as near to that as these can. Each link is measured again when it could have arrived at the earliest:
 its gap over a bound of its speed (conservative advancement: Mirtich 1996).
 """
 
@@ -83,7 +83,9 @@ def _given(value: Any, hand: HandModel) -> Array:
 
 
 def bending(hand: HandModel, q: Array, obj: Object) -> Array:
-    """(nv,) ±1 of joints that bend fingers toward the object, less of those that slide; 0 of all others."""
+    """(nv,) ±1 of joints that bend fingers toward the object, less of those that slide; 0 of all others. Of tendons and
+    synergies, what they make of that.
+    """
     posture, speed, moves = Posture(hand, q), np.zeros(hand.nv), hand.moves
     alone = moves.sum(axis=0) == 1
     turning = posture.turning(hand.tips.every)
@@ -106,6 +108,9 @@ def bending(hand: HandModel, q: Array, obj: Object) -> Array:
         if abs(nears) < _PLAIN * float(np.linalg.norm(J[:, bends], axis=0).sum()):
             nears = float((hand.upper[bends] - q[bends] - q[bends] + hand.lower[bends]) @ signs)
         speed[bends] = signs * (1.0 if nears >= 0.0 else -1.0)
+    if hand.stiffness.law[1]:  # a transmission moves its joints together
+        commands = hand.stiffness.commands
+        speed = commands @ (commands.T @ speed)
     return speed
 
 

@@ -1,0 +1,92 @@
+"""A hand that closes: underactuated fingers beside their closed form, an object that is kept in place or not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.hand import example_hand
+
+L1, L2, RADIUS = 0.06, 0.045, 0.008
+MIDDLE = np.array([0.036, 0.042])  # of the object, with a radius of 30 mm
+
+LINK = """<link name="{name}"><inertial><mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0"
+iyz="0"/></inertial><collision><origin xyz="{half} 0 0" rpy="0 1.5707963267948966 0"/><geometry>
+<cylinder radius="0.008" length="{length}"/></geometry></collision></link>"""
+JOINT = """<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin xyz="{x} 0 0"/>
+<axis xyz="0 0 1"/><limit lower="-1.5" upper="2" effort="2" velocity="1"/></joint>"""
+
+
+def finger(**stiffness):
+    links = [LINK.format(name=name, length=length, half=length / 2) for name, length in
+             (("proximal", L1), ("distal", L2))]  # fmt: skip
+    joints = [
+        JOINT.format(name="root", kind="revolute", parent="base", child="proximal", x=0.0),
+        JOINT.format(name="end", kind="revolute", parent="proximal", child="distal", x=L1),
+        JOINT.format(name="fixed", kind="fixed", parent="distal", child="tip", x=L2),
+    ]
+    text = f'<robot name="finger"><link name="base"/>{"".join(links)}<link name="tip"/>{"".join(joints)}</robot>'
+    return hl.Hand.from_urdf(text, ["tip"], tip_radius=0.002, **stiffness)
+
+
+def closed(arms, tension):
+    """Around a cylinder that is kept in place: the path, and the posture at the end of the squeeze."""
+    tendon = hl.Tendons({"flexor": dict(zip(("root", "end"), arms, strict=True))}, 1e4, 0.02)
+    hand = finger(joint_stiffness=tendon)
+    obj = hl.Cylinder(0.03, 0.1, placement=(*MIDDLE, 0.0))
+    pull = dict(zip(("root", "end"), np.multiply(arms, tension), strict=True))
+    grasp = hand.at([-0.8, 0.0]).grasp(
+        obj, friction=0.0, links=["proximal", "distal"], closing_torque=pull, hold_object=True, gravity=(0, 0, 0)
+    )  # fmt: skip
+    path = grasp.follow(order="squeeze")
+    squeezed = [s for s, k in zip(path.steps.states, path.steps.stage, strict=True) if k == 0][-1]
+    return path, squeezed, grasp.state.q
+
+
+def by_statics(q, torque):
+    """Birglen and Gosselin: contact forces of both phalanges, f = J⁻ᵀ τ, with the contacts at k1, k2 along them."""
+    a, b = q[0], q[0] + q[1]
+    end = L1 * np.array([np.cos(a), np.sin(a)])
+    k1, k2 = MIDDLE @ [np.cos(a), np.sin(a)], (MIDDLE - end) @ [np.cos(b), np.sin(b)]
+    f2 = torque[1] / k2
+    return (torque[0] - f2 * (k2 + L1 * np.cos(q[1]))) / k1, f2, k1, k2
+
+
+@pytest.mark.parametrize("tension", [5.0, 20.0])
+def test_both_phalanges_press_as_the_statics_of_underactuated_fingers_says(tension):
+    arms = (0.016, 0.005)
+    path, squeezed, _ = closed(arms, tension)
+    forces, q = squeezed.read.forces[:, 2], squeezed.where.q
+    assert path.steps.names == ("proximal", "distal")
+    *exact, _, _ = by_statics(q, squeezed.read.torque)
+    np.testing.assert_allclose(forces, exact, rtol=1e-4)
+    *pulled, _, _ = by_statics(q, np.multiply(arms, tension))
+    np.testing.assert_allclose(forces, pulled, rtol=3e-3)  # fingers yield to what is left of touching
+
+
+@pytest.mark.parametrize(("arms", "stays"), [((0.016, 0.005), True), ((0.012, 0.008), False)])
+def test_a_proximal_phalanx_stays_if_the_arms_ratio_is_above_that_of_the_levers(arms, stays):
+    _, squeezed, q = closed(arms, 10.0)
+    *_, k2 = by_statics(q, np.ones(2))
+    assert bool(arms[0] / arms[1] > 1.0 + L1 * np.cos(q[1]) / k2) is stays
+    assert bool(squeezed.read.forces[0, 2] > 0.0) is stays
+
+
+def test_an_object_that_is_kept_in_place_does_not_move_until_it_is_let_go():
+    path, squeezed, _ = closed((0.016, 0.005), 10.0)
+    assert "let go" in path.stages
+    moved = path.steps.geometry.displacement(squeezed.where.pose)
+    assert np.linalg.norm(moved[:3]) < 1e-6
+    assert not path.reached  # without friction one finger pushes it away
+
+
+def test_closing_torques_are_the_torques_on_an_object_that_stays_where_it_is():
+    """Fingers that stick are blocked in their plane: τ = K δq, whether the hand closes from afar or touches already."""
+    hand = example_hand("two_finger", pad_flexibility=1e-8)
+    ball, tips = hl.Sphere(0.02, (0.0, 0.0, 0.09)), list(hand.fingertips)
+    for q in (hand.close_on(ball, wrap=True), hand.neutral):
+        grasp = hand.at(q).grasp(ball, 2.0, links=tips, closing_torque=0.1, hold_object=True, gravity=(0, 0, 0))
+        path = grasp.follow(order="squeeze")
+        squeezed = path.steps.torques[np.flatnonzero(path.steps.stage == 0)[-1]]
+        np.testing.assert_allclose(squeezed, 0.1 * np.sign(grasp.joint_offset), rtol=5e-3)
