@@ -279,6 +279,7 @@ def test_a_spread_that_cannot_be_is_refused_by_name(spread, match):
     [
         ({"samples": 10}, "samples"), ({"by": "guess"}, "by"), ({"confidence": 1.0}, "confidence"),
         ({"seed": -1}, "seed"), ({"decide": -1}, "decide"), ({"faces": 2}, "faces"),
+        ({"workers": 0}, "workers"), ({"workers": -1}, "workers"), ({"workers": 1.5}, "workers"),
     ],
 )  # fmt: skip
 def test_arguments_that_cannot_be_are_refused_by_name(more, match):

@@ -62,7 +62,7 @@ def among(found: Outcomes, placed: Bools) -> Outcomes:
     return Outcomes(codes, margin, again, ~placed)
 
 
-def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: int | None, decide: int) -> Outcomes:
+def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: int, decide: int) -> Outcomes:
     """Of samples with values (m, d), by one certified solve each. decide : how many of those that the first stage
     leaves are solved in full.
     """
@@ -84,9 +84,7 @@ def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: i
     return Outcomes(codes, margin, again, ~placed)
 
 
-def _first_stage(
-    placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int | None
-) -> tuple[Ints, Array, Bools]:
+def _first_stage(placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int) -> tuple[Ints, Array, Bools]:
     """Codes (m,) and margins (m,) by the solver's first stage, of scenes as rows; and which samples have to be looked
     at as grasps, since an answer leaves something free.
     """
@@ -108,7 +106,7 @@ def _first_stage(
 
 
 def _grasp_by_grasp(
-    placer: Placer, values: Array, faces: int | str | Pyramid, workers: int | None, proof: bool
+    placer: Placer, values: Array, faces: int | str | Pyramid, workers: int, proof: bool
 ) -> tuple[Ints, Array]:
     """Codes and margins of samples that are made one by one."""
     grasps = [one.grasp for one in placer.placed(values)]

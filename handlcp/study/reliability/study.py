@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import integer, number
+from handlcp.check import cores, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
@@ -71,7 +71,7 @@ def reliability(
         raise InputError("confidence", "a number below 1", confidence)
     placer = Placer(grasp, read_spread(grasp, spread))
     blocks = blocks_of(integer("seed", seed, 0), len(placer.dimensions), integer("samples", samples, 4 * BLOCKS, 2**30))
-    method = Method(by, faces, workers, integer("decide", decide, 0))
+    method = Method(by, faces, cores(workers), integer("decide", decide, 0))
     question = question_of(
         grasp.spec, placer.dimensions, seed=blocks.seed, samples=blocks.samples, faces=str(section), by=by,
         decide=method.decide,
