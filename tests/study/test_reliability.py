@@ -336,6 +336,12 @@ def test_a_sample_past_an_edge_is_a_row_with_its_reason():
     assert sure.to_dict()["counts"]["UNDECIDED"] == len(sure.why_not)
 
 
+def test_samples_that_are_all_placed_are_rows_without_reasons():
+    sure = hl.reliability(held_cube(), {"posture": 1e-4}, 64)
+    assert sure.why_not == {}
+    assert (sure.to_frame()["why_not"] == "").all()
+
+
 def test_a_contact_past_the_rim_of_a_cylinder_is_past_an_edge_and_one_around_its_side_is_not():
     can = hl.Cylinder(0.025, 0.05, placement=(0, 0, 0.08), mass=0.25)
     grasp = HAND.at(HAND.close_on(can)).grasp(can, friction=0.7, squeeze=0.005)

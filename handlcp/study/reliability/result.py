@@ -135,6 +135,8 @@ class Reliability(Record):
     def why_not(self) -> dict[int, str]:
         """Why samples are UNDECIDED without a look at their grasp, by number, such as a contact past an edge."""
         some = np.flatnonzero(self.outcomes.unplaced)
+        if not some.size:
+            return {}
         past = self.placer.arrays(self.values[some]).past
         return {int(k): str(self.placer.why_not(one)) for k, one in zip(some, past, strict=True)}
 
