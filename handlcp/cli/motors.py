@@ -141,7 +141,7 @@ def reliability(
     samples: Annotated[int, typer.Option(help="At least so many.")] = 10_000,
     seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
     check: Annotated[
-        bool, typer.Option("--check", help="Follow each sample while it is squeezed, then loaded: 30 ms each.")
+        bool, typer.Option("--check", help="Follow each sample while it is squeezed, then loaded: 10 to 400 ms each.")
     ] = False,
     confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
     resume: Annotated[Path | None, typer.Option(help="Keep what is done in this .npz file, and go on there.")] = None,

@@ -47,9 +47,9 @@ def reliability(
         is never negative. Metres and radians are normal about 0. Of a distribution that reaches below the least
         possible value, up to a millionth is cut off; with more it is refused.
     samples : at least so many, ≥ 64; rounded up to 16 to 32 blocks of a power of two.
-    by : "solve": one certified solve for small motions, squeeze and load together, a few hundred microseconds a sample.
-        "check": `grasp.check()`, squeezed, then loaded, contacts followed, tens of milliseconds a sample. Postures
-        that a hand cannot take are UNDECIDED there.
+    by : "solve": one certified solve for small motions, squeeze and load together: 10 to 50 microseconds a sample once
+        kernels are compiled. "check": `grasp.check()`, squeezed, then loaded, contacts followed: 10 milliseconds a
+        sample, and 0.1 to 0.4 s where positions and posture vary. Postures that a hand cannot take are UNDECIDED there.
     confidence : of the intervals. decide : of the samples that the first stage of the solver leaves open, so many are
         solved in full, with proofs; they tell how many of the others hold, and the interval grows by that.
     workers, progress : as in `solve_many`. seed : of the points; the same seed gives the same bits.
