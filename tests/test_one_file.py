@@ -77,8 +77,7 @@ def own() -> Iterator[Any]:
         class RubberThickness(Parameter):
             """(1,) [m] of the rubber on the jaws, to which their flexibility is proportional."""
 
-            name, unit, said = "rubber_thickness", "m", "how thick the rubber on the jaws is"
-            spread, step = "rubber_thickness", 1e-8
+            name, spread, step = "rubber_thickness", "rubber_thickness", 1e-8
 
             def shape(self, spec: GraspSpec) -> tuple[int, ...]:
                 return (1,)

@@ -51,7 +51,7 @@ class Positions(_OfContacts):
     surface.
     """
 
-    name, unit, said = "positions", "m", "the point of a contact, world axes"
+    name = "positions"
     order, step, spread = 90, 1e-7, "positions"
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
@@ -81,7 +81,7 @@ class Normals(_OfContacts):
     tangents.
     """
 
-    name, unit, said = "normals", "rad", "a turn of a contact's axes about themselves"
+    name = "normals"
     order, step = 100, 1e-6
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:

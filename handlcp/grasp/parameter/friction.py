@@ -11,7 +11,7 @@ from handlcp import words
 from handlcp.check import Array, Bools, per_name
 from handlcp.errors import InputError
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Entry, Parameter, Trial, places
+from handlcp.grasp.parameter.parameter import Entry, OfContacts, Trial, places
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, no_change
@@ -19,14 +19,11 @@ from handlcp.grasp.tangent.change import Change, no_change
 _TRIED = (0.3, 0.5, 0.8, 1.0, 1.2)  # hardly anything grips better
 
 
-class Friction(Parameter):
+class Friction(OfContacts):
     """(n,) [-]; derivatives are NaN for contacts without friction."""
 
-    name, unit, said = "friction", "-", "the coefficient of a contact"
+    name = "friction"
     order, effort, step, together, spread = 10, 1, 1e-5, True, "friction"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (spec.n,)
 
     def values(self, spec: GraspSpec) -> Array:
         return np.array([c.mu for c in spec.contacts])

@@ -9,19 +9,16 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Parameter, larger
+from handlcp.grasp.parameter.parameter import OfJoints, larger
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, in_plane, no_change
 
 
-class JointCommand(Parameter):
+class JointCommand(OfJoints):
     """(nv,) δq [rad, m]."""
 
-    name, unit, said = "joint_offset", "rad", "how far a joint is commanded beyond the posture"
-    order, effort, of_joints = 70, 0, True
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+    name = "joint_offset"
+    order, effort = 70, 0
 
     def values(self, spec: GraspSpec) -> Array:
         command: Any = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)

@@ -19,8 +19,8 @@ from handlcp.grasp.tangent.change import Change, no_change
 class Mass(Parameter):
     """(1,) [kg] of a grasp of an object with a mass, under gravity; else (0,). δb is the weight of a kilogram."""
 
-    name, unit, said = "mass", "kg", "the mass of the object"
-    order, step, of_joints, spread = 40, 1e-5, True, "mass"
+    name = "mass"
+    order, step, spread = 40, 1e-5, "mass"
 
     def shape(self, spec: GraspSpec) -> tuple[int, ...]:
         return self.values(spec).shape

@@ -1,4 +1,4 @@
-"""What a parameter is: its name, unit, shape and nominal values, and how a grasp changes with it.
+"""What a parameter is: its name, shape and nominal values, and how a grasp changes with it.
 
 A parameter is one class in one file of this folder, found by its class: no other file needs a line for it. It says
 
@@ -67,20 +67,16 @@ _KINDS: dict[tuple[str, str], type[Parameter]] = {}
 class Parameter(ABC):
     """One parameter; subclasses override what they need.
 
-    name : of `<quantity>_by_<name>`. unit : of its values. said : what one entry is, in words. order : place in lists.
-    effort : how much it takes to change: 0 a command, 1 a surface, 2 a part, 3 a motor; advice tries the least first.
-    step : [SI] that leaves central differences about as much rounding as truncation.
-    of_joints : whether only a hand has it. together : whether a common change of all entries has a meaning.
-    spread : what `reliability` calls it; "" : it does not vary there.
+    name : of `<quantity>_by_<name>`. order : place in lists. effort : how much it takes to change: 0 a command, 1 a
+    surface, 2 a part, 3 a motor; advice tries the least first. step : [SI] that leaves central differences about as
+    much rounding as truncation. together : whether a common change of all entries has a meaning. spread : what
+    `reliability` calls it; "" : it does not vary there.
     """
 
     name: ClassVar[str] = ""
-    unit: ClassVar[str]
-    said: ClassVar[str]
     order: ClassVar[int] = 1000
     effort: ClassVar[int] = 2
     step: ClassVar[float] = 1e-6
-    of_joints: ClassVar[bool] = False
     together: ClassVar[bool] = False
     spread: ClassVar[str] = ""
 
@@ -88,7 +84,6 @@ class Parameter(ABC):
         super().__init_subclass__(**more)
         if vars(cls).get("name"):  # what has no name of its own is a base of others
             _KINDS[cls.__module__, cls.__qualname__] = cls
-            _instance.cache_clear()
 
     # ---- what it is
     @abstractmethod
@@ -163,7 +158,12 @@ class Parameter(ABC):
 
 def parameters() -> tuple[Parameter, ...]:
     """All there are, in order."""
-    return tuple(sorted([_instance(kind) for kind in _KINDS.values()], key=lambda p: p.order))
+    return _made(tuple(_KINDS.values()))
+
+
+def present(spec: GraspSpec) -> tuple[Parameter, ...]:
+    """Those that a grasp has any entry of."""
+    return tuple([p for p in parameters() if 0 not in p.shape(spec)])
 
 
 def by_effort() -> tuple[Parameter, ...]:
@@ -177,11 +177,26 @@ def named(name: str) -> Parameter:
 
 
 @cache
-def _instance(kind: type[Parameter]) -> Parameter:
-    return kind()
+def _made(kinds: tuple[type[Parameter], ...]) -> tuple[Parameter, ...]:
+    """One of each, in order."""
+    return tuple(sorted([kind() for kind in kinds], key=lambda p: p.order))
 
 
 # ---------------------------------------------------------------- for subclasses
+class OfContacts(Parameter):
+    """One entry for each contact, (n,)."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (spec.n,)
+
+
+class OfJoints(Parameter):
+    """One entry for each joint of a hand, (nv,)."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+
+
 def factors(of: str, argument: str, given: Any, names: Sequence[str], kind: str) -> Sequence[Entry]:
     """Factors about 1, never negative: one for all entries, or for a mapping one for each that it names; kind : of
     these names, such as "a joint".

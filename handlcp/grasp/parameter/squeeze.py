@@ -17,7 +17,7 @@ from handlcp.grasp.parameter.parameter import (
     FORCES,
     TORQUE,
     Entry,
-    Parameter,
+    OfContacts,
     Trial,
     larger,
     more_and_less,
@@ -32,14 +32,11 @@ _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried
 _LESS = (0.75, 0.5, 0.25)  # of the squeeze
 
 
-class Squeeze(Parameter):
+class Squeeze(OfContacts):
     """(n,) [m] of each normal."""
 
-    name, unit, said = "squeeze", "m", "how far a contact is squeezed along its normal"
+    name = "squeeze"
     order, effort, step, together, spread = 60, 0, 1e-7, True, "squeeze"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (spec.n,)
 
     def values(self, spec: GraspSpec) -> Array:
         """Preloads, without what the joints are commanded."""

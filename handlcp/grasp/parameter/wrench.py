@@ -18,7 +18,7 @@ from handlcp.grasp.tangent.change import Change, no_change
 class Wrench(Parameter):
     """(6,) about the reference; derivatives [1/N, 1/(N·m)]."""
 
-    name, unit, said = "wrench", "N, N·m", "the load about the reference"
+    name = "wrench"
     order, effort, step, spread = 50, 0, 1e-4, "load"
 
     def shape(self, spec: GraspSpec) -> tuple[int, ...]:

@@ -18,7 +18,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter import named, parameters
+from handlcp.grasp.parameter import named, present
 from handlcp.record import plain
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
@@ -100,7 +100,7 @@ class PathSensitivity:
     @property
     def parameters(self) -> tuple[str, ...]:
         """What there are derivatives by."""
-        each = [p for p in parameters() if np.prod(p.shape(self._spec)) > 0]
+        each = present(self._spec)
         return (*(p.name for p in each), *(_ALL + p.name for p in each if p.together))
 
     @property
