@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import OfJoints, larger
+from handlcp.grasp.parameter.parameter import TENTH, OfJoints, Shown, larger
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, in_plane, no_change
 
@@ -18,7 +18,7 @@ class JointCommand(OfJoints):
     """(nv,) δq [rad, m]."""
 
     name = "joint_offset"
-    order, effort = 70, 0
+    order, effort, common = 70, 0, "command of the joints"
 
     def values(self, spec: GraspSpec) -> Array:
         command: Any = next((e.command for e in spec.effects if isinstance(e, JointOffset)), None)
@@ -37,3 +37,10 @@ class JointCommand(OfJoints):
             change.torque[:] = answer.bent @ follows
         change.motion[:] = -answer.scale[:, None] * (J @ follows)
         return in_plane(answer, change)
+
+    def shown(self, answer: Answer) -> Shown | None:
+        if answer.spec.mechanism is None or not answer.command.any():
+            return None
+        given = ("squeeze", "squeeze"), ("grip_force", "grip force")
+        what = next((words for name, words in given if getattr(answer.spec.asked, name, None) is not None), "command")
+        return Shown(f"{what} +10 %", [("all joints", TENTH * answer.command)])

@@ -5,6 +5,7 @@ A parameter is one class in one file of this folder, found by its class: no othe
     what it is                          `shape`, `values`, `without`
     the same grasp with other values    `varied`, `scaled`
     what it changes in the laws         `change`, in closed form; unless it says so, by differences of the laws
+    what tables show of it              `shown`
     what of it may be uncertain         `entries`, and in many samples at once `write`
     what a designer can do with it      `shares`, by a share of it; `trials`, what may make a grasp hold
 
@@ -47,6 +48,17 @@ class Entry(NamedTuple):
     argument: str
 
 
+class Shown(NamedTuple):
+    """A change that the table of derivatives shows. text : the change in words. ways : directions in the parameter's
+    shape, by where they are; of several, the table shows the one that does most. slight : where it changes no force, it
+    is left out.
+    """
+
+    text: str
+    ways: Sequence[tuple[str, Array]]
+    slight: bool = False
+
+
 class Trial(NamedTuple):
     """A changed grasp that may hold. change : what was changed. value : of that. text : the change in words."""
 
@@ -61,6 +73,9 @@ BALANCE = "balance"  # no forces within friction and limits balance the load
 FORCES = "forces"  # such forces exist, but nothing creates them
 TORQUE = "torque"  # it holds, but joints are over their torque limits
 
+SHARE = "standard deviation, as a share"  # in `uncertain`
+TENTH = 0.1  # the share of a parameter by which tables change it
+
 _KINDS: dict[tuple[str, str], type[Parameter]] = {}
 
 
@@ -69,8 +84,9 @@ class Parameter(ABC):
 
     name : of `<quantity>_by_<name>`. order : place in lists. effort : how much it takes to change: 0 a command, 1 a
     surface, 2 a part, 3 a motor; advice tries the least first. step : [SI] that leaves central differences about as
-    much rounding as truncation. together : whether a common change of all entries has a meaning. spread : what
-    `reliability` calls it; "" : it does not vary there.
+    much rounding as truncation. together : whether a common change of all entries has a meaning. common : what the
+    table of a path's end calls that change; "" : it does not show it. spread : what `reliability` calls it; "" : it
+    does not vary there. uncertain : what varies there, and what a number for it is.
     """
 
     name: ClassVar[str] = ""
@@ -78,7 +94,9 @@ class Parameter(ABC):
     effort: ClassVar[int] = 2
     step: ClassVar[float] = 1e-6
     together: ClassVar[bool] = False
+    common: ClassVar[str] = ""
     spread: ClassVar[str] = ""
+    uncertain: ClassVar[str] = ""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
@@ -126,6 +144,11 @@ class Parameter(ABC):
         spec = answer.spec
         count = int(np.prod(self.shape(spec)))
         return differences(answer, count, self.step, lambda k, h: self.varied(spec, k, h))
+
+    # ---- what tables show of it
+    def shown(self, answer: Answer) -> Shown | None:
+        """The change of it that the table of an answer's derivatives shows; None: none."""
+        return None
 
     # ---- what of it may be uncertain
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:

@@ -49,6 +49,7 @@ class Posture(OfJoints, _MadeAgain):
 
     name = "posture"
     order, effort, spread = 110, 0, "posture"
+    uncertain = "Of each joint, in radians or metres."
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Each joint, or those that a mapping names."""

@@ -15,9 +15,12 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import (
     FORCES,
+    SHARE,
+    TENTH,
     TORQUE,
     Entry,
     OfContacts,
+    Shown,
     Trial,
     larger,
     more_and_less,
@@ -37,6 +40,7 @@ class Squeeze(OfContacts):
 
     name = "squeeze"
     order, effort, step, together, spread = 60, 0, 1e-7, True, "squeeze"
+    common, uncertain = "squeeze", f"How hard the hand closes: {SHARE}."
 
     def values(self, spec: GraspSpec) -> Array:
         """Preloads, without what the joints are commanded."""
@@ -64,6 +68,14 @@ class Squeeze(OfContacts):
         change = no_change(answer, n)
         change.motion[2 : 3 * n : 3] = -np.eye(n)
         return change
+
+    def shown(self, answer: Answer) -> Shown | None:
+        """Beside what joints are commanded, it is what a posture leaves."""
+        squeeze = TENTH * self.values(answer.spec)
+        if not squeeze.any():
+            return None
+        commanded = answer.spec.mechanism is not None and bool(answer.command.any())
+        return Shown("overlap left +10 %" if commanded else "squeeze +10 %", [("all fingers", squeeze)], commanded)
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         return (Entry("squeeze", (), 1.0, 0.0, "×", given, argument),)

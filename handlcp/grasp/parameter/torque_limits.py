@@ -19,6 +19,7 @@ class TorqueLimit(OfJoints):
 
     name = "torque_limits"
     order, effort, step, together = 80, 3, 1e-5, True
+    common = "torque limits"
 
     def values(self, spec: GraspSpec) -> Array:
         return np.zeros(0) if spec.mechanism is None else np.where(self.without(spec), 0.0, spec.mechanism.limits)
