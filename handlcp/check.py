@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -105,6 +106,11 @@ def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int
     if not whole or not least <= int(value) <= most:
         raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", _show(value))
     return int(value)
+
+
+def cores(workers: Any) -> int:
+    """How many work at a time on this machine: an integer ≥ 1, or None for one a core."""
+    return (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
 
 
 def yes_or_no(argument: str, value: Any) -> bool:

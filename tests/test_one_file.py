@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp import Effect, FileKey, FrictionLaw, GraspSpec, Limit, Parameter, Trial, effect_kinds
+from handlcp.grasp import Effect, FileKey, FrictionLaw, GraspSpec, Limit, Parameter, Shown, Trial, effect_kinds
 from handlcp.lcp import Proposal
 from handlcp.scene import read
 from tests.support.registry import definitions_of_a_test
@@ -77,8 +77,7 @@ def own() -> Iterator[Any]:
         class RubberThickness(Parameter):
             """(1,) [m] of the rubber on the jaws, to which their flexibility is proportional."""
 
-            name, unit, said = "rubber_thickness", "m", "how thick the rubber on the jaws is"
-            spread, step = "rubber_thickness", 1e-8
+            name, spread, step = "rubber_thickness", "rubber_thickness", 1e-8
 
             def shape(self, spec: GraspSpec) -> tuple[int, ...]:
                 return (1,)
@@ -88,6 +87,9 @@ def own() -> Iterator[Any]:
 
             def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
                 return spec.replace(flexibility=spec.flexibility * (1.0 + step / THICK))
+
+            def shown(self, answer: Any) -> Shown:
+                return Shown("rubber +10 %", [("both jaws", 0.1 * self.values(answer.spec))])
 
             def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
                 yield "thinner rubber", self.scaled(spec, 1.0 - share)
@@ -201,6 +203,8 @@ def test_derivatives_by_a_parameter_of_this_file_are_those_of_its_closed_form(ow
     assert "rubber_thickness" in s.parameters
     expected = np.full(2, -SQUEEZE / SOFTNESS / THICK)
     np.testing.assert_allclose(s.forces_by_rubber_thickness[:, 2, 0], expected, rtol=1e-7)
+    (row,) = [line.split() for line in str(s).splitlines() if line.startswith("rubber +10 %")]
+    assert row[3:6] == ["both", "jaws", f"{-0.1 * SQUEEZE / SOFTNESS:+.3g}"]
 
 
 def test_a_parameter_of_this_file_varies_in_reliability(own: Any) -> None:

@@ -44,7 +44,7 @@ def limits(
         list[str] | None, typer.Option(help="A direction of force: x,y,z or an axis such as -z; also several times.")
     ] = None,
     motion: Annotated[
-        float | None, typer.Option(help="How far the load may move the object [mm]; without: any distance.")
+        float | None, typer.Option(help="How far the load may move the object, in mm; without: any distance.")
     ] = None,
     fixed: Annotated[bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions.")] = False,
     faces: Faces = None,
@@ -120,7 +120,7 @@ def envelope(
     scene: Scene,
     json: Json = False,
     of: Annotated[
-        str, typer.Option(help="What it holds: force [N], torque [N·m], or gravity, the object's mass [kg].")
+        str, typer.Option(help="What it holds: force in N, torque in N·m, or gravity, the object's mass in kg.")
     ] = "force",
     directions: Annotated[
         str,
@@ -137,8 +137,8 @@ def envelope(
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the factors: steps are chosen by it.")
     ] = None,
-    motion: Annotated[float | None, typer.Option(help="How far the object may move under the load [m].")] = None,
-    turn: Annotated[float | None, typer.Option(help="How far the object may turn under the load [rad].")] = None,
+    motion: Annotated[float | None, typer.Option(help="How far the object may move under the load, in m.")] = None,
+    turn: Annotated[float | None, typer.Option(help="How far the object may turn under the load, in rad.")] = None,
     adaptive: Annotated[int, typer.Option(help="How often steps between two causes are halved.")] = 2,
     faces: Faces = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the surface into this file (png, svg, pdf).")] = None,

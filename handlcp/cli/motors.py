@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,6 +27,7 @@ from handlcp.cli.app import (
     titled,
 )
 from handlcp.errors import InputError, brief
+from handlcp.grasp.parameter import parameters
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
 from handlcp.show import tables
@@ -124,30 +126,36 @@ def _grips(found: RequiredTorque) -> Table:
 # ----------------------------------------------------------------
 # `handlcp reliability`: how sure it is that a scene holds, when what it is made of varies.
 
-_SHARE = "standard deviation, as a share"
+
+def _spread_as_options(command: Any) -> Any:
+    """The command with an option for each parameter that may vary, in place of its `**spread`."""
+    own = inspect.signature(command, eval_str=True)
+    scene, *others = [p.replace(kind=p.KEYWORD_ONLY) for p in own.parameters.values() if p.kind != p.VAR_KEYWORD]
+    spread = [
+        inspect.Parameter(p.spread, scene.kind, default=None,
+                          annotation=Annotated[float | None, typer.Option(help=p.uncertain)])
+        for p in parameters() if p.spread
+    ]  # fmt: skip
+    command.__signature__ = own.replace(parameters=[scene, *spread, *others])
+    command.__annotations__ = {p.name: p.annotation for p in command.__signature__.parameters.values()}
+    return command
 
 
 @app.command()
+@_spread_as_options
 def reliability(
     scene: Scene,
-    friction: Annotated[float | None, typer.Option(help=f"Of the fingers' coefficient: {_SHARE}.")] = None,
-    stiffness: Annotated[float | None, typer.Option(help=f"Of the joints: {_SHARE}.")] = None,
-    pads: Annotated[float | None, typer.Option(help=f"Of the fingertips' flexibility: {_SHARE}.")] = None,
-    mass: Annotated[float | None, typer.Option(help=f"Of the object: {_SHARE}.")] = None,
-    load: Annotated[float | None, typer.Option(help=f"Of what loads it besides its weight: {_SHARE}.")] = None,
-    squeeze: Annotated[float | None, typer.Option(help=f"How hard the hand closes: {_SHARE}.")] = None,
-    positions: Annotated[float | None, typer.Option(help="Of each contact along both tangents [m].")] = None,
-    posture: Annotated[float | None, typer.Option(help="Of each joint [rad, m].")] = None,
     samples: Annotated[int, typer.Option(help="At least so many.")] = 10_000,
     seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
     check: Annotated[
-        bool, typer.Option("--check", help="Follow each sample while it is squeezed, then loaded: 30 ms each.")
+        bool, typer.Option("--check", help="Follow each sample while it is squeezed, then loaded: 10 to 400 ms each.")
     ] = False,
     confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
     resume: Annotated[Path | None, typer.Option(help="Keep what is done in this .npz file, and go on there.")] = None,
     faces: Faces = None,
     plot: Annotated[Path | None, typer.Option(help="Draw margins and what matters most (png, svg, pdf).")] = None,
     json: Json = False,
+    **spread: float | None,
 ) -> None:
     """The chance that a scene holds, what its worst sample fails of, and which spread matters most.
 
@@ -156,12 +164,8 @@ def reliability(
     from handlcp import scene as scenes
     from handlcp.study import reliability as study
 
-    given = {
-        "friction": friction, "stiffness": stiffness, "pads": pads, "mass": mass, "load": load, "squeeze": squeeze,
-        "positions": positions, "posture": posture,
-    }  # fmt: skip
-    spread = {name: value for name, value in given.items() if value is not None}
-    if not spread:
+    varies = {name: value for name, value in spread.items() if value is not None}
+    if not varies:
         raise InputError("--friction, --mass, …", "at least one of what varies", "none")
     check_files(plot)
     if resume is not None:
@@ -169,7 +173,7 @@ def reliability(
     file = scenes.load(scene)
     sides = sides_of(file.solve_with.faces, faces)
     found = study.reliability(
-        file.build(), spread, samples, seed=seed, faces=sides, by="check" if check else "solve", confidence=confidence,
+        file.build(), varies, samples, seed=seed, faces=sides, by="check" if check else "solve", confidence=confidence,
         resume=resume,
     )  # fmt: skip
     if plot is not None:

@@ -38,7 +38,7 @@ from .model.kind import Placement as Placement
 from .model.limit import FileKey as FileKey, Limit as Limit
 from .model.scene import Scene as Scene
 from .model.spec import GraspSpec as GraspSpec
-from .parameter.parameter import Parameter as Parameter, Trial as Trial, parameters as parameters
+from .parameter.parameter import Parameter as Parameter, Shown as Shown, Trial as Trial, parameters as parameters
 from .path.events import Event as Event
 from .path.follow import Loading as Loading
 from .path.state import Stage as Stage

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 import re
 import tempfile
 import time
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
+from handlcp.check import cores
 from handlcp.errors import HandLCPError, InputError, Unsupported, brief
 from handlcp.grasp.friction import SoftFinger
 from handlcp.hand.find.candidate import Candidate
@@ -294,7 +294,7 @@ def run(
             if _numbers(folder, m).is_file()}  # fmt: skip
     left = [m for m in models if m.name not in done]
     if left:
-        count = min(workers or os.cpu_count() or 1, len(left))
+        count = min(cores(workers), len(left))
         with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
             waiting = {pool.submit(one, m, folder, draw): m for m in left}
             for future in as_completed(waiting):

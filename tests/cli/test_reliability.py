@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
+from handlcp.grasp import parameters
 from tests.support.messages import without_compiling
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -43,6 +44,13 @@ def test_json_is_one_object_and_a_run_that_is_kept_is_not_repeated(tmp_path):
     other = run(CUBE, "--friction", "0.2", "--samples", "64", "--resume", file)
     assert other.exit_code == 2
     assert "another spread" in " ".join(other.stderr.split())
+
+
+def test_there_is_an_option_for_each_parameter_that_varies_and_it_says_what_a_number_is():
+    text = " ".join(run("--help").stdout.replace("│", " ").split())
+    options = [f"--{p.spread} <float> {p.uncertain}" for p in parameters() if p.spread]
+    assert len(options) == 8
+    assert [o for o in options if o not in text] == []
 
 
 @pytest.mark.parametrize(

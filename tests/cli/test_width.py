@@ -6,9 +6,11 @@ A word or a number that a column cuts or breaks is another word: the words at 80
 from __future__ import annotations
 
 import pathlib
+import re
 from collections import Counter
 
 import pytest
+import typer
 from rich.console import Console
 from typer.testing import CliRunner
 
@@ -85,3 +87,11 @@ def test_accuracy_tables_break_no_word(monkeypatch):
     patches.ticks_of_studies(monkeypatch, 2e-3)
     found = all_tables(accuracy_cost(scene.load(CUBE).build(), seconds=0.3))
     assert words(shown(found, 80)) == words(shown(found, 1000))
+
+
+def test_no_unit_in_a_help_text_is_taken_for_markup_and_left_out():
+    """Rich takes [m] for a style, and prints nothing of it."""
+    commands = typer.main.get_command(app).commands
+    texts = {f"{name} {p.name}": getattr(p, "help", None) for name, one in commands.items() for p in one.params}
+    assert len(texts) > 50
+    assert [where for where, text in texts.items() if re.search(r"(?<!\\)\[[a-z#/@]", text or "")] == []

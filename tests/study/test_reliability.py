@@ -279,6 +279,7 @@ def test_a_spread_that_cannot_be_is_refused_by_name(spread, match):
     [
         ({"samples": 10}, "samples"), ({"by": "guess"}, "by"), ({"confidence": 1.0}, "confidence"),
         ({"seed": -1}, "seed"), ({"decide": -1}, "decide"), ({"faces": 2}, "faces"),
+        ({"workers": 0}, "workers"), ({"workers": -1}, "workers"), ({"workers": 1.5}, "workers"),
     ],
 )  # fmt: skip
 def test_arguments_that_cannot_be_are_refused_by_name(more, match):
@@ -333,6 +334,12 @@ def test_a_sample_past_an_edge_is_a_row_with_its_reason():
     assert np.isfinite(sample.grasp.spec.frames).all()
     assert f"{len(sure.why_not)} are no grasp, with a contact past an edge" in " ".join(str(sure).split())
     assert sure.to_dict()["counts"]["UNDECIDED"] == len(sure.why_not)
+
+
+def test_samples_that_are_all_placed_are_rows_without_reasons():
+    sure = hl.reliability(held_cube(), {"posture": 1e-4}, 64)
+    assert sure.why_not == {}
+    assert (sure.to_frame()["why_not"] == "").all()
 
 
 def test_a_contact_past_the_rim_of_a_cylinder_is_past_an_edge_and_one_around_its_side_is_not():

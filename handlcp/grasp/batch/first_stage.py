@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -224,7 +223,7 @@ def answers_in_threads(batch: Batch, kinds: list[Members], workers: int) -> Iter
     yield from _in_threads(list(shards(kinds, _CHUNK)), solved, workers)
 
 
-def solved_rows(numbers: Array, kind: CompiledKind, workers: int | None) -> Array:
+def solved_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
     """(m, width) the first stage's answers to the rows of scenes of one kind, as `solve_many` has them."""
     chain = as_chain(None)
     assert chain is not None
@@ -233,7 +232,7 @@ def solved_rows(numbers: Array, kind: CompiledKind, workers: int | None) -> Arra
         return answer_rows(part, kind.pattern, kind.answer_width, chain.seed)
 
     parts = [numbers[at : at + _CHUNK] for at in range(0, len(numbers), _CHUNK)]
-    return np.concatenate(list(_in_threads(parts, solved, workers or os.cpu_count() or 1)))
+    return np.concatenate(list(_in_threads(parts, solved, workers)))
 
 
 def _in_threads(parts: Sequence[P], solved: Callable[[P], R], workers: int) -> Iterator[R]:

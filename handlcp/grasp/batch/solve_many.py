@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from concurrent.futures import Executor
 from typing import TYPE_CHECKING
 
-from handlcp.check import integer
+from handlcp.check import cores
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
@@ -57,7 +56,7 @@ def solve_many(
         raise InputError("executor", "a concurrent.futures.Executor, or None", repr(executor)[:80])
     if executor is not None and workers is not None:
         raise InputError("workers", "None beside an executor, which has its own", workers)
-    count = (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
+    count = cores(workers)
     answers: list[Answers] = []
     singles: dict[int, GraspSolution] = {}
     with told("grasps", len(batch), progress) as say, soon(len(batch)):

@@ -8,9 +8,9 @@ parameters from here by name. Adding one is adding a file.
 from importlib import import_module
 from pkgutil import iter_modules
 
-from handlcp.grasp.parameter.parameter import Parameter, by_effort, named, parameters
+from handlcp.grasp.parameter.parameter import Parameter, Shown, by_effort, named, parameters, present
 
 for _module in iter_modules(__path__):
     import_module(f"{__name__}.{_module.name}")
 
-__all__ = ["Parameter", "by_effort", "named", "parameters"]
+__all__ = ["Parameter", "Shown", "by_effort", "named", "parameters", "present"]

@@ -28,7 +28,7 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.soft_wrist import SoftWrist
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Entry, Parameter, larger
+from handlcp.grasp.parameter.parameter import Entry, Parameter, Shown, larger
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, no_change
@@ -45,20 +45,30 @@ class _OfContacts(Parameter):
     def values(self, spec: GraspSpec) -> Array:
         return np.zeros((spec.n, 3))
 
+    def one_finger(self, spec: GraspSpec, text: str, ways: Array) -> Shown:
+        """The row of changes (k, a, 3) of each of k fingers alone."""
+        one = np.eye(spec.n)
+        return Shown(text, [(spec.names[i], np.outer(one[i], way)) for i, own in enumerate(ways) for way in own])
+
 
 class Positions(_OfContacts):
     """[m], world axes; derivatives [1/m], in a planar scene those in its plane. In samples, slides along the object's
     surface.
     """
 
-    name, unit, said = "positions", "m", "the point of a contact, world axes"
+    name = "positions"
     order, step, spread = 90, 1e-7, "positions"
+    uncertain = "Of each contact along both tangents, in metres."
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
         return _placed(spec, larger(spec.positions, k, step), spec.frames)
 
     def change(self, answer: Answer) -> Change:
         return _by(answer, turns=False) if answer.bent is None else super().change(answer)
+
+    def shown(self, answer: Answer) -> Shown:
+        axes = answer.spec.frames[: answer.spec.of_fingers].swapaxes(1, 2)
+        return self.one_finger(answer.spec, "1 mm aside", 1e-3 * axes[:, :2])
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Along both tangents of each finger, or of those that a mapping names."""
@@ -81,7 +91,7 @@ class Normals(_OfContacts):
     tangents.
     """
 
-    name, unit, said = "normals", "rad", "a turn of a contact's axes about themselves"
+    name = "normals"
     order, step = 100, 1e-6
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
@@ -94,6 +104,10 @@ class Normals(_OfContacts):
 
     def change(self, answer: Answer) -> Change:
         return _by(answer, turns=True) if answer.bent is None else super().change(answer)
+
+    def shown(self, answer: Answer) -> Shown:
+        tilts = np.tile(np.radians(1.0) * np.eye(3)[:2], (answer.spec.of_fingers, 1, 1))
+        return self.one_finger(answer.spec, "normal by 1°", tilts)
 
 
 def _placed(spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:

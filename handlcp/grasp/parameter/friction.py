@@ -11,7 +11,7 @@ from handlcp import words
 from handlcp.check import Array, Bools, per_name
 from handlcp.errors import InputError
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Entry, Parameter, Trial, places
+from handlcp.grasp.parameter.parameter import SHARE, TENTH, Entry, OfContacts, Shown, Trial, places
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, no_change
@@ -19,14 +19,12 @@ from handlcp.grasp.tangent.change import Change, no_change
 _TRIED = (0.3, 0.5, 0.8, 1.0, 1.2)  # hardly anything grips better
 
 
-class Friction(Parameter):
+class Friction(OfContacts):
     """(n,) [-]; derivatives are NaN for contacts without friction."""
 
-    name, unit, said = "friction", "-", "the coefficient of a contact"
+    name = "friction"
     order, effort, step, together, spread = 10, 1, 1e-5, True, "friction"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (spec.n,)
+    common, uncertain = "friction", f"Of the fingers' coefficient: {SHARE}."
 
     def values(self, spec: GraspSpec) -> Array:
         return np.array([c.mu for c in spec.contacts])
@@ -50,6 +48,11 @@ class Friction(Parameter):
         scene, change = answer.scene, no_change(answer, answer.scene.n)
         change.friction[np.arange(scene.n), np.arange(scene.n)] = answer.friction_shares
         return change
+
+    def shown(self, answer: Answer) -> Shown | None:
+        mu = self.values(answer.spec)
+        rough = (mu > 0.0) & (np.array(answer.scene.kind.tangents) > 0)
+        return Shown("friction -10 %", [("all fingers", np.where(rough, -TENTH * mu, 0.0))]) if rough.any() else None
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Of the fingers' contacts together, all with one coefficient; or of the contacts that a mapping names."""

@@ -7,19 +7,16 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.effects.joint_offset import joints_commanded, recommanded
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Parameter, larger
+from handlcp.grasp.parameter.parameter import TENTH, OfJoints, Shown, larger
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, in_plane, no_change
 
 
-class JointCommand(Parameter):
+class JointCommand(OfJoints):
     """(nv,) δq [rad, m]."""
 
-    name, unit, said = "joint_offset", "rad", "how far a joint is commanded beyond the posture"
-    order, effort, of_joints = 70, 0, True
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+    name = "joint_offset"
+    order, effort, common = 70, 0, "command of the joints"
 
     def values(self, spec: GraspSpec) -> Array:
         return joints_commanded(spec.effects, self.shape(spec)[0])
@@ -36,3 +33,10 @@ class JointCommand(Parameter):
             change.torque[:] = answer.bent @ follows
         change.motion[:] = -answer.scale[:, None] * (J @ follows)
         return in_plane(answer, change)
+
+    def shown(self, answer: Answer) -> Shown | None:
+        if answer.spec.mechanism is None or not answer.command.any():
+            return None
+        given = ("squeeze", "squeeze"), ("grip_force", "grip force")
+        what = next((words for name, words in given if getattr(answer.spec.asked, name, None) is not None), "command")
+        return Shown(f"{what} +10 %", [("all joints", TENTH * answer.command)])

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Entry, Parameter
+from handlcp.grasp.parameter.parameter import SHARE, Entry, Parameter
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, no_change
@@ -19,8 +19,9 @@ from handlcp.grasp.tangent.change import Change, no_change
 class Mass(Parameter):
     """(1,) [kg] of a grasp of an object with a mass, under gravity; else (0,). δb is the weight of a kilogram."""
 
-    name, unit, said = "mass", "kg", "the mass of the object"
-    order, step, of_joints, spread = 40, 1e-5, True, "mass"
+    name = "mass"
+    order, step, spread = 40, 1e-5, "mass"
+    uncertain = f"Of the object: {SHARE}."
 
     def shape(self, spec: GraspSpec) -> tuple[int, ...]:
         return self.values(spec).shape

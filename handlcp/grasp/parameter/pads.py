@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Entry, Parameter, factors, larger
+from handlcp.grasp.parameter.parameter import SHARE, TENTH, Entry, OfContacts, Shown, factors, larger
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.parameter.stiffness import hand
 from handlcp.grasp.tangent.answer import Answer
@@ -19,14 +19,12 @@ from handlcp.grasp.tangent.change import Change, in_plane, no_change
 _NO_PAD = 1e-9  # of the flexibility: a pad softer by less is rounding
 
 
-class Pads(Parameter):
+class Pads(OfContacts):
     """(n,) [m/N] of each contact."""
 
-    name, unit, said = "pads", "m/N", "the flexibility of a contact along all three axes"
+    name = "pads"
     order, step, together, spread = 30, 1e-8, True, "pads"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (spec.n,)
+    common, uncertain = "flexibility of the pads", f"Of the fingertips' flexibility: {SHARE}."
 
     def values(self, spec: GraspSpec) -> Array:
         """Of each contact without that of the joints, the mean over its axes."""
@@ -50,6 +48,10 @@ class Pads(Parameter):
         change, each = no_change(answer, n), np.arange(3 * n)
         change.motion[each, each // 3] = answer.scale[: 3 * n] * answer.forces.reshape(-1)
         return in_plane(answer, change)
+
+    def shown(self, answer: Answer) -> Shown | None:
+        pads, what = self.values(answer.spec), "flexibility" if answer.spec.mechanism is None else "pads"
+        return Shown(f"{what} 10 % softer", [("all fingers", TENTH * pads)]) if pads.any() else None
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Factors on the pads of a hand's fingertips."""

@@ -1,10 +1,11 @@
-"""What a parameter is: its name, unit, shape and nominal values, and how a grasp changes with it.
+"""What a parameter is: its name, shape and nominal values, and how a grasp changes with it.
 
 A parameter is one class in one file of this folder, found by its class: no other file needs a line for it. It says
 
     what it is                          `shape`, `values`, `without`
     the same grasp with other values    `varied`, `scaled`
     what it changes in the laws         `change`, in closed form; unless it says so, by differences of the laws
+    what tables show of it              `shown`
     what of it may be uncertain         `entries`, and in many samples at once `write`
     what a designer can do with it      `shares`, by a share of it; `trials`, what may make a grasp hold
 
@@ -47,6 +48,17 @@ class Entry(NamedTuple):
     argument: str
 
 
+class Shown(NamedTuple):
+    """A change that the table of derivatives shows. text : the change in words. ways : directions in the parameter's
+    shape, by where they are; of several, the table shows the one that does most. slight : where it changes no force, it
+    is left out.
+    """
+
+    text: str
+    ways: Sequence[tuple[str, Array]]
+    slight: bool = False
+
+
 class Trial(NamedTuple):
     """A changed grasp that may hold. change : what was changed. value : of that. text : the change in words."""
 
@@ -61,34 +73,35 @@ BALANCE = "balance"  # no forces within friction and limits balance the load
 FORCES = "forces"  # such forces exist, but nothing creates them
 TORQUE = "torque"  # it holds, but joints are over their torque limits
 
+SHARE = "standard deviation, as a share"  # in `uncertain`
+TENTH = 0.1  # the share of a parameter by which tables change it
+
 _KINDS: dict[tuple[str, str], type[Parameter]] = {}
 
 
 class Parameter(ABC):
     """One parameter; subclasses override what they need.
 
-    name : of `<quantity>_by_<name>`. unit : of its values. said : what one entry is, in words. order : place in lists.
-    effort : how much it takes to change: 0 a command, 1 a surface, 2 a part, 3 a motor; advice tries the least first.
-    step : [SI] that leaves central differences about as much rounding as truncation.
-    of_joints : whether only a hand has it. together : whether a common change of all entries has a meaning.
-    spread : what `reliability` calls it; "" : it does not vary there.
+    name : of `<quantity>_by_<name>`. order : place in lists. effort : how much it takes to change: 0 a command, 1 a
+    surface, 2 a part, 3 a motor; advice tries the least first. step : [SI] that leaves central differences about as
+    much rounding as truncation. together : whether a common change of all entries has a meaning. common : what the
+    table of a path's end calls that change; "" : it does not show it. spread : what `reliability` calls it; "" : it
+    does not vary there. uncertain : what varies there, and what a number for it is.
     """
 
     name: ClassVar[str] = ""
-    unit: ClassVar[str]
-    said: ClassVar[str]
     order: ClassVar[int] = 1000
     effort: ClassVar[int] = 2
     step: ClassVar[float] = 1e-6
-    of_joints: ClassVar[bool] = False
     together: ClassVar[bool] = False
+    common: ClassVar[str] = ""
     spread: ClassVar[str] = ""
+    uncertain: ClassVar[str] = ""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
         if vars(cls).get("name"):  # what has no name of its own is a base of others
             _KINDS[cls.__module__, cls.__qualname__] = cls
-            _instance.cache_clear()
 
     # ---- what it is
     @abstractmethod
@@ -132,6 +145,11 @@ class Parameter(ABC):
         count = int(np.prod(self.shape(spec)))
         return differences(answer, count, self.step, lambda k, h: self.varied(spec, k, h))
 
+    # ---- what tables show of it
+    def shown(self, answer: Answer) -> Shown | None:
+        """The change of it that the table of an answer's derivatives shows; None: none."""
+        return None
+
     # ---- what of it may be uncertain
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """What varies for a number or distribution of all together, or for a mapping by the names of entries; here
@@ -163,7 +181,12 @@ class Parameter(ABC):
 
 def parameters() -> tuple[Parameter, ...]:
     """All there are, in order."""
-    return tuple(sorted([_instance(kind) for kind in _KINDS.values()], key=lambda p: p.order))
+    return _made(tuple(_KINDS.values()))
+
+
+def present(spec: GraspSpec) -> tuple[Parameter, ...]:
+    """Those that a grasp has any entry of."""
+    return tuple([p for p in parameters() if 0 not in p.shape(spec)])
 
 
 def by_effort() -> tuple[Parameter, ...]:
@@ -177,11 +200,26 @@ def named(name: str) -> Parameter:
 
 
 @cache
-def _instance(kind: type[Parameter]) -> Parameter:
-    return kind()
+def _made(kinds: tuple[type[Parameter], ...]) -> tuple[Parameter, ...]:
+    """One of each, in order."""
+    return tuple(sorted([kind() for kind in kinds], key=lambda p: p.order))
 
 
 # ---------------------------------------------------------------- for subclasses
+class OfContacts(Parameter):
+    """One entry for each contact, (n,)."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (spec.n,)
+
+
+class OfJoints(Parameter):
+    """One entry for each joint of a hand, (nv,)."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+
+
 def factors(of: str, argument: str, given: Any, names: Sequence[str], kind: str) -> Sequence[Entry]:
     """Factors about 1, never negative: one for all entries, or for a mapping one for each that it names; kind : of
     these names, such as "a joint".

@@ -17,7 +17,7 @@ import numpy as np
 from handlcp.check import Array, per_name
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.differences import differences
-from handlcp.grasp.parameter.parameter import Entry, Parameter
+from handlcp.grasp.parameter.parameter import Entry, OfJoints, Parameter
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.parameter.stiffness import hand
 from handlcp.grasp.tangent.answer import Answer
@@ -29,8 +29,6 @@ _NOTHING = 1e-6  # of a depth: a sideways motion that is rounding
 
 class _MadeAgain(Parameter):
     """What a mechanism can vary (`Mechanism.varied`)."""
-
-    of_joints = True
 
     def values(self, spec: GraspSpec) -> Array:
         return np.zeros(self.shape(spec))
@@ -44,16 +42,14 @@ class _MadeAgain(Parameter):
         return _made_again(answer, self.name, int(np.prod(self.shape(answer.spec))), self.step)
 
 
-class Posture(_MadeAgain):
+class Posture(OfJoints, _MadeAgain):
     """(nv,) [rad, m]; derivatives [1/rad, 1/m]. In samples, how far the joints stand from where they are said to be;
     the fingertips go along.
     """
 
-    name, unit, said = "posture", "rad", "the position of a joint"
+    name = "posture"
     order, effort, spread = 110, 0, "posture"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+    uncertain = "Of each joint, in radians or metres."
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Each joint, or those that a mapping names."""
@@ -74,7 +70,7 @@ class Posture(_MadeAgain):
 class Lengths(_MadeAgain):
     """(m, 3) [m] of `Mechanism.lengths`; derivatives [1/m]."""
 
-    name, unit, said = "lengths", "m", "the end of a link in its joint's frame"
+    name = "lengths"
     order, step = 120, 1e-7
 
     def shape(self, spec: GraspSpec) -> tuple[int, ...]:

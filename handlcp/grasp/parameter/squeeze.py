@@ -15,9 +15,12 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import (
     FORCES,
+    SHARE,
+    TENTH,
     TORQUE,
     Entry,
-    Parameter,
+    OfContacts,
+    Shown,
     Trial,
     larger,
     more_and_less,
@@ -32,14 +35,12 @@ _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried
 _LESS = (0.75, 0.5, 0.25)  # of the squeeze
 
 
-class Squeeze(Parameter):
+class Squeeze(OfContacts):
     """(n,) [m] of each normal."""
 
-    name, unit, said = "squeeze", "m", "how far a contact is squeezed along its normal"
+    name = "squeeze"
     order, effort, step, together, spread = 60, 0, 1e-7, True, "squeeze"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (spec.n,)
+    common, uncertain = "squeeze", f"How hard the hand closes: {SHARE}."
 
     def values(self, spec: GraspSpec) -> Array:
         """Preloads, without what the joints are commanded."""
@@ -67,6 +68,14 @@ class Squeeze(Parameter):
         change = no_change(answer, n)
         change.motion[2 : 3 * n : 3] = -np.eye(n)
         return change
+
+    def shown(self, answer: Answer) -> Shown | None:
+        """Beside what joints are commanded, it is what a posture leaves."""
+        squeeze = TENTH * self.values(answer.spec)
+        if not squeeze.any():
+            return None
+        commanded = answer.spec.mechanism is not None and bool(answer.command.any())
+        return Shown("overlap left +10 %" if commanded else "squeeze +10 %", [("all fingers", squeeze)], commanded)
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         return (Entry("squeeze", (), 1.0, 0.0, "×", given, argument),)

@@ -15,7 +15,17 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import FORCES, Entry, Parameter, Trial, factors, more_and_less
+from handlcp.grasp.parameter.parameter import (
+    FORCES,
+    SHARE,
+    TENTH,
+    Entry,
+    OfJoints,
+    Shown,
+    Trial,
+    factors,
+    more_and_less,
+)
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, in_plane, no_change
@@ -24,14 +34,12 @@ from handlcp.tolerances import SEMIDEFINITE
 _TRIED = (2.0, 5.0, 10.0)  # times as stiff
 
 
-class Stiffness(Parameter):
+class Stiffness(OfJoints):
     """(nv,) [N·m/rad]; derivatives [rad/(N·m)] raise Unsupported where the flexibility was given."""
 
-    name, unit, said = "stiffness", "N·m/rad", "the spring of a joint"
-    order, effort, step, of_joints, together, spread = 20, 2, 1e-4, True, True, "stiffness"
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+    name = "stiffness"
+    order, effort, step, together, spread = 20, 2, 1e-4, True, "stiffness"
+    common, uncertain = "stiffness of the joints", f"Of the joints: {SHARE}."
 
     def values(self, spec: GraspSpec) -> Array:
         """1 / C_jj; 0 for a rigid joint, and where the flexibility was given."""
@@ -71,6 +79,12 @@ class Stiffness(Parameter):
         if answer.bent is not None:
             change.torque[:] = answer.bent @ give
         return in_plane(answer, change)
+
+    def shown(self, answer: Answer) -> Shown | None:
+        if answer.spec.mechanism is None or not answer.elastic_joints:
+            return None
+        C = np.diagonal(answer.compliance)
+        return Shown("stiffness +10 %", [("all joints", TENTH / np.where(C > 0.0, C, np.inf))])
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         if not spec.flexibility[: 3 * spec.of_fingers].any():

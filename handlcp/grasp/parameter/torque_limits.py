@@ -9,19 +9,17 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Parameter, larger
+from handlcp.grasp.parameter.parameter import OfJoints, larger
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, no_change
 
 
-class TorqueLimit(Parameter):
+class TorqueLimit(OfJoints):
     """(nv,) [N·m]; 0 where a joint has none."""
 
-    name, unit, said = "torque_limits", "N·m", "the torque limit of a joint"
-    order, effort, step, of_joints, together = 80, 3, 1e-5, True, True
-
-    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+    name = "torque_limits"
+    order, effort, step, together = 80, 3, 1e-5, True
+    common = "torque limits"
 
     def values(self, spec: GraspSpec) -> Array:
         return np.zeros(0) if spec.mechanism is None else np.where(self.without(spec), 0.0, spec.mechanism.limits)

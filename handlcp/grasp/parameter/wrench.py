@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.parameter import Entry, Parameter, larger
+from handlcp.grasp.parameter.parameter import SHARE, TENTH, Entry, Parameter, Shown, larger
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, no_change
@@ -18,8 +18,9 @@ from handlcp.grasp.tangent.change import Change, no_change
 class Wrench(Parameter):
     """(6,) about the reference; derivatives [1/N, 1/(N·m)]."""
 
-    name, unit, said = "wrench", "N, N·m", "the load about the reference"
+    name = "wrench"
     order, effort, step, spread = 50, 0, 1e-4, "load"
+    uncertain = f"Of what loads it besides its weight: {SHARE}."
 
     def shape(self, spec: GraspSpec) -> tuple[int, ...]:
         return (6,)
@@ -34,6 +35,9 @@ class Wrench(Parameter):
         change = no_change(answer, 6)
         change.balance[:] = np.eye(6)
         return change
+
+    def shown(self, answer: Answer) -> Shown:
+        return Shown("load +10 %", [("", TENTH * answer.spec.wrench)])
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         return (Entry("load", (), 1.0, -np.inf, "×", given, argument),)

@@ -18,7 +18,8 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter import named, parameters
+from handlcp.grasp.parameter import by_effort, named, present
+from handlcp.grasp.parameter.parameter import TENTH
 from handlcp.record import plain
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
@@ -26,23 +27,17 @@ from handlcp.words import first_largest
 # ----------------------------------------------------------------
 # What common changes of a grasp do to the end of a path, in a table, to first order.
 
-_SHARE = 0.1
-_ROWS = {
-    "friction": "friction", "joint_offset": "command of the joints", "squeeze": "squeeze",
-    "stiffness": "stiffness of the joints", "pads": "flexibility of the pads", "torque_limits": "torque limits",
-}  # fmt: skip
-
 
 def path_table(s: Any, here: dict[str, Array]) -> str:
     """Of a `PathSensitivity`: each row a tenth more of a parameter, of all fingers or joints together."""
     rows, unclear = [], []
-    for parameter, words in _ROWS.items():
-        if parameter not in s.parameters or not (changes := s.of_share(parameter, _SHARE)):
+    for p in by_effort():
+        if not p.common or p.name not in s.parameters or not (changes := s.of_share(p.name, TENTH)):
             continue
         found = [_of_largest(here[name], change) for name, change in changes.items()]
-        rows.append((f"{words} +10 %", *(_written(x) for x in found)))
+        rows.append((f"{p.common} +10 %", *(_written(x) for x in found)))
         if not np.isfinite(found).all():
-            unclear.append(words)
+            unclear.append(p.common)
     now = [f"{abs(value).max(initial=0.0):.4g}" for value in here.values()]
     heads = ("all fingers, all joints", *here)
     lines = [str(TextTable(heads, (("now", *now), *rows), "<" + ">" * len(here)))]
@@ -100,7 +95,7 @@ class PathSensitivity:
     @property
     def parameters(self) -> tuple[str, ...]:
         """What there are derivatives by."""
-        each = [p for p in parameters() if np.prod(p.shape(self._spec)) > 0]
+        each = present(self._spec)
         return (*(p.name for p in each), *(_ALL + p.name for p in each if p.together))
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, UnknownName
-from handlcp.grasp.parameter import named, parameters
+from handlcp.grasp.parameter import named, parameters, present
 from handlcp.grasp.parameter.posture import by_depth
 from handlcp.grasp.sensitivity.kinks import Kink
 from handlcp.grasp.sensitivity.respond import Response
@@ -64,8 +64,7 @@ class Sensitivity(Record):
     @property
     def parameters(self) -> tuple[str, ...]:
         """What there are derivatives by."""
-        spec = self._answer.spec
-        return tuple([p.name for p in parameters() if not p.of_joints or np.prod(p.shape(spec)) > 0])
+        return tuple([p.name for p in present(self._answer.spec)])
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -118,9 +117,11 @@ class Sensitivity(Record):
     def _by(self, parameter: str) -> tuple[Rates, Change]:
         if (known := self._rates.get(parameter)) is not None:
             return known
-        if parameter not in self.parameters:
+        spec = self._answer.spec
+        of = next((p for p in parameters() if p.name == parameter and 0 not in p.shape(spec)), None)
+        if of is None:
             raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
-        change = named(parameter).change(self._answer)
+        change = of.change(self._answer)
         known = self._rates[parameter] = self._response.to(change.ahead), change
         return known
 

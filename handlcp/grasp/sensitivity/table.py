@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.parameter import named
+from handlcp.grasp.parameter import Shown, by_effort
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, Rates
 from handlcp.text_table import TextTable, wrapped
@@ -91,25 +91,23 @@ QUANTITIES = {
 
 # ----------------------------------------------------------------
 
-_SHARE = 0.1
 _NOTHING = 1e-3  # of the largest force
 _ROUNDING = 1e-6  # of the largest number in a column
-_SHIFT, _TURN = 1e-3, np.radians(1.0)
 
 
 def what_matters(s: Any, answer: Answer) -> str:
     """Of a `Sensitivity`, and where its derivatives have two sides or none."""
     changes, least = _changes(s, answer), _least(answer)
     effects = [
-        np.array([_effect(s.along(parameter, way).ahead, answer, least) for _, way in ways])
-        for _, parameter, ways in changes
+        np.array([_effect(s.along(parameter, way).ahead, answer, least) for _, way in row.ways])
+        for parameter, row in changes
     ]
     largest = np.nan_to_num(abs(np.concatenate(effects))).max(axis=0)
     scale, cells = np.where(largest > 0.0, largest, 1.0), []
-    for (name, _, ways), each in zip(changes, effects, strict=True):
+    for (_, row), each in zip(changes, effects, strict=True):
         most = first_largest((np.nan_to_num(abs(each)) / scale).sum(axis=1))  # all columns count alike
         rounded = np.where(abs(each[most]) < _ROUNDING * scale, 0.0, each[most])
-        cells.append((name, ways[most][0], *_written(rounded.tolist())))
+        cells.append((row.text, row.ways[most][0], *_written(rounded.tolist())))
     torque = ("torque\nN·m",) if "torques" in s.quantities else ()
     heads = ("change", "where", "force\nN", "to spare\nN", *torque, "motion\nmm")
     lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2)))]
@@ -132,43 +130,17 @@ def _legend(answer: Answer, least: int | None, torque: bool) -> str:
     return f"Changes of the largest force, {spare}{more}, and how far the object moves. {single}"
 
 
-def _changes(s: Any, answer: Answer) -> list[tuple[str, str, list[tuple[str, Array]]]]:
-    """(words, parameter, directions by where they are) of each row."""
-    spec, n, hand = answer.spec, answer.scene.n, "torques" in s.quantities
-    out = [("load +10 %", "wrench", [("", _SHARE * spec.wrench)])]
-    squeeze, commanded = _SHARE * named("squeeze").values(spec), hand and bool(answer.command.any())
-    if squeeze.any() and not (commanded and _is_nothing(s, answer, squeeze)):
-        words = "overlap left +10 %" if commanded else "squeeze +10 %"
-        out.append((words, "squeeze", [("all fingers", squeeze)]))
-    if commanded:
-        out.append((f"{_command(spec.asked)} +10 %", "joint_offset", [("all joints", _SHARE * answer.command)]))
-    if hand and answer.elastic_joints:
-        C = np.diagonal(answer.compliance)
-        stiffer = _SHARE / np.where(C > 0.0, C, np.inf)
-        out.append(("stiffness +10 %", "stiffness", [("all joints", stiffer)]))
-    pads = named("pads").values(spec)
-    if pads.any():
-        out.append((f"{'pads' if hand else 'flexibility'} 10 % softer", "pads", [("all fingers", _SHARE * pads)]))
-    mu, one = np.array([c.mu for c in spec.contacts]), np.eye(n)
-    rough = (mu > 0.0) & (np.array(answer.scene.kind.tangents) > 0)
-    if rough.any():
-        out.append(("friction -10 %", "friction", [("all fingers", np.where(rough, -_SHARE * mu, 0.0))]))
-    fingers = range(spec.of_fingers)
-    aside = [(spec.names[i], _SHIFT * np.outer(one[i], spec.frames[i, :, a])) for i in fingers for a in (0, 1)]
-    tilts = [(spec.names[i], _TURN * np.outer(one[i], np.eye(3)[a])) for i in fingers for a in (0, 1)]
-    return [*out, ("1 mm aside", "positions", aside), ("normal by 1°", "normals", tilts)]
+def _changes(s: Any, answer: Answer) -> list[tuple[str, Shown]]:
+    """(parameter, what of it is shown), those first that take the least effort to change; single contacts last."""
+    known = [(p.name, row) for p in by_effort() if (row := p.shown(answer)) is not None]
+    some = [(name, row) for name, row in known if not (row.slight and _is_nothing(s, answer, name, row))]
+    return sorted(some, key=lambda one: len(one[1].ways) > 1)
 
 
-def _is_nothing(s: Any, answer: Answer, squeeze: Array) -> bool:
-    """Whether the overlap that a posture leaves beside what the joints are commanded matters to no force."""
-    rate = s.along("squeeze", squeeze).ahead["forces"]
-    return bool(np.nanmax(abs(rate), initial=0.0) <= _NOTHING * abs(answer.forces).max())
-
-
-def _command(asked: Any) -> str:
-    """What the joints' command was given as."""
-    given = ("squeeze", "squeeze"), ("grip_force", "grip force")
-    return next((words for name, words in given if getattr(asked, name, None) is not None), "command")
+def _is_nothing(s: Any, answer: Answer, parameter: str, row: Shown) -> bool:
+    """Whether a change matters to no force."""
+    rates = [s.along(parameter, way).ahead["forces"] for _, way in row.ways]
+    return bool(np.nanmax(np.abs(rates), initial=0.0) <= _NOTHING * abs(answer.forces).max())
 
 
 def _effect(rate: dict[str, Array], answer: Answer, least: int | None) -> list[float]:

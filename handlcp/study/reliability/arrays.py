@@ -48,10 +48,12 @@ def nominal_of(spec: GraspSpec) -> Nominal:
 class Arrays:
     """m samples with n contacts, k of them fingers', SI, contact axes; what does not vary is broadcast.
 
-    positions (m, n, 3), frames (m, n, 3, 3). past (m, k) : which fingers are past an edge. mu (m, n). wrench (m, 6).
-    flexibility (m, 3n, 3n), offset (m, n, 3) : without what effects add. squeeze (m,), mass (m,) : factors.
+    samples : what they are made of. positions (m, n, 3), frames (m, n, 3, 3). past (m, k) : which fingers are past an
+    edge. mu (m, n). wrench (m, 6). flexibility (m, 3n, 3n), offset (m, n, 3) : without what effects add. squeeze (m,),
+    mass (m,) : factors.
     """
 
+    samples: Samples
     positions: Array
     frames: Array
     past: Bools
@@ -101,7 +103,7 @@ def arrays_of(nominal: Nominal, samples: Samples) -> Arrays:
         E = E.copy()
         E[:, : 3 * k, : 3 * k] = _flexibilities(_hand(nominal), joints, frames[:, :k])
     wrench = mass[:, None] * nominal.weight + load[:, None] * (spec.wrench - nominal.weight)
-    return Arrays(positions, frames, past, mu, wrench, E, offset, squeeze, mass, joints)
+    return Arrays(samples, positions, frames, past, mu, wrench, E, offset, squeeze, mass, joints)
 
 
 def _hand(nominal: Nominal) -> HandMechanism:

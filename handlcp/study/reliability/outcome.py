@@ -62,31 +62,28 @@ def among(found: Outcomes, placed: Bools) -> Outcomes:
     return Outcomes(codes, margin, again, ~placed)
 
 
-def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: int | None, decide: int) -> Outcomes:
+def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: int, decide: int) -> Outcomes:
     """Of samples with values (m, d), by one certified solve each. decide : how many of those that the first stage
     leaves are solved in full.
     """
-    samples = placer.samples(values)
-    arrays = placer.arrays(samples)
+    arrays = placer.arrays(values)
     placed: Bools = np.asarray(~arrays.past.any(axis=1))
-    as_rows = placer.in_rows and not samples.remade and ((arrays.mu > 0.0) == (placer.grasp.scene.mu > 0.0)).all()
-    if as_rows:
+    same_kind = bool(((arrays.mu > 0.0) == (placer.grasp.scene.mu > 0.0)).all())
+    if placer.in_rows and same_kind and not arrays.samples.remade:
         codes, margin, look = _first_stage(placer, arrays, faces, workers)
     else:
         codes, margin, look = np.zeros(len(values), np.int64), np.full(len(values), np.nan), np.ones(len(values), bool)
     codes[~placed], margin[~placed], again = WORDS.index(UNDECIDED), np.nan, np.zeros(len(values), bool)
     if (some := np.flatnonzero(look & placed)).size:
-        codes[some], margin[some] = _grasp_by_grasp(placer, values[some], faces, workers, proof=False)
+        codes[some], margin[some] = _grasp_by_grasp(placer, arrays, some, faces, workers, proof=False)
     chosen = np.flatnonzero((codes == WORDS.index(UNDECIDED)) & placed)[:decide]
     if chosen.size:
-        codes[chosen], margin[chosen] = _grasp_by_grasp(placer, values[chosen], faces, workers, proof=True)
+        codes[chosen], margin[chosen] = _grasp_by_grasp(placer, arrays, chosen, faces, workers, proof=True)
         again[chosen] = True
     return Outcomes(codes, margin, again, ~placed)
 
 
-def _first_stage(
-    placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int | None
-) -> tuple[Ints, Array, Bools]:
+def _first_stage(placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int) -> tuple[Ints, Array, Bools]:
     """Codes (m,) and margins (m,) by the solver's first stage, of scenes as rows; and which samples have to be looked
     at as grasps, since an answer leaves something free.
     """
@@ -108,10 +105,10 @@ def _first_stage(
 
 
 def _grasp_by_grasp(
-    placer: Placer, values: Array, faces: int | str | Pyramid, workers: int | None, proof: bool
+    placer: Placer, arrays: Arrays, some: Ints, faces: int | str | Pyramid, workers: int, proof: bool
 ) -> tuple[Ints, Array]:
-    """Codes and margins of samples that are made one by one."""
-    grasps = [one.grasp for one in placer.placed(values)]
+    """Codes and margins of some samples, which are made one by one."""
+    grasps = [placer.grasp_of(arrays, int(k)) for k in some]
     found = solve_many(grasps, faces, workers=workers, proof=proof)
     return _codes(found), _margins(grasps, found)
 

@@ -42,16 +42,12 @@ class Placer:
         self.grasp, self.spec, self.dimensions = grasp, grasp.spec, tuple(dimensions)
         self._nominal = nominal_of(self.spec)
 
-    def samples(self, values: Array) -> Samples:
-        """What the parameters write."""
+    def arrays(self, values: Array) -> Arrays:
+        """What the parameters write, and all that follows from it."""
         made, known = Samples(self.spec, len(values)), varying()
         for d, column in zip(self.dimensions, values.T, strict=True):
             known[d.parameter].write(made, d.at, column)
-        return made
-
-    def arrays(self, samples: Samples) -> Arrays:
-        """The same as arrays."""
-        return arrays_of(self._nominal, samples)
+        return arrays_of(self._nominal, made)
 
     # ---- as rows
     @property
@@ -96,16 +92,18 @@ class Placer:
     # ---- as grasps
     def placed(self, values: Array) -> list[Placed]:
         """One for each row of values."""
-        samples = self.samples(values)
-        arrays = self.arrays(samples)
-        made = [self._grasp(arrays, samples, k) for k in range(samples.count)]
-        for remade, factors in samples.remade:
-            made = [remade(spec, float(x)) for spec, x in zip(made, factors, strict=True)]
-        kind = type(self.grasp)
-        return [Placed(kind(spec), self.why_not(past)) for spec, past in zip(made, arrays.past, strict=True)]
+        arrays = self.arrays(values)
+        return [Placed(self.grasp_of(arrays, k), self.why_not(past)) for k, past in enumerate(arrays.past)]
 
-    def _grasp(self, arrays: Arrays, samples: Samples, k: int) -> GraspSpec:
-        spec, written = self.spec, samples.written.keys()
+    def grasp_of(self, arrays: Arrays, k: int) -> Grasp:
+        """That of sample k; where it is past an edge, with its nominal axes."""
+        spec = self._written(arrays, k)
+        for remade, factors in arrays.samples.remade:
+            spec = remade(spec, float(factors[k]))
+        return type(self.grasp)(spec)
+
+    def _written(self, arrays: Arrays, k: int) -> GraspSpec:
+        spec, written = self.spec, arrays.samples.written.keys()
         changes: dict[str, Any] = {}
         if "friction" in written or "slides" in written:
             changes["contacts"] = self._contacts(arrays, k, "slides" in written)

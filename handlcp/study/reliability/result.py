@@ -135,7 +135,10 @@ class Reliability(Record):
     def why_not(self) -> dict[int, str]:
         """Why samples are UNDECIDED without a look at their grasp, by number, such as a contact past an edge."""
         some = np.flatnonzero(self.outcomes.unplaced)
-        return {int(k): str(one.why_not) for k, one in zip(some, self.placer.placed(self.values[some]), strict=True)}
+        if not some.size:
+            return {}
+        past = self.placer.arrays(self.values[some]).past
+        return {int(k): str(self.placer.why_not(one)) for k, one in zip(some, past, strict=True)}
 
     @cached_property
     def worst(self) -> Sample:

@@ -174,7 +174,7 @@ class Method:
 
     by: str
     faces: int | str | Pyramid
-    workers: int | None
+    workers: int
     decide: int
 
 

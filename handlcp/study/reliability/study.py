@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import integer, number
+from handlcp.check import cores, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
@@ -47,9 +47,9 @@ def reliability(
         is never negative. Metres and radians are normal about 0. Of a distribution that reaches below the least
         possible value, up to a millionth is cut off; with more it is refused.
     samples : at least so many, ≥ 64; rounded up to 16 to 32 blocks of a power of two.
-    by : "solve": one certified solve for small motions, squeeze and load together, a few hundred microseconds a sample.
-        "check": `grasp.check()`, squeezed, then loaded, contacts followed, tens of milliseconds a sample. Postures
-        that a hand cannot take are UNDECIDED there.
+    by : "solve": one certified solve for small motions, squeeze and load together: 10 to 50 microseconds a sample once
+        kernels are compiled. "check": `grasp.check()`, squeezed, then loaded, contacts followed: 10 milliseconds a
+        sample, and 0.1 to 0.4 s where positions and posture vary. Postures that a hand cannot take are UNDECIDED there.
     confidence : of the intervals. decide : of the samples that the first stage of the solver leaves open, so many are
         solved in full, with proofs; they tell how many of the others hold, and the interval grows by that.
     workers, progress : as in `solve_many`. seed : of the points; the same seed gives the same bits.
@@ -71,7 +71,7 @@ def reliability(
         raise InputError("confidence", "a number below 1", confidence)
     placer = Placer(grasp, read_spread(grasp, spread))
     blocks = blocks_of(integer("seed", seed, 0), len(placer.dimensions), integer("samples", samples, 4 * BLOCKS, 2**30))
-    method = Method(by, faces, workers, integer("decide", decide, 0))
+    method = Method(by, faces, cores(workers), integer("decide", decide, 0))
     question = question_of(
         grasp.spec, placer.dimensions, seed=blocks.seed, samples=blocks.samples, faces=str(section), by=by,
         decide=method.decide,

@@ -224,7 +224,7 @@ def _settle(p: Parts, s: Place, closed: Ints, kinds: Ints, index: Ints, gamma: A
 
 _STICKS = 1e-6  # of the largest motion at any contact: a smaller one is none
 _PRESSES = 1e-9  # of the largest force
-_NO_LOAD = 3e-6  # of the load: what happens while it grows by less happens at one load
+_NO_LOAD = 3e-6  # of the load: while it grows by less, what sticks cannot be told from what slides
 
 
 @kernel
@@ -239,11 +239,10 @@ def slides_at(p: Parts, moves: Array, length: float, path: Array, point: Array) 
         for j in range(width):
             d[j] = path[a, 1 + j] - path[a - 1, 1 + j]
         far = _far(p, moves, length, d)
-        if size > _NO_LOAD * abs(path[a, 0]):
-            if stuck == 0.0 or _something_sticks(p, path[a - 1], path[a], d):
-                stuck, beyond = max(stuck, far / size), 0.0
-                continue
-            far -= FASTER * stuck * size
+        if size > _NO_LOAD * abs(path[a, 0]) and (stuck == 0.0 or _something_sticks(p, path[a - 1], path[a], d)):
+            stuck, beyond = max(stuck, far / size), 0.0
+            continue
+        far -= FASTER * stuck * size  # of a short step, too: where fingers are soft, the object moves far in it
         if beyond + far >= RUNS:
             share = max((RUNS - beyond) / far, 0.0)
             for j in range(width + 1):
