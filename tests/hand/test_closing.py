@@ -86,7 +86,7 @@ def test_closing_torques_are_the_torques_on_an_object_that_stays_where_it_is():
     hand = example_hand("two_finger", pad_flexibility=1e-8)
     ball, tips = hl.Sphere(0.02, (0.0, 0.0, 0.09)), list(hand.fingertips)
     for q in (hand.close_on(ball, wrap=True), hand.neutral):
-        grasp = hand.at(q).grasp(ball, 2.0, links=tips, closing_torque=0.1, hold_object=True, gravity=(0, 0, 0))
+        grasp = hand.at(q).grasp(ball, 20.0, links=tips, closing_torque=0.1, hold_object=True, gravity=(0, 0, 0))
         path = grasp.follow(order="squeeze")
         squeezed = path.steps.torques[np.flatnonzero(path.steps.stage == 0)[-1]]
         np.testing.assert_allclose(squeezed, 0.1 * np.sign(grasp.joint_offset), rtol=5e-3)

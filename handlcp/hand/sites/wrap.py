@@ -5,8 +5,9 @@ into the object; the joints beyond it go on until their own links touch or their
 touches first lets the distal one wrap round, and a fingertip that touches first stops its whole finger.
 
 Which joints bend, and which way: of each finger, its last joint and those with axes within 45° of that one's (the
-others spread or oppose it), toward the object. Where tendons or synergies move them, as near to that as these can. Each link is measured again when it could have arrived at the earliest:
-its gap over a bound of its speed (conservative advancement: Mirtich 1996).
+others spread or oppose it), toward the object. Where tendons or synergies move them, as near to that as these can. Each
+link is measured again when it could have arrived at the earliest: its gap over a bound of its speed (conservative
+advancement: Mirtich 1996).
 """
 
 from __future__ import annotations
