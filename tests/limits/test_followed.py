@@ -168,9 +168,6 @@ def test_what_follows_a_snap_is_computed_when_it_is_asked_for():
     assert limit.why.startswith(f"at {factor:.4g} times the load")
 
 
-@pytest.mark.xfail(
-    strict=True, reason="with 0.88 fingers slip one by one, too soon after each other for a rate to count"
-)
 def test_more_friction_holds_more():
     """The object moves less under the same load the rougher it is: 5.6 mm with 0.84 under 6.4 N, 2.7 mm with 0.88."""
     hand, box = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)

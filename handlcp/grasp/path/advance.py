@@ -26,7 +26,7 @@ from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
 FINEST = 2.0**-9  # of a step: where one as short as this has no solution, there is none
 _EXACT = 2.0**-16  # of a step: how closely a snap or the last static state is located once there is known to be one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
-_TELLS = 2.0**-5  # of a step: shorter ones tell nothing of how fast the object gives way
+_TELLS = FINEST  # of a step: shorter ones tell nothing of how fast the object gives way
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _BEHIND = 0.98  # of a step up to a change: short of it
 _ALONE = 2.0**-4  # of a step: a shorter one without a solution is also tried without a prediction
