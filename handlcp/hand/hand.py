@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
@@ -200,6 +200,21 @@ class Hand(HandModel):
         made.__dict__.pop("doubts", None)
         made.__dict__.update(parts)
         return made
+
+    def in_parts(self, *links: str) -> Self:
+        """The same hand with the meshes of these links in convex parts, for contacts of links; else a mesh that is not
+        convex touches as its hull. It takes coacd (pip install handlcp[convex]), and up to minutes for a fine mesh.
+
+        Raises UnknownName; Unsupported without coacd.
+        """
+        from handlcp.hand.robot.convex import available
+
+        known = self.description.has(COLLISION)
+        if unknown := [str(name) for name in links if name not in known]:
+            raise UnknownName("links", "a link with collision geometry", unknown, known)
+        if not available():
+            raise Unsupported("convex parts of a mesh that is not convex need coacd: pip install handlcp[convex]")
+        return self.with_parts(in_parts_of=self.in_parts_of | frozenset(links))
 
     @property
     def joint_stiffness(self) -> Array:

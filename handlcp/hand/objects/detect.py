@@ -20,6 +20,7 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.object import Object, on_surface
 from handlcp.hand.objects.overlap import apart, beyond, known, overlap, size_of, support
 from handlcp.hand.objects.swept import Swept, nearest_station
+from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import TipShape
 
@@ -209,11 +210,12 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
         if known is not None:
             away, x, outward = known
             return Proximity(away - shape.radius, x, p - shape.radius * outward, -outward)
-    elif obj.triangles is not None:
-        expected = "spherical fingertips for an object that is not convex"
+    elif obj.triangles is not None and not available():
+        expected = "spherical fingertips for an object that is not convex (or its convex parts: handlcp[convex])"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
     names = f"{shape.name} ({type(shape.geometry).__name__})", repr(obj)
-    gap, on_tip, on_object, normal = distance(shape.geometry, (R, p), obj.geometry, obj.frame, names)
+    found = [distance(shape.geometry, (R, p), part, obj.frame, names) for part in obj.parts]
+    gap, on_tip, on_object, normal = min(found, key=lambda one: one[0])
     return Proximity(gap, on_object, on_tip, normal)
 
 

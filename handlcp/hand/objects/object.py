@@ -232,6 +232,11 @@ class Object:
         """The same object with another mass [kg]."""
         return self._like(self._placement, number("mass", mass, minimum=0.0))
 
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """Convex shapes that fill it, in its axes."""
+        return (self.geometry,)
+
     def closest(self, point: Array) -> tuple[float, Array, Array] | None:
         """Signed distance [m] of a point (3,), nearest surface point and outward normal, world axes; None: unknown."""
         if self.known is None:

@@ -12,6 +12,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.hand.objects.meshes import in_memory, load_mesh, surfaces_of
 from handlcp.hand.objects.object import BALL, BOX, CYLINDER, ELLIPSOID, Object, Solid
+from handlcp.hand.robot.convex import convex_parts
 from handlcp.hand.robot.link_surface import planes
 
 # ----------------------------------------------------------------
@@ -164,12 +165,13 @@ class Mesh(Object):
     A Trimesh brings no mass: mass or density are given here.
 
     A convex mesh becomes its convex hull, which is exact for every fingertip. A mesh that is not convex keeps its
-    triangles: its surface has to be closed, and only spherical fingertips can touch it. Volume and centre of mass are
-    those of the enclosed space, or of the hull where a convex mesh has holes. A mesh that is neither convex nor closed
-    has the volume NaN and takes no density.
+    triangles: its surface has to be closed. Spherical fingertips touch these; links and fingertips of other shapes
+    touch its convex parts, which take the package coacd (pip install handlcp[convex]) and stand off the mesh by up to a
+    twentieth of half its size. Volume and centre of mass are those of the enclosed space, or of the hull where a convex
+    mesh has holes. A mesh that is neither convex nor closed has the volume NaN and takes no density.
     """
 
-    __slots__ = ("_surface", "convex", "path", "scale")
+    __slots__ = ("_parts", "_surface", "convex", "path", "scale")
 
     def __init__(
         self, path: Any, scale: Any = None, placement: Any = None, mass: Any = None, *, density: Any = None
@@ -182,7 +184,17 @@ class Mesh(Object):
         self.path = None if inside is not None else Path(path)
         self.scale, self.convex = scales, solid.triangles is None
         self._surface = Surface(solid.geometry) if solid.triangles is None else solid.triangles
+        self._parts = list[Any]()  # of a mesh that is not convex, once they are asked for; shared by copies
         super().__init__(solid, placement, mass, density, (self.path or inside, self.scale))
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """Its convex parts, coal's shapes. Raises Unsupported without coacd."""
+        if self.triangles is None:
+            return (self.geometry,)
+        if not self._parts:
+            self._parts.extend(convex_parts(self.triangles))
+        return tuple(self._parts)
 
     def beyond(self, points: Array) -> Array | None:
         """(m,) how far points (m, 3) in the mesh's axes are beyond the faces of a convex mesh [m]; None: not convex."""

@@ -35,6 +35,7 @@ class HandModel:
     lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
     neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
     torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
+    in_parts_of : links whose meshes touch in convex parts, not as their hulls.
     links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None.
     """
 
@@ -52,6 +53,7 @@ class HandModel:
     upper: Array
     neutral: Array
     torque_limits: Array
+    in_parts_of: frozenset[str]
     links_of_sites: tuple[str, ...] | None
     _geometry: TipGeometry
 
@@ -69,6 +71,7 @@ class HandModel:
             name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
             nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
             neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None,
+            in_parts_of=frozenset(),
         )  # fmt: skip
 
     @property

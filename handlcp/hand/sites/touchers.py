@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
+import coal
 import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError, UnknownName, URDFError
+from handlcp.hand.robot.convex import convex_parts
 from handlcp.hand.robot.fingertips import TipPlace
+from handlcp.hand.robot.link_surface import triangles_of
 from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.source.description import COLLISION
+from handlcp.hand.robot.source.description import COLLISION, Description
 from handlcp.hand.robot.tip_geometry import TipShape, convex_shape
 
 TIPS, ALL = "tips", "all"
@@ -75,20 +79,33 @@ def _every(hand: HandModel) -> dict[str, Toucher]:
             found[name] = Toucher(name, own, hand.tips.support[i], hand.tip_shapes(i), pad)
         covered |= hand.tip_links(i)
     model = hand.description.model
-    for part in hand.description.parts(COLLISION):
-        frame = model.frames[part.frame]
-        if frame.name in covered or frame.name in hand.fingertips:
-            continue  # a fingertip with a radius takes the place of its link's geometry
+    for number, shapes in _shapes(hand.description, hand.in_parts_of):
+        frame = model.frames[number]
+        if shapes and frame.name not in covered and frame.name not in hand.fingertips:
+            # a fingertip with a radius takes the place of its link's geometry
+            place = TipPlace(number, int(frame.parentJoint), pin.SE3(frame.placement))
+            pad = hand.pads.of_link(frame.name)
+            found[frame.name] = Toucher(frame.name, place, _support(model, frame), shapes, pad)
+    return found
+
+
+@lru_cache(maxsize=32)
+def _shapes(description: Description, parted: frozenset[str]) -> tuple[tuple[int, tuple[TipShape, ...]], ...]:
+    """Numbers of the links' frames, and their convex shapes. A mesh that is not convex counts as its hull, or comes in
+    parts on the links that `parted` names.
+    """
+    found = dict[int, list[TipShape]]()
+    for part in description.parts(COLLISION):
+        name = description.model.frames[part.frame].name
+        own = found.setdefault(part.frame, [])
         try:
-            shape = convex_shape(frame.name, part.shape, pin.SE3.Identity(), part)
+            whole = convex_shape(name, part.shape, pin.SE3.Identity(), part)
         except URDFError:
             continue  # a flat mesh, or a shape that no distance is known of
-        if (known := found.get(frame.name)) is not None:
-            found[frame.name] = replace(known, shapes=(*known.shapes, shape))
-            continue
-        place = TipPlace(part.frame, int(frame.parentJoint), pin.SE3(frame.placement))
-        found[frame.name] = Toucher(frame.name, place, _support(model, frame), (shape,), hand.pads.of_link(frame.name))
-    return found
+        split = name in parted and isinstance(part.shape, coal.BVHModelBase)
+        pieces = convex_parts(triangles_of(part.shape)) if split else (whole.geometry,)
+        own += [replace(whole, geometry=piece) for piece in pieces]
+    return tuple((frame, tuple(shapes)) for frame, shapes in found.items())
 
 
 def _support(model: Any, frame: Any) -> Array:
