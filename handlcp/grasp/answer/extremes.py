@@ -63,8 +63,8 @@ def _most(family: Family, along: Array) -> tuple[float, float]:
         status, value, gap = method(program)
         if status == UNBOUNDED:
             return np.inf, 0.0
-        if status == ENDED and gap < best[1]:
-            best = max(value, 0.0), gap
+        if status == ENDED and gap < best[1]:  # not to be less than what is possible
+            best = max(value, 0.0) + gap * max(1.0, abs(value)), gap
         if best[1] <= _LOOSE:
             break
     return best

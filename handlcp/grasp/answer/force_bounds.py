@@ -10,12 +10,11 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.extremes import extremes
+from handlcp.grasp.answer.active_conditions import MOST_RESTING
+from handlcp.grasp.answer.extremes import Extremes, extremes
 from handlcp.grasp.answer.family import Ranges, kept_of, own_flexibility
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
 from handlcp.progress import told
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
@@ -53,7 +52,7 @@ class ForceBounds(Record):
     friction: tuple[float, float]
     wider: tuple[str, ...]
     gap: float
-    noise: float = field(repr=False)
+    force: float = field(repr=False)
 
     @property
     def normal(self) -> Array:
@@ -63,20 +62,13 @@ class ForceBounds(Record):
     @property
     def utilisation(self) -> Array:
         """(nv, 2) least and largest |torque| / limit, 0 where there is no limit or none is known."""
-        low, high = self.torques.T
-        least = np.where((low < 0.0) & (high > 0.0), 0.0, np.minimum(abs(low), abs(high)))
-        both = np.column_stack([least, np.maximum(abs(low), abs(high))])
-        limited = np.isfinite(self.limit)
-        return read_only(np.where(limited[:, None], both, 0.0) / np.where(limited, self.limit, 1.0)[:, None])
+        return shares(self.torques, self.limit)
 
     @property
     def open(self) -> tuple[str, ...]:
         """The contacts and joints whose force or torque is not determined."""
-        apart = [*self._apart(self.forces).any(axis=1).tolist(), *self._apart(self.torques).tolist()]
-        return tuple([name for name, yes in zip((*self.names, *self.joints), apart, strict=True) if yes])
-
-    def _apart(self, bounds: Array) -> Array:
-        return np.asarray(bounds[..., 1] - bounds[..., 0] > self.noise)
+        which = np.append(apart(self.forces, self.force).any(axis=1), apart(self.torques, self.force)).tolist()
+        return tuple([name for name, yes in zip((*self.names, *self.joints), which, strict=True) if yes])
 
     def __str__(self) -> str:
         tables = [_table("contact", "normal", "N", self.names, self.normal)]
@@ -116,9 +108,24 @@ def _table(
     return TextTable(tuple(heads), tuple(zip(*columns, strict=True)), "<>>>"[: len(heads)])
 
 
+def apart(bounds: Array, force: float) -> Array:
+    """(…,) whether the two in the last axis of bounds (…, 2) differ; force : of the scene [N]."""
+    return np.asarray(~(bounds[..., 1] - bounds[..., 0] <= _NOISE * force))
+
+
+def shares(torques: Array, limit: Array) -> Array:
+    """(nv, 2) least and largest |torque| / limit of bounds (nv, 2) and limits (nv,), 0 where that is infinite."""
+    low, high = torques.T
+    least = np.where((low < 0.0) & (high > 0.0), 0.0, np.minimum(abs(low), abs(high)))
+    both, limited = np.column_stack([least, np.maximum(abs(low), abs(high))]), np.isfinite(limit)[:, None]
+    return read_only(np.where(limited, both, 0.0) / np.where(limited, limit[:, None], 1.0))
+
+
 def span(least: float, most: float) -> str:
     """Of a limit, such as "40 to 120 %"."""
-    low, high = (words.percent(share) if np.isfinite(share) else "∞" for share in (least, most))
+    low, high = words.percent(least), words.percent(most)
+    if not np.isfinite(most):
+        return f"{low} to ∞" if np.isfinite(least) else "∞"
     return low if low == high else f"{low.removesuffix(' %')} to {high}"
 
 
@@ -133,30 +140,57 @@ def force_bounds_of(solution: GraspSolution, pads: Any, friction: Any) -> ForceB
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
     if foreign := [e.title for e in s.spec.effects if not e.only_limits]:
         raise Unsupported(f"force_bounds: nobody knows what is left open beside {words.listed(foreign)}")
-    asked = Ranges(_factors("pads", pads), _factors("friction", friction), own_flexibility(s))
-    ranges = None if asked.pads == asked.friction == _AS_IT_IS else asked
-    scene, spec, n, mechanism = s.scene, s.spec, s.scene.n, s.spec.mechanism
-    scale = np.ones(scene.components) if scene.scale is None else scene.scale
-    readings = np.concatenate([np.diag(scale)[: 3 * n], torque_rows(spec, scene) * scale])
-    found = extremes(kept_of(s), readings, ranges)
-    values = np.concatenate([s.forces.reshape(-1), getattr(s, "torques", np.zeros(0))])
-    both = values[:, None] + found.change * scene.units.force
+    factors = _factors("pads", pads), _factors("friction", friction)
+    ranges = None if factors == (_AS_IT_IS, _AS_IT_IS) else Ranges(*factors, own_flexibility(s))
+    scene, n, mechanism = s.scene, s.scene.n, s.spec.mechanism
+    found, torques = Extremes(np.zeros((3 * n, 2)), np.zeros(n, bool), 0.0), torques_of(s)
+    moved = np.zeros((len(torques), 2))
+    if ranges is not None or not _determined(s):
+        scale = np.ones(scene.components) if scene.scale is None else scene.scale
+        found = extremes(kept_of(s), np.concatenate([np.diag(scale)[: 3 * n], _torque_rows(s) * scale]), ranges)
+        moved = found.change[3 * n :] * scene.units.force
+    forces = s.forces.reshape(-1, 1) + found.change[: 3 * n] * scene.units.force
     return ForceBounds(
-        s.names, read_only(both[: 3 * n].reshape(n, 3, 2)), () if mechanism is None else mechanism.names,
-        read_only(both[3 * n :]), np.zeros(0) if mechanism is None else mechanism.limits, asked.pads, asked.friction,
-        tuple([name for name, yes in zip(s.names, found.wider.tolist(), strict=True) if yes]), found.gap,
-        _NOISE * scene.units.force,
+        s.names, read_only(forces.reshape(n, 3, 2)), () if mechanism is None else mechanism.names,
+        read_only(torques[:, None] + moved), np.zeros(0) if mechanism is None else mechanism.limits, *factors,
+        tuple([name for name, yes in zip(s.names, found.wider.tolist(), strict=True) if yes]),
+        found.gap, s.residuals.force_scale,
     )  # fmt: skip
 
 
-def torque_rows(spec: GraspSpec, scene: Scene) -> Array:
+def torque_bounds(s: GraspSolution) -> Array:
+    """(nv, 2) `ForceBounds.torques` alone, of a solution that leaves forces open."""
+    assert s.scene is not None
+    scale = np.ones(s.scene.components) if s.scene.scale is None else s.scene.scale
+    found = extremes(kept_of(s), _torque_rows(s) * scale, None)
+    return np.asarray(torques_of(s)[:, None] + found.change * s.scene.units.force)
+
+
+def torques_of(s: GraspSolution) -> Array:
+    """(nv,) N·m; none without a hand."""
+    return np.asarray(getattr(s, "torques", np.zeros(0)))
+
+
+def _determined(s: GraspSolution) -> bool:
+    """Whether the solution itself says that forces are determined. It has looked at few contacts at rest in every way,
+    at many only together.
+    """
+    effects = () if s.spec is None else s.spec.effects
+    few = s.contact_state.count("separated") <= MOST_RESTING and not any(e.stamps for e in effects)
+    return few and s.uniqueness is not None and s.uniqueness.forces_determined
+
+
+def _torque_rows(s: GraspSolution) -> Array:
     """(nv, c) what one unit of each force component, in contact axes, changes of the torques. Of joints that yield at
     their limits the equations see to it that nothing changes.
     """
+    scene, spec = s.scene, s.spec
+    assert scene is not None
+    assert spec is not None
     mechanism, c, n = spec.mechanism, scene.components, scene.n
     if mechanism is None:
         return np.zeros((0, c))
-    effects = [e for e in spec.effects if not isinstance(e, TorqueSaturation)]
+    effects = tuple([e for e in spec.effects if not isinstance(e, TorqueSaturation)])
     soft = bool(scene.soft)
 
     def torque(components: Array) -> Array:
