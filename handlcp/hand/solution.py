@@ -193,9 +193,9 @@ def open_torque_reasons(s: HandGraspSolution) -> Iterator[Reason]:
     if len(doubtful):
         k = doubtful[most_used(most[doubtful])]
         text = f"{check.joints[k]} may carry {_of_limit(*bounds[k].tolist())}"
-        if len(doubtful) > 1:
-            names = words.all_of([check.joints[k] for k in doubtful])
-            text = f"{names} may need more than their torque limits, or not: {text}"
+        if more := len(doubtful) - 1:
+            others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
+            text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
         yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
     elif not exceeded(most).any():
         k = most_used(most)

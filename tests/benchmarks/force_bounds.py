@@ -88,21 +88,24 @@ def held_by_a_hand(rng: np.random.Generator, mu: float) -> Any:
 
 # ---------------------------------------------------------------- the oracle: the laws over all forces and motions
 def _choices(s: hl.GraspSolution) -> Iterator[tuple[str, ...]]:
-    """Contact states, with what touches without force sticking or separated; "any" where there are many of them."""
+    """Contact states, with what touches without force sticking ("pushing" where it slips) or separated; "any" where
+    there are many of them.
+    """
     slow = _REST * max(s.residuals.motion_scale, arrays(s).units.motion)
     rest = [i for i, state in enumerate(s.contact_state) if state == "separated" and s.gap[i] <= slow]
     ways = itertools.product(("separated", "sticking"), repeat=len(rest)) if len(rest) <= 4 else [("any",) * len(rest)]
     for way in ways:
         states = list(s.contact_state)
         for i, state in zip(rest, way, strict=True):
-            states[i] = state
+            slips = np.linalg.norm(s.slip[i]) > slow
+            states[i] = "pushing" if state == "sticking" and slips else state
         yield tuple(states)
 
 
 class Oracle:
     """The largest of a linear reading of forces with these contact states, by Clarabel over (r, u), natural units."""
 
-    def __init__(self, s: hl.GraspSolution, states: tuple[str, ...], faces: int, wide: bool) -> None:
+    def __init__(self, s: hl.GraspSolution, states: tuple[str, ...], faces: int, wider: tuple[str, ...]) -> None:
         g, n = arrays(s), len(s.names)
         self.F, L, D = g.units.force, g.units.length, g.units.motion
         T = np.diag([1.0] * 3 + [1.0 / L] * 3)
@@ -131,14 +134,16 @@ class Oracle:
             a = 2 * np.pi * np.arange(faces) / max(faces, 1)
             normals = np.column_stack([np.cos(a), np.sin(a)])
             reach = mu * (np.cos(np.pi / faces) if faces else 1.0)
-            if state == "sliding" and not (wide and not faces):
+            if state == "sliding" and (faces or s.names[i] not in wider):
                 if faces:
                     used = normals @ s.forces[i, :2] / (reach * s.forces[i, 2])
                     on = normals[used > 1.0 - 1e-6]
                 else:
                     on = -s.slip[[i]] / np.linalg.norm(s.slip[i])
-                equal.append(on @ R[x] - reach * R[z])
-                right.append(np.zeros(len(on)))
+                slow = _REST * max(s.residuals.motion_scale, D)
+                kept = on[-np.linalg.pinv(on.T) @ s.slip[i] > slow]
+                equal.append(kept @ R[x] - reach * R[z])
+                right.append(np.zeros(len(kept)))
                 lines.append(-np.linalg.pinv(on.T) @ V[x])
                 room.append(-np.linalg.pinv(on.T) @ d[x])
                 if len(on) == 1:
@@ -216,7 +221,7 @@ def examine(grasp: Any, faces: Any, seed: int, readings: int = 4) -> Counter[str
     count["wider"] += bool(bounds.wider)
     count["unbounded"] += bool(np.isinf(bounds.normal).any())
     m = 0 if faces == "cone" else int(faces)
-    oracles = [Oracle(s, states, m, bool(bounds.wider)) for states in _choices(s)]
+    oracles = [Oracle(s, states, m, bounds.wider) for states in _choices(s)]
     for _ in range(readings):
         along = rng.normal(size=3 * n)
         for o in oracles:

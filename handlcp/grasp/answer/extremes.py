@@ -19,7 +19,8 @@ from handlcp.progress import tick
 
 _DETERMINED = 1e-9  # of a reading's size: directions that change it by less leave it as it is
 _TIGHT = 1e-10  # the least that HiGHS can be asked for
-_LOOSE = 1e-7  # a gap above this: the cones are tried as polygons around them, too
+_ENOUGH = 1e-10  # a gap above this: planes around the cones are tried, too
+_CUTS = 4  # how often more of them are added
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,53 +55,68 @@ def extremes(kept: Kept, readings: Array, ranges: Ranges | None) -> Extremes:
 
 
 def _most(family: Family, along: Array) -> tuple[float, float]:
-    """The largest along · y of a family, with its gap."""
+    """The largest along · y of a family, from outside, with its gap."""
     program = Conic(-along, np.zeros((1, 0, len(along))), np.zeros((1, 0)), family.G, family.h[None], family.cones)
-    flat = not family.cones.more
-    ends = [_by_simplex] if flat else [_by_interior_points, _around]
-    best = np.inf, np.inf
-    for method in [*ends, *([_by_interior_points] if flat else [])]:
-        status, value, gap = method(program)
-        if status == UNBOUNDED:
-            return np.inf, 0.0
-        if status == ENDED and gap < best[1]:  # not to be less than what is possible
-            best = max(value, 0.0) + gap * max(1.0, abs(value)), gap
-        if best[1] <= _LOOSE:
-            break
-    return best
-
-
-def _by_interior_points(program: Conic) -> tuple[int, float, float]:
-    """(status, the largest, gap)."""
+    if not family.cones.more and (end := _by_simplex(program)) is not None:
+        return end[:2]
     found = solve_conic(program)
-    return int(found.status[0]), -float(program.c @ found.x[0]), float(found.gap[0])
+    if found.status[0] == UNBOUNDED:
+        return np.inf, 0.0
+    best = np.inf, np.inf
+    if found.status[0] == ENDED:
+        best = _outside(float(along @ found.x[0]), float(found.gap[0]))
+    return best if best[1] <= _ENOUGH or not family.cones.more else _around(program, found.x[0], best)
 
 
-def _by_simplex(program: Conic) -> tuple[int, float, float]:
-    """The same of a linear program."""
+def _outside(value: float, gap: float) -> tuple[float, float]:
+    """(value, gap) with a value that is no less than what is possible; 0 is."""
+    return max(value, 0.0) + gap * max(1.0, value), gap
+
+
+def _by_simplex(program: Conic) -> tuple[float, float, Array] | None:
+    """(value, gap, y) of a linear program; None: no end was found, and the other method proves that there is none."""
     from scipy.optimize import linprog  # half a second of import that only open forces should pay
 
     asked = {"primal_feasibility_tolerance": _TIGHT, "dual_feasibility_tolerance": _TIGHT}
     G, h = program.G, program.h[0]
     if not len(G):
-        return UNBOUNDED, np.inf, 0.0
+        return np.inf, 0.0, np.zeros(0)
     found = linprog(program.c, G, h, bounds=(None, None), method="highs", options=asked)
     if found.status != 0:
-        return -1, np.inf, np.inf  # without an end: the other method proves it
+        return None
     status, gap, _ = judged(program, 0, found.x, np.zeros(0), -found.ineqlin.marginals, h - G @ found.x)
-    return status, -float(program.c @ found.x), gap
+    return (*_outside(-float(found.fun), gap), found.x) if status == ENDED else None
 
 
-def _around(program: Conic) -> tuple[int, float, float]:
-    """The same of a program with polygons and polyhedra around its cones, which bounds it from outside."""
-    at, rows, room = program.cones.linear, [program.G[: program.cones.linear]], [program.h[0, : program.cones.linear]]
+def _around(program: Conic, y: Array, best: tuple[float, float]) -> tuple[float, float]:
+    """A better bound than `best` of interior points, where there is one: by planes around the cones. They touch these
+    where the forces of y are, then where they are at the largest that these planes allow (Kelley's cutting planes), and
+    bound from outside whatever y is.
+    """
+    first, where, G, h = program.cones.linear, list[tuple[int, int]](), program.G, program.h[0]
     for d, count in program.cones.more:
-        normals = np.column_stack(
-            [-np.ones(limit_set(Cone(), d - 1).normals.shape[1]), limit_set(Cone(), d - 1).normals.T]
-        )
-        for _ in range(count):
-            rows.append(-normals @ program.G[at : at + d])
-            room.append(-normals @ program.h[0, at : at + d])
-            at += d
-    G, h = np.concatenate(rows), np.concatenate(room)
-    return _by_simplex(Conic(program.c, program.A, program.b, G, h[None], Cones(len(G), ())))
+        where += [(first + d * k, d) for k in range(count)]
+        first += d * count
+    inside = max(best[0] - best[1] * max(1.0, best[0]), 0.0) if np.isfinite(best[0]) else 0.0
+    rows, room = [G[: program.cones.linear]], [h[: program.cones.linear]]
+    for turn in range(_CUTS):
+        s = h - G @ y
+        for first, d in where:
+            own, t = slice(first, first + d), s[first + 1 : first + d]
+            normals = limit_set(Cone(), d - 1).normals.T if turn == 0 else np.zeros((0, d - 1))
+            if (size := float(np.linalg.norm(t))) > 0.0:
+                normals = np.concatenate([normals, t[None] / size])
+            planes = np.column_stack([-np.ones(len(normals)), normals])
+            rows.append(-planes @ G[own])
+            room.append(-planes @ h[own])
+        flat = np.concatenate(rows)
+        lines = Conic(program.c, program.A, program.b, flat, np.concatenate(room)[None], Cones(len(flat), ()))
+        end = _by_simplex(lines)
+        if end is None:
+            break
+        value, _, y = end
+        if value < best[0]:
+            best = value, max(value - inside, 0.0) / max(1.0, value)
+        if best[1] <= _ENOUGH:
+            break
+    return best

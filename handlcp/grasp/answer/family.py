@@ -6,11 +6,12 @@ linear equations (`grasp/tangent/active_set`), and what else the states ask for 
     sticks       |r_T| ≤ μ r_N                    separated    v_N ≥ 0
     slides       r_N ≥ 0, v_T against r_T         limits       A r ≤ room, or s ≥ 0 where they give way
 
-so that x = N y with h - G y in half-lines and second-order cones. Contacts that touch without force may stick or
-separate: every choice is a family of its own. Three things are not convex, and are replaced by more than they allow
-(`Family.wider`): contacts on a round cone whose direction of sliding may turn may have any force in the cone and any
-slip; where many contacts rest, and where many limits are just reached, each may do both at once; and pads and friction
-that are known to a range:
+so that x = N y with h - G y in half-lines and second-order cones. Contacts that touch without force may push or
+separate: every choice is a family of its own. What is not convex is replaced by more than it allows (`Family.wider`):
+contacts on a round cone whose direction of sliding may turn, and those that touch without force and slip, may have any
+force within friction and any slip; a force that lies on a face of a pyramid which the slip is not against may leave it,
+and the slip may turn against it; where many contacts rest, and where many limits are just reached, each may do both
+at once; and pads and friction that are known to a range become inequalities:
 
     pads      v = E r + … + e,  e = (φ - 1) P r with φ from a to b:  |e_k - ((a+b)/2 - 1) (P r)_k| ≤ (b-a)/2 β_k r_N
               for each component k, where |(P r)_k| ≤ β_k r_N by friction: β_k = |P_kN| + μ |P_kT|
@@ -36,9 +37,9 @@ from handlcp.grasp.tangent.active_set import Laws, active_rows, complement
 from handlcp.grasp.tangent.solutions import laws_of, smallest
 from handlcp.grasp.verify.capacity import friction_rows
 from handlcp.grasp.verify.conic import Cones
-from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, States, classify
+from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States, classify
 from handlcp.grasp.verify.judge import LimitsAtAnswer, judge, limits_at_answer
-from handlcp.tolerances import RANK
+from handlcp.tolerances import ACTIVE, RANK
 
 _TOUCHED = 1e-10  # of a condition's size: directions that change it by less do not touch it
 _TURNS = 1e-9  # of a unit direction
@@ -70,7 +71,10 @@ class Family:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kept:
-    """An answer whose contact states are kept; natural units, laws' coordinates. forces and motion (c,)."""
+    """An answer whose contact states are kept; natural units, laws' coordinates. forces and motion (c,). glides (n,) :
+    contacts that touch without force and slip. spare (n, 3) : faces that a contact slides along which its force
+    lies on, in the order of its states, but which its slip is not against.
+    """
 
     scene: Scene
     section: Section
@@ -78,6 +82,8 @@ class Kept:
     limited: LimitsAtAnswer
     forces: Array
     motion: Array
+    glides: Bools
+    spare: Bools
 
 
 def kept_of(s: GraspSolution) -> Kept:
@@ -90,7 +96,18 @@ def kept_of(s: GraspSolution) -> Kept:
     states = classify(s.scene, s.section, candidate, verdict)
     limited = limits_at_answer(s.scene, s.spec.effects, candidate)
     forces, motion = candidate.components / units.force, verdict.motion / units.motion
-    return Kept(s.scene, s.section, states, limited, forces, motion)
+    slow = ACTIVE * max(s.residuals.motion_scale / units.motion, 1.0)
+    glides, spare = np.zeros(s.scene.n, bool), np.zeros((s.scene.n, 3), bool)
+    for i, slip in enumerate([motion[_tangents(s.scene, i)] for i in range(s.scene.n)]):
+        glides[i] = states.kind[i] == RESTING and np.linalg.norm(slip) > slow
+        against = _against(states, i, len(slip)) @ slip
+        spare[i, : len(against)] = against <= slow
+    return Kept(s.scene, s.section, states, limited, forces, motion, glides, spare)
+
+
+def _against(states: States, i: int, tangents: int) -> Array:
+    """(k, d) how far a slip goes against each of the k faces that a contact slides against, by its d tangents."""
+    return np.asarray(-np.linalg.pinv(states.faces[i, : states.against[i], :tangents].T))
 
 
 def families(kept: Kept, ranges: Ranges | None) -> Iterator[Family]:
@@ -105,7 +122,8 @@ def families(kept: Kept, ranges: Ranges | None) -> Iterator[Family]:
     if limits.resting.sum() > MOST_RESTING:
         ways, loose = ways[:1], limits.resting
     for kind, gives in itertools.product(kinds, ways):
-        yield _family(kept, _Way(kind, gives, loose), ranges)
+        slides = kept.glides & (kind == STICKING)
+        yield _family(kept, _Way(np.where(slides, SLIDING, kind), gives, loose), ranges)
 
 
 class _Way(NamedTuple):
@@ -120,7 +138,7 @@ class _Way(NamedTuple):
 
 def _family(kept: Kept, way: _Way, ranges: Ranges | None) -> Family:
     round_ = (way.kind == SLIDING) & (kept.states.turn > 0.0)
-    wider = way.kind == RESTING
+    wider = (way.kind == RESTING) | (kept.glides & (way.kind == SLIDING))
     if ranges is not None:
         wider = wider | round_
     laws, pads = _laws(kept, way, ranges)
@@ -138,6 +156,7 @@ def _family(kept: Kept, way: _Way, ranges: Ranges | None) -> Family:
     room = [max(value, 0.0) for value in flat.now] + [x for _, _, part in curved for x in part]
     G = np.concatenate([np.zeros((0, N.shape[1])), *(np.atleast_2d(row) for row in every)])
     sizes = [(d, sum(1 for e, _, _ in curved if e == d)) for d in sorted({d for d, _, _ in curved})]
+    wider = wider | ((way.kind == SLIDING) & kept.spare.any(axis=1))
     return Family(N[: kept.scene.components], G, np.array(room), Cones(len(flat.rows), tuple(sizes)), wider)
 
 
@@ -182,8 +201,9 @@ def _directions(kept: Kept, way: _Way, laws: Laws, pads: Array, wider: Bools, ra
             free += own[:1]
         if wider[i]:
             free += tangents
-        elif way.kind[i] == SLIDING and ranges is not None and ranges.friction[0] < ranges.friction[1]:
-            free += tangents[: states.against[i]]
+        elif way.kind[i] == SLIDING:
+            loose = ranges is not None and ranges.friction[0] < ranges.friction[1]
+            free += [j for a, j in enumerate(tangents[: states.against[i]]) if loose or kept.spare[i, a]]
         if pads[i].any() and way.kind[i] != SEPARATED:
             k, P = len(laws.K) - 3 * scene.n, pads[i]
             free += [k + j for j in own if 0 <= j < 3 * scene.n and P[j - 3 * i].any()]
@@ -235,7 +255,7 @@ def _of_contacts(flat: _Rows, kept: Kept, way: _Way, wider: Bools, K: Array, N: 
         if way.kind[i] in (SEPARATED, RESTING):
             flat.add(moved[[z]], kept.motion[[z]], size)
         if way.kind[i] == SLIDING and not wider[i]:  # the slip is -Σ λ n with λ ≥ 0
-            against = -np.linalg.pinv(kept.states.faces[i, : kept.states.against[i], : len(t)].T)
+            against = _against(kept.states, i, len(t))
             flat.add(against @ moved[t], against @ kept.motion[t], size)
 
 
@@ -263,7 +283,7 @@ def _of_friction(
         limits = least * kept.scene.limits(kept.section)
         for i in np.flatnonzero((way.kind == SLIDING) & (states.turn == 0.0)).tolist():
             z, t = scene.kind.contact_components[i, 0], _tangents(scene, i)
-            faces = states.faces[i, : states.against[i], : len(t)]
+            faces = states.faces[i, : states.against[i], : len(t)][~kept.spare[i, : states.against[i]]]
             flat.add(faces @ R[t] - limits[i] * R[z], faces @ r[t] - limits[i] * r[z])
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.active_conditions import MOST_RESTING
 from handlcp.grasp.answer.extremes import Extremes, extremes
 from handlcp.grasp.answer.family import Ranges, kept_of, own_flexibility
 from handlcp.grasp.answer.solution import GraspSolution
@@ -18,6 +17,7 @@ from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.progress import told
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
+from handlcp.tolerances import ACTIVE
 
 _NOISE = 1e-9  # of the scene's force: bounds that are apart by less are the same
 _AS_IT_IS = (1.0, 1.0)
@@ -32,8 +32,9 @@ class ForceBounds(Record):
     joints : (nv,) names, () without a hand. torques : (nv, 2) N·m, as `HandGraspSolution.torques`. limit : (nv,) N·m,
         inf where there is none or none is known.
     pads, friction : the factors that were asked for; (1, 1): as they are.
-    wider : contacts that were allowed more than their laws allow: their slides may turn, or too many of them touch
-        without force. Where there are any, bounds may be wider than need be, never narrower; so they may with factors.
+    wider : contacts that were allowed more than their laws allow: the direction of their slide may turn, or they touch
+        without force and slip, or too many do touch so. Where there are any, bounds may be wider than need be, never
+        narrower; so they may with factors.
     gap : by how much a bound may be off, at most: what separates it from what its program proves, relative to the
         larger of it and the scene's force.
     """
@@ -89,7 +90,7 @@ class ForceBounds(Record):
                  for what, (least, most) in (("pads", self.pads), ("friction", self.friction))
                  if (least, most) != _AS_IT_IS]  # fmt: skip
         if asked:
-            text += f", with {' and '.join(asked)}"
+            text += f", with {' and '.join(asked)} where contacts go on doing what they do"
         if self.wider or asked:
             text += "; the bounds may be wider than need be, never narrower"
         return f"{text}."
@@ -172,12 +173,15 @@ def torques_of(s: GraspSolution) -> Array:
 
 
 def _determined(s: GraspSolution) -> bool:
-    """Whether the solution itself says that forces are determined. It has looked at few contacts at rest in every way,
-    at many only together.
+    """Whether the solution itself says that forces are determined. It does not look at all that contacts and limits may
+    do where they are at rest.
     """
-    effects = () if s.spec is None else s.spec.effects
-    few = s.contact_state.count("separated") <= MOST_RESTING and not any(e.stamps for e in effects)
-    return few and s.uniqueness is not None and s.uniqueness.forces_determined
+    assert s.scene is not None
+    assert s.spec is not None
+    near = 2.0 * ACTIVE * max(s.residuals.motion_scale, s.scene.units.motion)
+    rests = [state == "separated" and gap <= near for state, gap in zip(s.contact_state, s.gap.tolist(), strict=True)]
+    known = s.uniqueness is not None and s.uniqueness.forces_determined
+    return known and not any(rests) and not any(e.stamps for e in s.spec.effects)
 
 
 def _torque_rows(s: GraspSolution) -> Array:

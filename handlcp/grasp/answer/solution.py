@@ -260,8 +260,8 @@ class GraspSolution(Shown, Deferred):
     ) -> ForceBounds:
         """The least and largest of every contact force and joint torque over all equilibria with these contact states:
         contacts that are separated stay so, those that stick stick, those that slide go on against the same faces of a
-        pyramid or in the same direction on the cone; what touches without force may stick or separate. Where forces are
-        determined, both are the solution's.
+        pyramid or in the same direction on the cone; what touches without force may push, and then sticks if it did not
+        slip there, or separate. Where forces are determined, both are the solution's.
 
         pads, friction : (least, largest) factors, 0 < least ≤ 1 ≤ largest. Every contact may then have any factor of
             its own on its coefficient of friction, and any of its own on what its pad gives way along each contact axis
