@@ -23,14 +23,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.answer.active_conditions import MOST_RESTING, choices
-from handlcp.grasp.answer.make_solution import candidate_of
-from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.assembly.candidate import candidate_of
 from handlcp.grasp.friction import Cone, Section, limit_set
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.tangent.active_set import Laws, active_rows, complement
@@ -86,11 +85,8 @@ class Kept:
     spare: Bools
 
 
-def kept_of(s: GraspSolution) -> Kept:
-    """Of an answer that is held, with effects that are only limits."""
-    assert s.scene is not None
-    assert s.spec is not None
-    assert s.section is not None
+def kept_of(s: Any) -> Kept:
+    """Of a `GraspSolution` that is held, with effects that are only limits."""
     candidate, units = candidate_of(s.scene, s), s.scene.units
     verdict = judge(s.scene, s.spec.effects, s.section, candidate)
     states = classify(s.scene, s.section, candidate, verdict)
@@ -322,9 +318,8 @@ def _reach(section: Section, tangents: int) -> float:
     return float(np.linalg.norm(limit_set(section, tangents).vertices, axis=0).max())
 
 
-def own_flexibility(s: GraspSolution) -> Array:
+def own_flexibility(s: Any) -> Array:
     """(n, 3, 3) of each contact without that of the joints, contact axes [m/N]: its pad."""
-    assert s.spec is not None
     n, mechanism = s.spec.n, s.spec.mechanism
     E = s.spec.flexibility[: 3 * n, : 3 * n]
     if mechanism is not None and mechanism.gives(s.spec):

@@ -12,8 +12,8 @@ from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.extremes import Extremes, extremes
 from handlcp.grasp.answer.family import Ranges, kept_of, own_flexibility
-from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.friction import Pyramid
 from handlcp.progress import told
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
@@ -134,8 +134,8 @@ def span(least: float, most: float) -> str:
 
 
 @told("bounding forces")
-def force_bounds_of(solution: GraspSolution, pads: Any, friction: Any) -> ForceBounds:
-    """See `GraspSolution.force_bounds`."""
+def force_bounds_of(solution: Any, pads: Any, friction: Any) -> ForceBounds:
+    """Of a `GraspSolution`; see there."""
     s = solution
     if not s.held or s.spec is None or s.scene is None:
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
@@ -159,38 +159,34 @@ def force_bounds_of(solution: GraspSolution, pads: Any, friction: Any) -> ForceB
     )  # fmt: skip
 
 
-def torque_bounds(s: GraspSolution) -> Array:
+def torque_bounds(s: Any) -> Array:
     """(nv, 2) `ForceBounds.torques` alone, of a solution that leaves forces open."""
-    assert s.scene is not None
     scale = np.ones(s.scene.components) if s.scene.scale is None else s.scene.scale
     found = extremes(kept_of(s), _torque_rows(s) * scale, None)
     return np.asarray(torques_of(s)[:, None] + found.change * s.scene.units.force)
 
 
-def torques_of(s: GraspSolution) -> Array:
+def torques_of(s: Any) -> Array:
     """(nv,) N·m; none without a hand."""
     return np.asarray(getattr(s, "torques", np.zeros(0)))
 
 
-def _determined(s: GraspSolution) -> bool:
+def _determined(s: Any) -> bool:
     """Whether the solution itself says that forces are determined. It does not look at all that contacts and limits may
-    do where they are at rest.
+    do where they are at rest, nor at forces that may leave one of two faces.
     """
-    assert s.scene is not None
-    assert s.spec is not None
     near = 2.0 * ACTIVE * max(s.residuals.motion_scale, s.scene.units.motion)
     rests = [state == "separated" and gap <= near for state, gap in zip(s.contact_state, s.gap.tolist(), strict=True)]
     known = s.uniqueness is not None and s.uniqueness.forces_determined
-    return known and not any(rests) and not any(e.stamps for e in s.spec.effects)
+    faces = isinstance(s.section, Pyramid) and "sliding" in s.contact_state
+    return known and not faces and not any(rests) and not any(e.stamps for e in s.spec.effects)
 
 
-def _torque_rows(s: GraspSolution) -> Array:
+def _torque_rows(s: Any) -> Array:
     """(nv, c) what one unit of each force component, in contact axes, changes of the torques. Of joints that yield at
     their limits the equations see to it that nothing changes.
     """
     scene, spec = s.scene, s.spec
-    assert scene is not None
-    assert spec is not None
     mechanism, c, n = spec.mechanism, scene.components, scene.n
     if mechanism is None:
         return np.zeros((0, c))
@@ -199,7 +195,7 @@ def _torque_rows(s: GraspSolution) -> Array:
 
     def torque(components: Array) -> Array:
         moments = scene.by_contact(components[3 * n :]) if soft else None
-        return mechanism.joints(scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque
+        return np.asarray(mechanism.joints(scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque)
 
     still = torque(np.zeros(c))
     return np.array([torque(unit) - still for unit in np.eye(c)]).T
