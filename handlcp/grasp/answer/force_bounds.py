@@ -32,9 +32,9 @@ class ForceBounds(Record):
     joints : (nv,) names, () without a hand. torques : (nv, 2) N·m, as `HandGraspSolution.torques`. limit : (nv,) N·m,
         inf where there is none or none is known.
     pads, friction : the factors that were asked for; (1, 1): as they are.
-    wider : contacts that were allowed more than their laws allow: the direction of their slide may turn, or they touch
-        without force and slip, or too many do touch so. Where there are any, bounds may be wider than need be, never
-        narrower; so they may with factors.
+    wider : contacts that were allowed more than their laws allow: the direction of their slide may turn, their force
+        lies on a face of a pyramid that the slip is not against, they touch without force and slip, or more than four
+        touch without force. Where there are any, bounds may be wider than need be, never narrower; so with factors.
     gap : by how much a bound may be off, at most: what separates it from what its program proves, relative to the
         larger of it and the scene's force.
     """
