@@ -3,6 +3,7 @@ from .analysis.explanation import Explanation as Explanation
 from .analysis.fingertips import wrench_from_fingertip_forces as wrench_from_fingertip_forces
 from .analysis.required import Required as Required
 from .analysis.suggestions import Suggestion as Suggestion, Suggestions as Suggestions
+from .answer.force_bounds import ForceBounds as ForceBounds
 from .answer.solution import Accuracy as Accuracy, GraspSolution as GraspSolution
 from .answer.uniqueness import Uniqueness as Uniqueness
 from .answer.verdict import Reason as Reason, Verdict as Verdict

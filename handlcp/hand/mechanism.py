@@ -150,9 +150,16 @@ class HandMechanism(Varied, Mechanism):
 
         if solution.held:
             yield from torque_reasons(solution.torque_check)
+            yield from self.open_reasons(solution)
             yield from doubt_reasons(self.posture.hand.doubts)
         yield from self.command_reasons(solution.spec)
         yield from self.place_reasons(self.posture, self.target, "in the given posture")
+
+    def open_reasons(self, solution: Any) -> Iterator[Reason]:
+        """Between what and what torques are, where forces are open."""
+        from handlcp.hand.solution import open_torque_reasons
+
+        yield from open_torque_reasons(solution)
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes; the weight, where the load leaves it out."""

@@ -12,6 +12,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
+from handlcp.grasp.answer.force_bounds import apart, shares, span, torque_bounds
 from handlcp.grasp.answer.printed import printed
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
@@ -173,6 +174,39 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     if check.unknown:
         text = f"torque limits not known, torques not judged: {words.listed(check.unknown)}"
         yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+
+
+def open_torque_reasons(s: HandGraspSolution) -> Iterator[Reason]:
+    """Of a solution that leaves forces open: whether joints are within their limits whatever these are."""
+    if s.uniqueness is None or s.uniqueness.forces_determined:
+        return
+    check, torques = s.torque_check, torque_bounds(s)
+    open_ = apart(torques, s.residuals.force_scale)
+    bounds = shares(torques, check.limit)
+    values = {"joints": [{"joint": name, "torque_Nm": both, "utilisation": share} for name, both, share, yes in
+                         zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True) if yes]}  # fmt: skip
+    if not open_.any():
+        yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
+        return
+    least, most = bounds.T
+    doubtful = np.flatnonzero(exceeded(most) & ~exceeded(least))
+    if len(doubtful):
+        k = doubtful[most_used(most[doubtful])]
+        text = f"{check.joints[k]} may carry {_of_limit(*bounds[k].tolist())}"
+        if more := len(doubtful) - 1:
+            others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
+            text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
+        yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
+    elif not exceeded(most).any():
+        k = most_used(most)
+        text = f"whatever the forces that are open are, no joint needs more than {words.percent(most[k])} of its limit"
+        yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
+
+
+def _of_limit(least: float, most: float) -> str:
+    if np.isfinite(most):
+        return f"{span(least, most)} of its limit"
+    return f"{words.percent(least)} of its limit, or any amount more"
 
 
 def _values(r: TorqueRow) -> dict[str, Any]:

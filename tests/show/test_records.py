@@ -81,6 +81,8 @@ EXAMPLES = {
     "RequiredStiffness": lambda: held().required_stiffness(2e-3, tolerance=0.5),
     "BestChange TriedChange": lambda: pinch().best_change(),
     "RequiredTorque": motors,
+    "ForceBounds": lambda: held().solve().force_bounds(pads=(0.5, 2.0)),
+    "ForceBounds, of points": lambda: pinch().solve().force_bounds(),
     "Sensitivity": lambda: held().solve().sensitivity(),
     "Solutions": lambda: hl.solve_many([pinch(), pinch(squeeze=0.0)]),
     "Audit": lambda: hand().audit(),

@@ -23,9 +23,9 @@ import numpy as np
 
 from handlcp.check import read_only
 from handlcp.grasp.analysis.explanation import ENVIRONMENT, Explanation, effects_on
-from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.assembly.candidate import candidate_of
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows

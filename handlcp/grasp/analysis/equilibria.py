@@ -17,12 +17,12 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.answer.make_solution import Judged, candidate_of, make_solution
+from handlcp.grasp.answer.make_solution import Judged, make_solution
 from handlcp.grasp.answer.printed import contact_data
 from handlcp.grasp.answer.reasons import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.candidate import Candidate, candidate_of
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec

@@ -13,9 +13,9 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.errors import Unsupported
 from handlcp.grasp.analysis.advice import solve_with_advice
-from handlcp.grasp.answer.make_solution import candidate_of
 from handlcp.grasp.answer.solution import Accuracy, GraspSolution
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.assembly.candidate import candidate_of
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
 from handlcp.grasp.model.scene import Scene

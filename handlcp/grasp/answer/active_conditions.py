@@ -24,7 +24,7 @@ from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLI
 from handlcp.grasp.verify.judge import limits_at_answer
 from handlcp.tolerances import RANK
 
-_MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
+MOST_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
 _FAR = 1e6  # bound of the linear program's unknowns; a condition that stays below 1 / _FAR within it is always active
 
 
@@ -46,7 +46,7 @@ def free_branches(
 ) -> tuple[Branch, ...]:
     """The branches that leave something free; none when the solution is locally unique (decided by elimination)."""
     limited, out, moves = limits_at_answer(scene, effects, candidate), [], scene.components + scene.dof
-    for kind, active in itertools.product(_choices(scene, states.kind), limited.choices()):
+    for kind, active in itertools.product(choices(scene, states.kind), limited.choices()):
         laws = laws_of(scene, scene.limits(section), limited.rows, active)
         A, _ = active_rows(laws, states._replace(kind=kind))
         if rank_of(A.copy()) == len(A):
@@ -68,11 +68,11 @@ def free_branches(
     return tuple(out)
 
 
-def _choices(scene: Scene, kind: Ints) -> list[Ints]:
+def choices(scene: Scene, kind: Ints) -> list[Ints]:
     """The states with contacts at rest closed or open, in every way."""
     resting, out = np.flatnonzero(kind == RESTING), []
     closed = np.where(np.array(scene.kind.tangents) > 0, STICKING, GLIDING)
-    every = resting if len(resting) <= _MOST_RESTING else resting[:1]  # or all alike
+    every = resting if len(resting) <= MOST_RESTING else resting[:1]  # or all alike
     for pattern in itertools.product((False, True), repeat=len(every)):
         choice = kind.copy()
         choice[resting] = np.where(pattern, closed[resting], SEPARATED)

@@ -97,14 +97,3 @@ def without_numbers(
     )
     made = solution_of(spec, scene, section, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
     return replace(made, status=Status.UNDECIDED)
-
-
-def candidate_of(scene: Scene, solution: GraspSolution) -> Candidate:
-    """The candidate that certifies to this solution."""
-    assert solution.reference is not None  # an answer has one
-    forces = solution.forces.reshape(-1)
-    if scene.soft:
-        torsion = np.zeros(scene.n) if solution.torsion is None else solution.torsion
-        forces = np.append(forces, torsion[list(scene.soft)])
-    twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
-    return Candidate(scene.lawful(forces), twist, solution.extra, len(scene.soft))

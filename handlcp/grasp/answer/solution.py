@@ -20,6 +20,7 @@ from handlcp.record import Record
 from handlcp.tolerances import CERTIFY
 
 if TYPE_CHECKING:
+    from handlcp.grasp.answer.force_bounds import ForceBounds
     from handlcp.grasp.answer.reasons import Motions
     from handlcp.grasp.answer.uniqueness import Uniqueness
     from handlcp.grasp.answer.verdict import Verdict
@@ -253,6 +254,27 @@ class GraspSolution(Shown, Deferred):
         from handlcp.grasp.sensitivity.sensitivity import sensitivity_of
 
         return sensitivity_of(self)
+
+    def force_bounds(
+        self, pads: tuple[float, float] = (1.0, 1.0), friction: tuple[float, float] = (1.0, 1.0)
+    ) -> ForceBounds:
+        """The least and largest of every contact force and joint torque over all equilibria with these contact states:
+        contacts that are separated stay so, those that stick stick, those that slide go on against the same faces of a
+        pyramid or in the same direction on the cone; what touches without force may push, and then sticks if it did not
+        slip there, or separate. Where forces are determined, both are the solution's.
+
+        pads, friction : (least, largest) factors, 0 < least ≤ 1 ≤ largest. Every contact may then have any factor of
+            its own on its coefficient of friction, and any of its own on what its pad gives way along each contact axis
+            (all of E that is the contact's own and not the joints'). The command of the joints stays. The bounds hold
+            for every equilibrium of every such grasp that keeps the states, slides in any direction included; they are
+            outer ones: with pads between factors not every value between them is taken.
+
+        Other equilibria with other contact states are not among them (`grasp.equilibria()`). Raises InputError for a
+        solution that is not held, Unsupported beside effects with unknowns of their own that are no limits.
+        """
+        from handlcp.grasp.answer.force_bounds import force_bounds_of
+
+        return force_bounds_of(self, pads, friction)
 
     def __str__(self) -> str:
         from handlcp.grasp.answer.printed import printed

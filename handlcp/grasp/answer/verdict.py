@@ -13,6 +13,7 @@
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |
 | `rigid_tips` | fingertips without pads, where that may be why the object is lost |
+| `torques_open` | between what and what torques are, where statics leaves forces open |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
 | `no_load` | neither a weight nor a wrench loads the object |

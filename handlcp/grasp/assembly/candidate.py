@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.grasp_matrix import Posed
+from handlcp.grasp.model.kind import shifted
+from handlcp.grasp.model.scene import Scene
 from handlcp.lcp.kernels.dense import kernel
 
 
@@ -43,3 +45,13 @@ def in_si(
         if k >= lengths:
             u[k] /= p.length
     return f, u
+
+
+def candidate_of(scene: Scene, solution: Any) -> Candidate:
+    """The candidate that certifies to this `GraspSolution`."""
+    forces = solution.forces.reshape(-1)
+    if scene.soft:
+        torsion = np.zeros(scene.n) if solution.torsion is None else solution.torsion
+        forces = np.append(forces, torsion[list(scene.soft)])
+    twist = shifted(solution.object_displacement, scene.units.centre - solution.reference)
+    return Candidate(scene.lawful(forces), twist, solution.extra, len(scene.soft))

@@ -152,6 +152,10 @@ class Mechanism:
         """What only it knows of whether a solution of its grasp holds, as `Reason`s of a verdict."""
         return ()
 
+    def open_reasons(self, solution: Any) -> Iterable[Any]:
+        """The same of torques, where a solution of its grasp leaves forces open."""
+        return ()
+
     def command_reasons(self, spec: Any) -> Iterable[Any]:
         """The same of what is asked of the fingers of a grasp."""
         return ()

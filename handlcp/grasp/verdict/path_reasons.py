@@ -93,6 +93,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
     yield from no_load(spec)
     if end.held:
+        yield from () if mechanism is None else mechanism.open_reasons(end)
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:
         yield from large_motion(_motions(path, scene, slid))

@@ -86,7 +86,7 @@ def capacity_of(scene: Scene, section: Section, effects: tuple[Effect, ...], tor
     place = np.full(scene.components, -1)
     index = scene.kind.index
     place[index] = np.arange(len(index))
-    flat, owners, balls = _friction(scene, section, np.where(own >= 0, place[own], -1), len(index))
+    flat, owners, balls = friction_rows(scene, section, np.where(own >= 0, place[own], -1), len(index))
     beside = tuple([e for e in effects if not isinstance(e, TorqueSaturation)])
     rows, room, joint, effect = _limits(scene, beside, torques)
     equal = _pairs(rows, room)
@@ -106,10 +106,13 @@ def capacity_of(scene: Scene, section: Section, effects: tuple[Effect, ...], tor
     )  # fmt: skip
 
 
-def _friction(
+def friction_rows(
     scene: Scene, section: Section, own: Ints, m: int
 ) -> tuple[Array, Ints, dict[int, tuple[list[Array], list[int]]]]:
-    """Flat rows (k, m) with the contact of each (k,); and by dimension the blocks of friction cones with theirs."""
+    """Friction as rows over m forces, -G r in cones: flat ones (k, m) with the contact of each (k,); and by dimension
+    the blocks of friction cones with theirs. own (n, 4) : where each contact's normal and tangents are among the
+    forces; contacts with -1 in front are left out.
+    """
     limits, flat, owners = scene.limits(section), list[Array](), list[int]()
     balls: dict[int, tuple[list[Array], list[int]]] = {}
     for i, (at, tangents) in enumerate(zip(own, scene.kind.tangents, strict=True)):

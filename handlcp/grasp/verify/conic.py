@@ -71,7 +71,7 @@ def solve_conic(programs: Conic) -> Ends:
     for k, x, y, z, s in _proposals(programs):
         if not all(np.isfinite(a).all() for a in (x, y, z, s)):
             continue
-        status, gap, size = _judged(programs, k, x, y, z, s)
+        status, gap, size = judged(programs, k, x, y, z, s)
         ends.status[k], ends.gap[k], ends.x[k], ends.z[k] = status, gap, x / size, z / size
     return ends
 
@@ -98,8 +98,10 @@ def _proposals(programs: Conic) -> Iterator[tuple[int, Array, Array, Array, Arra
         yield k, x, z[:e], z[e : e + m], s[e : e + m]
 
 
-def _judged(programs: Conic, k: int, x: Array, y: Array, z: Array, s: Array) -> tuple[int, float, float]:
-    """(status, gap, what the numbers are to be divided by)."""
+def judged(programs: Conic, k: int, x: Array, y: Array, z: Array, s: Array) -> tuple[int, float, float]:
+    """(status, gap, what the numbers are to be divided by) of what was proposed for program k: x (v,), multipliers y
+    (e,) of the equations and z (m,) of the rows, and room s (m,).
+    """
     c, A, b, G, h, _ = programs
     A, b, h = A[k], b[k], h[k]
     pull = A.T @ y + G.T @ z

@@ -12,8 +12,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.answer.make_solution import candidate_of
-from handlcp.grasp.assembly.candidate import Candidate
+from handlcp.grasp.assembly.candidate import Candidate, candidate_of
 from handlcp.grasp.assembly.contact_form import GraspContactProblem
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.verify.judge import judge
