@@ -167,7 +167,7 @@ class Questions(ABC):
     def payload(
         self, orientations: Any = 6, acceleration: float = 0.0, *, geometry: str | None = None,
         faces: int | str | Pyramid = "cone", motion: float | None = None, turn: float | None = None,
-        progress: Any = None,
+        accuracy: float | None = None,
     ) -> Any:  # fmt: skip
         """The largest mass [kg] that the grasp holds in every direction of gravity that is asked for, and what gives
         out first: `mass`, `binds`, and `by_orientation`, a row for each direction; a `Payload`.
@@ -182,14 +182,15 @@ class Questions(ABC):
             most of which, g + a, comes with a hand that speeds up against gravity.
         geometry : as in `load_limit`; None: with "any", contacts are followed where that takes seconds, as in
             `envelope`. faces : as in `problem`. motion, turn : how far the object may move [m] and turn [rad] under
-            the mass; None: any distance. progress : as in `envelope`.
+            the mass; None: any distance. accuracy : relative, of the masses, as in `load_limit`.
 
         The hand closes as it does in this grasp, without the object's own mass or another load. Then the mass grows
         slowly, weight and inertia together, at the object's centre of mass, or at the reference for contacts without
         an object. The fingers' weight turns with gravity, and is accelerated, where the grasp counts it
-        (`finger_weight`). An infinite mass means that nothing gives out. Raises InputError, Unsupported (known forces).
+        (`finger_weight`). An infinite mass means that nothing gives out. Raises InputError, Unsupported (known
+        forces; an accuracy that is not reached).
         """
-        return view("payload")(self, orientations, acceleration, geometry, faces, motion, turn, progress)
+        return view("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None

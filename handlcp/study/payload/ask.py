@@ -28,7 +28,7 @@ from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.model.contact import frame
 from handlcp.grasp.path.follow import geometry_of
-from handlcp.progress import Progress, told
+from handlcp.progress import told
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, GRAVITY, Question, load_of
 from handlcp.study.envelope.grid import circle, sphere
 from handlcp.study.payload.result import Orientation, Payload
@@ -41,7 +41,7 @@ _IN_PLANE = 1e-9
 def payload(
     grasp: Grasp, orientations: Any = SIX, acceleration: Any = 0.0, geometry: str | None = None,
     faces: int | str | Pyramid = "cone", motion: float | None = None, turn: float | None = None,
-    progress: Progress = None,
+    accuracy: float | None = None,
 ) -> Payload:  # fmt: skip
     """See `Grasp.payload`."""
     if not isinstance(orientations, (int, str)) or orientations not in (SIX, ANY):
@@ -51,16 +51,18 @@ def payload(
     more = number("acceleration", acceleration, minimum=0.0)
     far = None if motion is None else number("motion", motion, above=0.0)
     wide = None if turn is None else number("turn", turn, above=0.0)
+    near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
     section, moves = as_section(faces, planar=grasp.scene.kind.planar), geometry_of(grasp.spec, geometry)
     follows = moves.follows and (orientations == SIX or geometry == FOLLOWED or moves.quick)
     how = FOLLOWED if follows else FIXED
-    question = _Pull(Question(load_of(grasp, GRAVITY, None), section, how, far, wide), more)
+    question = _Pull(Question(load_of(grasp, GRAVITY, None), section, how, far, wide, near), more)
     axes = _axes_of(grasp.spec.plane)
     ways, tried = axes, len(axes)
     if orientations == ANY:
-        worst, tried = _lowest(question.along_gravity(), grasp.spec.plane, progress)
+        with told("directions"):
+            worst, tried = _lowest(question.along_gravity(), grasp.spec.plane)
         ways = np.vstack([axes, worst])
-    with told("orientations", len(ways), progress) as done:
+    with told("orientations", len(ways)) as done:
         rows = []
         for k, d in enumerate(ways):
             pulls = axes if k < len(axes) else -d[None]
@@ -111,7 +113,7 @@ class _Pull:
             return None
         load, along = replace(q.load, g=size), pull[None] / size
         spec, _ = next(load.specs(along))
-        limit = load_limit(spec, q.section, load.wrenches(along)[0], q.geometry, q.motion, q.turn)
+        limit = load_limit(spec, q.section, load.wrenches(along)[0], q.geometry, q.motion, q.turn, q.accuracy)
         mass, binds = limit.factor, limit.binds
         if np.isinf(mass) and np.isfinite(limit.bound):
             mass, binds = np.nan, (Cause(UNDECIDED, OBJECT),)
@@ -138,10 +140,10 @@ _BETTER = 1e-6  # relative: a step downhill is at least as much
 _RING = 6
 
 
-def _lowest(question: Question, plane: Array | None, progress: Progress) -> tuple[Array, int]:
+def _lowest(question: Question, plane: Array | None) -> tuple[Array, int]:
     """(3,) the direction of gravity with the least mass, and how many were tried."""
     grid = sphere(_AROUND[question.geometry]) if plane is None else circle(frame(plane).T[:2], _IN_CIRCLE)
-    masses = _known(question, grid.points, progress)
+    masses = _known(question, grid.points)
     edges, lower = grid.edges, np.ones(len(masses), dtype=bool)
     for a, b in (edges.T, edges.T[::-1]):
         lower[a[masses[a] > masses[b]]] = False
@@ -163,7 +165,7 @@ def _downhill(
     tried = 0
     while step >= _FINEST and 0.0 < mass < np.inf:
         ring = _around(d, step, plane)
-        masses, tried = _known(question, ring, False), tried + len(ring)
+        masses, tried = _known(question, ring), tried + len(ring)
         k = int(masses.argmin())
         if masses[k] < (1.0 - _BETTER) * mass:
             d, mass = ring[k], float(masses[k])
@@ -183,7 +185,7 @@ def _around(d: Array, step: float, plane: Array | None) -> Array:
     return np.asarray(np.cos(step) * d + np.sin(step) * aside)
 
 
-def _known(question: Question, directions: Array, progress: Progress) -> Array:
+def _known(question: Question, directions: Array) -> Array:
     """(m,) masses; what is undecided counts as held."""
-    masses, _, _ = question.ask(directions, None, progress)
+    masses, _, _ = question.ask(directions, None)
     return np.where(np.isnan(masses), np.inf, masses)
