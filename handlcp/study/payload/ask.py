@@ -22,12 +22,15 @@ import numpy as np
 from handlcp.check import Array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
+from handlcp.grasp.assembly.asked import again
 from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.model.contact import frame
 from handlcp.grasp.path.follow import geometry_of
+from handlcp.hand import HandGrasp, Object
+from handlcp.hand.asked.asked import HandAsked
 from handlcp.progress import told
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, GRAVITY, Question, load_of
 from handlcp.study.envelope.grid import circle, sphere
@@ -55,7 +58,7 @@ def payload(
     section, moves = as_section(faces, planar=grasp.scene.kind.planar), geometry_of(grasp.spec, geometry)
     follows = moves.follows and (orientations == SIX or geometry == FOLLOWED or moves.quick)
     how = FOLLOWED if follows else FIXED
-    question = _Pull(Question(load_of(grasp, GRAVITY, None), section, how, far, wide, near), more)
+    question = _Pull(Question(load_of(_about_the_mass(grasp), GRAVITY, None), section, how, far, wide, near), more)
     axes = _axes_of(grasp.spec.plane)
     ways, tried = axes, len(axes)
     if orientations == ANY:
@@ -69,6 +72,16 @@ def payload(
             rows.append(question.held(d, pulls if more else np.zeros((1, 3))))
             done(1)
     return Payload(tuple(rows), orientations, more, how, question.asked.load, tried)
+
+
+def _about_the_mass(grasp: Grasp) -> Grasp:
+    """The grasp with its object's centre of mass as the reference: a load limit loads the reference, and there a force
+    stays a weight while the object turns.
+    """
+    asked = grasp.spec.asked
+    if not isinstance(asked, HandAsked) or asked.reference is None or not isinstance(asked.target, Object):
+        return grasp
+    return HandGrasp(again(asked, {"reference": None}).spec())
 
 
 def _axes_of(plane: Array | None) -> Array:
