@@ -17,7 +17,8 @@ from handlcp.show.tables import torque_table
 
 __all__ = [
     "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
-    "payload", "payload_plot", "plot", "reliability_plot", "table_html", "text_html", "to_dict", "torque_table",
+    "payload", "payload_plot", "plot", "reliability_plot", "split_plot", "table_html", "text_html", "to_dict",
+    "torque_table",
 ]  # fmt: skip
 
 
@@ -59,7 +60,8 @@ def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
 
 
 loading_plot, limit_plot, reliability_plot = map(_plotted, ("loading.draw", "limit", "reliability"))
-payload, payload_plot = _at("payload", "payload", "study"), _plotted("payload")
+payload = _at("payload", "payload", "study")
+payload_plot, split_plot = map(_plotted, ("payload", "split_cylinder"))
 envelope_plot, envelope_polar = _plotted("envelope.draw"), _plotted("envelope.polar", "polar_figure")
 loading_page, envelope_page = _at("page.document", "save_loading"), _at("envelope.page", "save")
 
