@@ -25,7 +25,14 @@ def payload(
     motion: Annotated[
         float | None, typer.Option(help="How far the mass may move the object [mm]; without: any distance.")
     ] = None,
-    fixed: Annotated[bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions.")] = False,
+    followed: Annotated[
+        bool | None,
+        typer.Option(
+            "--followed/--fixed",
+            help="Follow hand and object as they move, or leave contacts where they are; neither: followed, and with "
+            "--any where that takes seconds.",
+        ),
+    ] = None,
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the masses: steps are chosen by it.")
     ] = None,
@@ -42,7 +49,7 @@ def payload(
     most = None if motion is None else 1e-3 * motion
     file = scenes.load(scene)
     found = file.build().payload(
-        "any" if every else 6, acceleration, geometry="fixed" if fixed else None,
+        "any" if every else 6, acceleration, geometry={None: None, True: "followed", False: "fixed"}[followed],
         faces=sides_of(file.solve_with.faces, faces), motion=most, accuracy=accuracy,
     )  # fmt: skip
     if plot is not None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.grasp.cause.wording import said
 from handlcp.show.envelope.surface import keys_of
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.style import BAD, GOOD, GREY, INK, SMALL, TEXT, further, heading, opening, panel, width
@@ -93,4 +94,5 @@ def _end(masses: Any, own: float) -> float:
 
 def _text(found: Payload, row: Orientation) -> str:
     """Mass, how the hand moves, what gives out."""
-    return f"{kilograms(row.mass)}{found.moving(row).replace(' and the hand', ', hand')}: {row.says}"
+    says = said(row.binds, found.load.grasp.spec, brief=True)
+    return f"{kilograms(row.mass)}{found.moving(row).replace(' and the hand', ', hand')}: {says}"

@@ -11,6 +11,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import LoadLimit
 from handlcp.grasp.cause.judge import Cause
+from handlcp.grasp.cause.wording import said
 from handlcp.record import Record
 from handlcp.study.envelope.ask import Load
 from handlcp.study.envelope.printed import direction, geometry
@@ -166,7 +167,8 @@ class Payload(Record):
         for row in self.by_orientation:
             slip = "" if row.first_slip is None or not row.mass > 0.0 else f"{row.first_slip:.3g}"
             ways = (_along(row),) if moves else ()
-            rows.append((f"{direction(row.direction)}: {row.says}", *ways, slip, _number(row.mass)))
+            says = said(row.binds, self.load.grasp.spec, brief=True)
+            rows.append((f"{direction(row.direction)}: {says}", *ways, slip, _number(row.mass)))
         if moves:
             heads.insert(1, "hand speeds\nup along")
         return TextTable(tuple(heads), tuple(rows), "<<>>" if moves else "<>>")
