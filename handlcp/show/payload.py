@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp.cause.wording import said
 from handlcp.show.envelope.surface import keys_of
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.style import BAD, GOOD, GREY, INK, SMALL, TEXT, further, heading, opening, panel, width
@@ -21,7 +20,7 @@ RIGHT = 0.975  # of the panel, as a share of the width
 _NAMES = (0.06, 0.0085)  # of the width, left of the panel: always, and for each letter of a direction
 _BEYOND = 1.25  # of the largest mass: where the axis ends
 _FAR = 3.0  # times the second largest: a mass beyond would leave the others no room
-_LETTERS = 105  # of what a bar says
+_LETTERS, _CAUSE = 105, 60  # of what a bar says, and of the cause in it
 _APART = 0.012  # of the axis, between a bar and its text
 
 
@@ -94,5 +93,5 @@ def _end(masses: Any, own: float) -> float:
 
 def _text(found: Payload, row: Orientation) -> str:
     """Mass, how the hand moves, what gives out."""
-    says = said(row.binds, found.load.grasp.spec, brief=True)
+    says = found.cause(row, _CAUSE)
     return f"{kilograms(row.mass)}{found.moving(row).replace(' and the hand', ', hand')}: {says}"

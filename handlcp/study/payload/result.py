@@ -18,6 +18,8 @@ from handlcp.study.envelope.printed import direction, geometry
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
+_IN_TABLE = 40  # letters of a cause
+
 
 @dataclass(frozen=True, eq=False)
 class Orientation(Record):
@@ -142,6 +144,10 @@ class Payload(Record):
         """In words, how the hand accelerates in a row; "" at rest."""
         return f" and the hand speeding up along {_along(row)}" if row.acceleration.any() else ""
 
+    def cause(self, row: Orientation, letters: int) -> str:
+        """What gives out first in a row, in words; in short where these have more letters."""
+        return row.says if len(row.says) <= letters else said(row.binds, self.load.grasp.spec, brief=True)
+
     def plot(self, path: Any = None, *, title: str = "") -> Any:
         """A bar for each direction of gravity: the mass, coloured by what gives out first. A matplotlib figure, or the
         file that it was written to.
@@ -167,8 +173,7 @@ class Payload(Record):
         for row in self.by_orientation:
             slip = "" if row.first_slip is None or not row.mass > 0.0 else f"{row.first_slip:.3g}"
             ways = (_along(row),) if moves else ()
-            says = said(row.binds, self.load.grasp.spec, brief=True)
-            rows.append((f"{direction(row.direction)}: {says}", *ways, slip, _number(row.mass)))
+            rows.append((f"{direction(row.direction)}: {self.cause(row, _IN_TABLE)}", *ways, slip, _number(row.mass)))
         if moves:
             heads.insert(1, "hand speeds\nup along")
         return TextTable(tuple(heads), tuple(rows), "<<>>" if moves else "<>>")
