@@ -96,6 +96,9 @@ from .method.accuracy.result import AccuracyCost as AccuracyCost
 from .simulator.write import to_mujoco as to_mujoco
 from .study.envelope.measure import envelope as envelope
 from .study.envelope.result import Envelope as Envelope
+from .study.grip_strength.measure import split_cylinder as split_cylinder
+from .study.grip_strength.result import SplitCylinder as SplitCylinder
+from .study.payload.result import Payload as Payload
 from .study.reliability.interval import Chance as Chance, Influence as Influence
 from .study.reliability.result import Reliability as Reliability, Sample as Sample
 from .study.reliability.study import reliability as reliability

@@ -1,4 +1,6 @@
-"""The one step upward: answers offer their pictures, tables and pages, which the rooms above them make."""
+"""The one step upward: answers offer their pictures, tables and pages, and grasps studies of theirs, which the rooms
+above them make.
+"""
 
 from __future__ import annotations
 

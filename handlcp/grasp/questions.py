@@ -10,6 +10,7 @@ from handlcp.errors import InputError, NoSolutionFound
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.views import view
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
@@ -162,6 +163,34 @@ class Questions(ABC):
         from handlcp.grasp.limits.load_limit import load_limit
 
         return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn, accuracy)
+
+    def payload(
+        self, orientations: Any = 6, acceleration: float = 0.0, *, geometry: str | None = None,
+        faces: int | str | Pyramid = "cone", motion: float | None = None, turn: float | None = None,
+        accuracy: float | None = None,
+    ) -> Any:  # fmt: skip
+        """The largest mass [kg] that the grasp holds in every direction of gravity that is asked for, and what gives
+        out first: `mass`, `binds`, and `by_orientation`, a row for each direction; a `Payload`.
+
+        orientations : 6: gravity both ways along x, y and z of the hand's base, which are the world's axes (four in a
+            planar scene). "any": the worst direction all around, too. It is looked for in directions spread evenly,
+            then in steps of at last half a degree from the two lowest of them: a sampled minimum, no proof, since what
+            compliant fingers hold is no convex set.
+        acceleration : a [m/s²] of the hand, while gravity acts: its inertia loads the object as well. Of 6 the least
+            mass counts with the hand speeding up along any of the same six directions: against gravity (which makes
+            it g + a), with it, or sideways. With "any", the worst direction is that of gravity and inertia together,
+            most of which, g + a, comes with a hand that speeds up against gravity.
+        geometry : as in `load_limit`; None: with "any", contacts are followed where that takes seconds, as in
+            `envelope`. faces : as in `problem`. motion, turn : how far the object may move [m] and turn [rad] under
+            the mass; None: any distance. accuracy : relative, of the masses, as in `load_limit`.
+
+        The hand closes as it does in this grasp, without the object's own mass or another load. Then the mass grows
+        slowly, weight and inertia together, at the object's centre of mass, or at the reference for contacts without
+        an object. The fingers' weight turns with gravity, and is accelerated, where the grasp counts it
+        (`finger_weight`). An infinite mass means that nothing gives out. Raises InputError, Unsupported (known
+        forces; an accuracy that is not reached).
+        """
+        return view("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None

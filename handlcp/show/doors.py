@@ -1,4 +1,4 @@
-"""What answers offer of pictures and data, by name; `handlcp.views` finds these functions."""
+"""What grasps and answers offer of studies, pictures and data, by name; `handlcp.views` finds these functions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from handlcp.show.tables import torque_table
 
 __all__ = [
     "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
-    "plot", "reliability_plot", "table_html", "text_html", "to_dict", "torque_table",
+    "payload", "payload_plot", "plot", "reliability_plot", "split_plot", "table_html", "text_html", "to_dict",
+    "torque_table",
 ]  # fmt: skip
 
 
@@ -44,11 +45,11 @@ def page(
     return save(_asked(solution), solution, path, obj, title, verdict, loading)
 
 
-def _at(module: str, name: str) -> Callable[..., Any]:
-    """A function of a module of `handlcp.show`, which is imported when the function is called."""
+def _at(module: str, name: str, room: str = "show") -> Callable[..., Any]:
+    """A function of a module of a room, which is imported when the function is called."""
 
     def door(*given: Any) -> Any:
-        return getattr(import_module(f"handlcp.show.{module}"), name)(*given)
+        return getattr(import_module(f"handlcp.{room}.{module}"), name)(*given)
 
     return door
 
@@ -59,6 +60,8 @@ def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
 
 
 loading_plot, limit_plot, reliability_plot = map(_plotted, ("loading.draw", "limit", "reliability"))
+payload = _at("payload", "payload", "study")
+payload_plot, split_plot = map(_plotted, ("payload", "split_cylinder"))
 envelope_plot, envelope_polar = _plotted("envelope.draw"), _plotted("envelope.polar", "polar_figure")
 loading_page, envelope_page = _at("page.document", "save_loading"), _at("envelope.page", "save")
 

@@ -30,8 +30,8 @@ def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
     assert not [n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr.startswith("_")]
 
 
-def test_there_are_twelve_tasks():
-    assert len(TASKS) == 12
+def test_there_are_fourteen_tasks():
+    assert len(TASKS) == 14
 
 
 def test_the_motors_hold_the_bottle_tilted_and_pushed_and_a_weaker_grip_does_not():
@@ -148,3 +148,25 @@ def test_the_chance_that_the_cube_is_held_is_less_than_certain_and_friction_deci
     assert sure.influences[0].name == "friction"
     assert sure.influences[0].share > 0.7
     assert not worst.grasp.solve(throw=False).held
+
+
+def test_the_payload_is_held_and_a_little_more_is_not():
+    task = ran("payload")
+    rest, moving, grasp = task["rest"], task["moving"], task["grasp"]
+    assert rest.mass == pytest.approx(0.329, rel=1e-2)
+    assert moving.mass == pytest.approx(rest.mass * G / (G + 5.0), rel=1e-2)  # the worst is against gravity here
+    for share, holds in ((0.97, True), (1.03, False)):
+        assert grasp.replace(mass=share * rest.mass, gravity=G * rest.direction).check().ok is holds
+    assert task["picture"].stat().st_size > 10_000
+
+
+def test_the_split_cylinder_measures_what_one_half_presses_on_the_other():
+    task = ran("grip_strength")
+    pinch = task["pinch"]
+    assert pinch.force == pytest.approx(9.58, rel=1e-2)
+    assert pinch.word == "HELD"
+    assert pinch.solution.torque_check.utilisation.max() == pytest.approx(1.0, abs=1e-6)
+    contacts = pinch.around
+    half = contacts.forces[contacts.positions @ pinch.normal > 0.0].sum(axis=0)
+    assert -half @ pinch.normal == pytest.approx(pinch.force, rel=1e-6)
+    assert task["picture"].stat().st_size > 10_000

@@ -91,6 +91,8 @@ EXAMPLES = {
     "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, seed=0),
     "Reliability Sample": lambda: hl.reliability(pinch(), {"friction": 0.2, "load": 0.1}, 64, workers=1),
     "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
+    "Payload Orientation": lambda: held().payload(geometry="fixed", faces=8),
+    "SplitCylinder Grip": lambda: hl.split_cylinder(hand(), 0.05, grasps=["pinch"]),
     "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
     "AccuracyCost": lambda: accuracy_cost(
         pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1

@@ -1,0 +1,102 @@
+"""A hand that closes with all the torque it has: the hardest grip with which no joint is beyond its limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import InputError
+from handlcp.grasp import Loading, Verdict
+from handlcp.grasp.cause.judge import EQUILIBRIUM, OBJECT, UNDECIDED, Cause, Limits, binding, limits_of, used
+from handlcp.grasp.cause.wording import said
+from handlcp.grasp.path.state import Outcome, State
+from handlcp.hand import HandGrasp
+from handlcp.hand.robot.model import HandModel
+from handlcp.lazy import lazy
+
+_SQUEEZE, _ALL = ("squeeze",), ("squeeze", "load")
+_BEYOND = 1.25  # times the grip that small motions ask for: how far a path goes that looks for a limit
+_ROUNDS = 4  # of paths, each from where the one before has led
+_SHORT = 0.999  # of the last grip with which the object rests, where it is lost before a joint gives out
+_WITHIN = 1e-7  # relative, by which the torque at the end stays below its limit
+_AT = 1e-3  # relative: joints that are as near to their limits bind, too
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """grasp : closed as hard as it can be. path : its loading. binds, says : what gives out with a harder grip."""
+
+    grasp: HandGrasp
+    path: Loading
+    binds: tuple[Cause, ...]
+    says: str
+
+    @lazy
+    def verdict(self) -> Verdict:
+        """The word of `check()` on the grasp."""
+        return self.grasp.check()
+
+
+def ask_for_limits(hand: HandModel) -> None:
+    """Raises InputError unless the torque of every joint is limited."""
+    unknown = [name for name, most in zip(hand.joint_names, hand.torque_limits, strict=True) if not np.isfinite(most)]
+    if unknown:
+        expected = "a hand with a torque limit for each joint: hand.replace(torque_limits=...)"
+        raise InputError("hand", expected, f"none for {', '.join(unknown)}")
+
+
+def closed(grasp: HandGrasp, force: Array, share: float) -> Closed:
+    """The grasp with as much of these grip forces (k,) [N], all by the same factor, as its joints can make.
+
+    share : of a torque limit that `force` needs where motions are small; there torques are proportional to the grip,
+    and hand and object are followed from there.
+    """
+    limits, factor = limits_of(grasp.spec, nominal=grasp.state.q), 1.0 / share
+    ends, lost = tuple[Cause, ...](), None
+    for _ in range(_ROUNDS):
+        path = grasp.replace(grip_force=_BEYOND * factor * force).follow(order=_SQUEEZE)
+        within, ends = _within(limits, path)
+        factor *= _BEYOND * within
+        if ends or not path.reached:
+            lost = path
+            break
+    if not ends:
+        factor *= _SHORT
+    for _ in range(_ROUNDS):
+        made = grasp.replace(grip_force=factor * force)
+        path = made.follow(order=_ALL)
+        most = _most(limits, path.last)
+        if most <= 1.0:
+            break
+        factor *= (1.0 - _WITHIN) / most
+    if ends:
+        return Closed(made, path, ends, said(ends, grasp.spec))
+    if lost is None or lost.outcome is Outcome.GAVE_UP:
+        return Closed(made, path, (Cause(UNDECIDED, OBJECT),), "a harder grip was not followed to its end")
+    why = lost.why.partition(": ")[2] or lost.why
+    return Closed(made, path, (Cause(EQUILIBRIUM, OBJECT),), f"a harder grip is not held: {why}")
+
+
+def _within(limits: Limits, path: Loading) -> tuple[float, tuple[Cause, ...]]:
+    """The share of the squeeze up to which no joint is beyond a limit, and what is at one; () where none is."""
+    states, shares = path.steps.states, path.steps.share
+    most = np.array([_most(limits, state) for state in states])
+    over = np.flatnonzero(most > 1.0)
+    if not len(over):
+        return float(shares[-1]), ()
+    k = int(over[0])
+    if k == 0:
+        return 0.0, _gives_out(limits, states[0])
+    part = (1.0 - most[k - 1]) / (most[k] - most[k - 1])
+    return float(shares[k - 1] + part * (shares[k] - shares[k - 1])), _gives_out(limits, states[k])
+
+
+def _most(limits: Limits, state: State) -> float:
+    """The largest share of a limit."""
+    return float(np.nanmax(used(limits, state.read.torque, state.where.q), initial=0.0))
+
+
+def _gives_out(limits: Limits, state: State) -> tuple[Cause, ...]:
+    return binding(limits, state.read.torque, state.where.q, near=_AT)

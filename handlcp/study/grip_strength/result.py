@@ -1,0 +1,110 @@
+"""Grip strength: the force that a cylinder of two halves measures in a power and in a pinch grasp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp.cause.judge import Cause
+from handlcp.hand import HandGrasp, HandGraspSolution
+from handlcp.lazy import lazy
+from handlcp.record import Record
+from handlcp.study.grip_strength.across import Around
+from handlcp.text_table import wrapped
+from handlcp.views import view
+
+
+@dataclass(frozen=True, eq=False)
+class Grip(Record):
+    """One grasp of the cylinder, closed with all the torque that the hand has.
+
+    kind : "power" or "pinch". normal (3,) : of the split across which `force` is measured, world axes. binds : what
+    gives out with a harder grip; says : the same in words. word : of `grasp.check()`. grasp, solution : closed so.
+    around : the contacts around the cylinder's axis.
+    """
+
+    entries = (
+        "kind", "force_N", "normal (3,)", "largest_N", "largest_normal (3,) = around.largest.1", "least_N",
+        "least_normal (3,) = around.least.1", "binds", "says", "word", "normal_force_N",
+    )  # fmt: skip
+
+    kind: str
+    normal: Array
+    binds: tuple[Cause, ...]
+    says: str
+    word: str
+    grasp: HandGrasp
+    solution: HandGraspSolution
+    around: Around
+
+    @lazy
+    def force(self) -> float:
+        """The internal force [N] across the split with `normal`, as a maker measures it."""
+        return self.around.across(self.normal)
+
+    @property
+    def largest(self) -> float:
+        """The largest force [N] across a split through the axis, however it is turned."""
+        return self.around.largest[0]
+
+    @property
+    def least(self) -> float:
+        """The least force [N] across a split through the axis, however it is turned."""
+        return self.around.least[0]
+
+    @property
+    def normal_force(self) -> dict[str, float]:
+        """How hard each contact presses, by name [N]."""
+        return dict(zip(self.solution.names, self.solution.normal_force.tolist(), strict=True))
+
+    def __str__(self) -> str:
+        turned = f"{words.force(self.least)} to {words.force(self.largest)} as the split turns"
+        return f"{self.kind}: {words.force(self.force)} across the split ({turned}); {self.says}; {self.word}"
+
+
+@dataclass(frozen=True, eq=False)
+class SplitCylinder(Record):
+    """What a split cylinder measures in a hand; made by `split_cylinder`.
+
+    diameter, length [m] : of the cylinder. power, pinch : the grasps; None where there is none, or it was not asked
+    for. missing : by kind, why there is none.
+    """
+
+    entries = ("diameter_m", "length_m", "power", "pinch", "missing")
+
+    diameter: float
+    length: float
+    power: Grip | None
+    pinch: Grip | None
+    missing: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def grips(self) -> tuple[Grip, ...]:
+        """Those that there are."""
+        return tuple([grip for grip in (self.power, self.pinch) if grip is not None])
+
+    def plot(self, path: Any = None, *, title: str = "") -> Any:
+        """The cylinder seen along its axis, with contacts, forces and the split; and the force over the split's angle.
+        A matplotlib figure, or the file that it was written to.
+
+        path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format;
+        Unsupported without matplotlib.
+        """
+        return view("split_plot")(self, path, title)
+
+    @property
+    def headline(self) -> str:
+        """What was measured with."""
+        wide, long = words.lengths((self.diameter, self.length))
+        return f"split cylinder, {wide} wide and {long} long, the hand closed with all its torque"
+
+    def __str__(self) -> str:
+        """A line for each grasp."""
+        lines = [*map(str, self.grips), *[f"{kind}: none: {why}" for kind, why in self.missing.items()]]
+        return "\n".join([wrapped(line, "  ") for line in (self.headline, *lines)])
+
+    def __repr__(self) -> str:
+        forces = ", ".join([f"{grip.kind}={grip.force:.6g}" for grip in self.grips])
+        return f"SplitCylinder(diameter={self.diameter:g}, {forces or 'no grasp'})"

@@ -1,0 +1,204 @@
+"""The largest mass in each direction of gravity: what pulls a kilogram of the object, and how many are held.
+
+A hand that accelerates by s feels gravity and inertia together,
+
+    v = g d - s        of the hand's base, |s| = a        [m/s²]
+
+and m kilograms load the grasp by m v at the object's centre of mass. The mass is the limit of that load as it grows
+from nothing, gravity and inertia together, after a squeeze without the object's own weight. Where fingers weigh
+something, v pulls them, too.
+
+Where only the load depends on v, most is asked for with s against gravity: the same path as at rest, g + a in place of
+g. So over all directions of d and s together the least mass is that over v / |v|, with |v| = g + a.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, number, read_only
+from handlcp.errors import InputError
+from handlcp.grasp import Grasp
+from handlcp.grasp.assembly.asked import again
+from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
+from handlcp.grasp.cause.wording import said
+from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.limits.load_limit import load_limit
+from handlcp.grasp.model.contact import frame
+from handlcp.grasp.path.follow import geometry_of
+from handlcp.hand import HandGrasp, Object
+from handlcp.hand.asked.asked import HandAsked
+from handlcp.progress import told
+from handlcp.study.envelope.ask import FIXED, FOLLOWED, GRAVITY, Question, load_of
+from handlcp.study.envelope.grid import circle, sphere
+from handlcp.study.payload.result import Orientation, Payload
+
+ANY, SIX = "any", 6
+_AXES = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)
+_IN_PLANE = 1e-9
+
+
+def payload(
+    grasp: Grasp, orientations: Any = SIX, acceleration: Any = 0.0, geometry: str | None = None,
+    faces: int | str | Pyramid = "cone", motion: float | None = None, turn: float | None = None,
+    accuracy: float | None = None,
+) -> Payload:  # fmt: skip
+    """See `Grasp.payload`."""
+    if not isinstance(orientations, (int, str)) or orientations not in (SIX, ANY):
+        raise InputError("orientations", '6 or "any"', repr(orientations)[:80])
+    if geometry not in (None, FIXED, FOLLOWED):
+        raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
+    more = number("acceleration", acceleration, minimum=0.0)
+    far = None if motion is None else number("motion", motion, above=0.0)
+    wide = None if turn is None else number("turn", turn, above=0.0)
+    near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
+    section, moves = as_section(faces, planar=grasp.scene.kind.planar), geometry_of(grasp.spec, geometry)
+    follows = moves.follows and (orientations == SIX or geometry == FOLLOWED or moves.quick)
+    how = FOLLOWED if follows else FIXED
+    question = _Pull(Question(load_of(_about_the_mass(grasp), GRAVITY, None), section, how, far, wide, near), more)
+    axes = _axes_of(grasp.spec.plane)
+    ways, tried = axes, len(axes)
+    if orientations == ANY:
+        with told("directions"):
+            worst, tried = _lowest(question.along_gravity(), grasp.spec.plane)
+        ways = np.vstack([axes, worst])
+    with told("orientations", len(ways)) as done:
+        rows = []
+        for k, d in enumerate(ways):
+            pulls = axes if k < len(axes) else -d[None]
+            rows.append(question.held(d, pulls if more else np.zeros((1, 3))))
+            done(1)
+    return Payload(tuple(rows), orientations, more, how, question.asked.load, tried)
+
+
+def _about_the_mass(grasp: Grasp) -> Grasp:
+    """The grasp with its object's centre of mass as the reference: a load limit loads the reference, and there a force
+    stays a weight while the object turns.
+    """
+    asked = grasp.spec.asked
+    if not isinstance(asked, HandAsked) or asked.reference is None or not isinstance(asked.target, Object):
+        return grasp
+    return HandGrasp(again(asked, {"reference": None}).spec())
+
+
+def _axes_of(plane: Array | None) -> Array:
+    """(6, 3) both ways along the axes of the hand's base; of a planar scene the four in its plane, along axes of the
+    plane where those of the base do not lie in it.
+    """
+    if plane is None:
+        return _AXES
+    flat = _AXES[abs(_AXES @ plane) < _IN_PLANE]
+    if len(flat) == 4:
+        return flat
+    x, y = frame(plane).T[:2]
+    return np.array([x, -x, y, -y])
+
+
+# ----------------------------------------------------------------
+# One direction of gravity: the least mass over the ways that the hand accelerates.
+
+
+@dataclass(frozen=True, slots=True)
+class _Pull:
+    """asked : the question that an envelope asks of gravity. acceleration : a [m/s²]."""
+
+    asked: Question
+    acceleration: float
+
+    def along_gravity(self) -> Question:
+        """The question with the hand accelerating against gravity, which the factors are masses of."""
+        load = self.asked.load
+        return replace(self.asked, load=replace(load, g=load.g + self.acceleration))
+
+    def held(self, d: Array, ways: Array) -> Orientation:
+        """With gravity along d (3,), the row of the least mass; the hand accelerates along any of `ways` (k, 3)."""
+        return min([row for way in ways if (row := self._row(d, way)) is not None], key=_order)
+
+    def _row(self, d: Array, way: Array) -> Orientation | None:
+        """None: the object floats."""
+        q, g = self.asked, self.asked.load.g
+        pull = g * d - self.acceleration * way
+        size = float(np.linalg.norm(pull))
+        if size <= 1e-9 * g:
+            return None
+        load, along = replace(q.load, g=size), pull[None] / size
+        spec, _ = next(load.specs(along))
+        limit = load_limit(spec, q.section, load.wrenches(along)[0], q.geometry, q.motion, q.turn, q.accuracy)
+        mass, binds = limit.factor, limit.binds
+        if np.isinf(mass) and np.isfinite(limit.bound):
+            mass, binds = np.nan, (Cause(UNDECIDED, OBJECT),)
+        d, moves = read_only(d.copy()), read_only(self.acceleration * way)
+        return Orientation(d, mass, binds, said(binds, spec), moves, limit)
+
+
+def _order(row: Orientation) -> tuple[int, float]:
+    """The least mass first; what is undecided after all masses, and before what nothing limits."""
+    return (1, 0.0) if np.isnan(row.mass) else (2, 0.0) if np.isinf(row.mass) else (0, row.mass)
+
+
+# ----------------------------------------------------------------
+# The worst direction of all: directions all around, then steps downhill from the lowest of them.
+#
+# What a grasp holds by friction and torques alone is a convex set of loads, and directions would bound it from inside.
+# What compliant fingers hold on a path is not convex, so that no directions prove the minimum: it is sampled.
+
+_AROUND = {FIXED: 162, FOLLOWED: 42}  # directions all around; in a plane one every 10°
+_IN_CIRCLE = 36
+_STARTS = 2  # the lowest of those that are lower than their neighbours
+_FINEST = np.radians(0.5)  # the last steps
+_BETTER = 1e-6  # relative: a step downhill is at least as much
+_RING = 6
+
+
+def _lowest(question: Question, plane: Array | None) -> tuple[Array, int]:
+    """(3,) the direction of gravity with the least mass, and how many were tried."""
+    grid = sphere(_AROUND[question.geometry]) if plane is None else circle(frame(plane).T[:2], _IN_CIRCLE)
+    masses = _known(question, grid.points)
+    edges, lower = grid.edges, np.ones(len(masses), dtype=bool)
+    for a, b in (edges.T, edges.T[::-1]):
+        lower[a[masses[a] > masses[b]]] = False
+    starts = sorted(np.flatnonzero(lower).tolist(), key=lambda k: float(masses[k]))[:_STARTS]
+    ends = grid.points[edges]
+    apart = float(np.arccos(np.clip((ends[:, 0] * ends[:, 1]).sum(axis=1), -1.0, 1.0)).max())
+    found, tried = list[tuple[float, Array]](), len(masses)
+    for k in starts:
+        mass, d, more = _downhill(question, grid.points[k], float(masses[k]), 0.5 * apart, plane)
+        found.append((mass, d))
+        tried += more
+    return min(found, key=lambda one: one[0])[1], tried
+
+
+def _downhill(
+    question: Question, d: Array, mass: float, step: float, plane: Array | None
+) -> tuple[float, Array, int]:  # fmt: skip
+    """From a direction with its mass, to the lowest around it while one is lower, then in steps of half the angle."""
+    tried = 0
+    while step >= _FINEST and 0.0 < mass < np.inf:
+        ring = _around(d, step, plane)
+        masses, tried = _known(question, ring), tried + len(ring)
+        k = int(masses.argmin())
+        if masses[k] < (1.0 - _BETTER) * mass:
+            d, mass = ring[k], float(masses[k])
+        else:
+            step *= 0.5
+    return mass, d, tried
+
+
+def _around(d: Array, step: float, plane: Array | None) -> Array:
+    """(k, 3) directions at this angle from d, evenly all around; in a plane the two beside it."""
+    x, y = frame(d).T[:2]
+    turns = 2.0 * np.pi * np.arange(_RING) / _RING
+    aside = np.outer(np.cos(turns), x) + np.outer(np.sin(turns), y)
+    if plane is not None:
+        side = np.cross(plane, d)
+        aside = np.array([side, -side])
+    return np.asarray(np.cos(step) * d + np.sin(step) * aside)
+
+
+def _known(question: Question, directions: Array) -> Array:
+    """(m,) masses; what is undecided counts as held."""
+    masses, _, _ = question.ask(directions, None)
+    return np.where(np.isnan(masses), np.inf, masses)

@@ -1,0 +1,193 @@
+"""A payload: the largest mass that a grasp holds, in which direction of gravity, and what gives out there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.grasp import LoadLimit
+from handlcp.grasp.cause.judge import Cause
+from handlcp.grasp.cause.wording import said
+from handlcp.record import Record
+from handlcp.study.envelope.ask import Load
+from handlcp.study.envelope.printed import direction, geometry
+from handlcp.text_table import TextTable, wrapped
+from handlcp.views import view
+
+_IN_TABLE = 40  # letters of a cause
+
+
+@dataclass(frozen=True, eq=False)
+class Orientation(Record):
+    """The largest mass [kg] with gravity in one direction, seen from the hand.
+
+    direction (3,) : of gravity, world axes, which are those of the hand's base. mass : [kg], infinite where nothing
+    gives out, 0 where the grasp does not hold without an object, NaN where it is undecided. binds : what gives out
+    first, each with `kind` and `who`; () for nothing. says : the same in words. acceleration (3,) : of the hand [m/s²],
+    the way with the least mass; zero at rest. limit : of a load of 1 kg, with forces at the limit (`at_limit`), path
+    and picture.
+    """
+
+    entries = (
+        "direction (3,)", "mass_kg", "binds", "says", "acceleration_m_per_s2 (3,)", "first_slip_kg", "slides_kg",
+        "lost_kg",
+    )  # fmt: skip
+
+    direction: Array
+    mass: float
+    binds: tuple[Cause, ...]
+    says: str
+    acceleration: Array
+    limit: LoadLimit
+
+    @property
+    def first_slip(self) -> float | None:
+        """The mass [kg] with which a finger begins to slide; None: none does."""
+        return self.limit.first_slip
+
+    @property
+    def slides(self) -> float | None:
+        """The mass [kg] with which the object begins to slide through; None: it does not."""
+        return self.limit.slides
+
+    @property
+    def lost(self) -> float | None:
+        """The mass [kg] beyond which no state at rest follows; None: there is one, or a joint's limit comes before."""
+        return self.limit.lost
+
+
+@dataclass(frozen=True, eq=False)
+class Payload(Record):
+    """The largest mass that a grasp holds in several directions of gravity; made by `Grasp.payload`.
+
+    by_orientation : a row for each direction of gravity, along the axes of the hand's base first; where "any" was
+    asked for, the worst direction that was found comes last. orientations : as asked, 6 or "any". acceleration : as
+    asked [m/s²]. geometry : "fixed" or "followed". load : of a mass of 1 kg. tried : how many directions were tried.
+    """
+
+    entries = (
+        "mass_kg", "binds", "says", "direction (3,)", "orientations", "acceleration_m_per_s2", "geometry",
+        "object_mass_kg", "at_m (3,)", "tried", "by_orientation",
+    )  # fmt: skip
+
+    by_orientation: tuple[Orientation, ...]
+    orientations: int | str
+    acceleration: float
+    geometry: str
+    load: Load
+    tried: int
+
+    @property
+    def worst(self) -> Orientation:
+        """The row with the least mass."""
+        known = [np.inf if np.isnan(row.mass) else row.mass for row in self.by_orientation]
+        left = [row for row in self.by_orientation if np.isnan(row.mass)]
+        return left[0] if left and np.isinf(min(known)) else self.by_orientation[int(np.argmin(known))]
+
+    @property
+    def mass(self) -> float:
+        """The least of all rows [kg]: what is held in each of these directions. Infinite where nothing gives out."""
+        return self.worst.mass
+
+    @property
+    def binds(self) -> tuple[Cause, ...]:
+        """What gives out first with that mass; `says` has it in words."""
+        return self.worst.binds
+
+    @property
+    def says(self) -> str:
+        """What gives out first with that mass, in words."""
+        return self.worst.says
+
+    @property
+    def direction(self) -> Array:
+        """(3,) of gravity with that mass, axes of the hand's base."""
+        return self.worst.direction
+
+    @property
+    def at(self) -> Array:
+        """(3,) where the mass is [m]: the object's centre of mass, or the grasp's reference without an object."""
+        return self.load.at
+
+    @property
+    def object_mass(self) -> float:
+        """Of the object as it is [kg], which is left out; 0 where it has none."""
+        return self.load.mass
+
+    @property
+    def headline(self) -> str:
+        """One sentence: the mass, in which direction of gravity, and what gives out."""
+        row, where = self.worst, f"gravity along {direction(self.worst.direction)}"
+        if np.isnan(row.mass):
+            return f"undecided with {where}: no limit was found, although friction and torque limits end any load"
+        if np.isinf(row.mass):
+            return "any mass is held: nothing gives out"
+        if row.mass == 0.0:
+            return f"no mass is held with {where}: {row.says}"
+        times = f", {row.mass / self.object_mass:.3g} times the object’s" if self.object_mass else ""
+        return f"{kilograms(row.mass)}{times}; least with {where}{self.moving(row)}, where {row.says}"
+
+    @property
+    def asked(self) -> str:
+        """In words, what was asked."""
+        rest = f"the hand accelerating by {self.acceleration:g} m/s²" if self.acceleration else "the hand at rest"
+        axes = len(self.by_orientation) - (self.orientations == "any")
+        if self.orientations == "any":
+            return f"gravity in any direction, {rest}: the least of {self.tried} directions that were tried, no proof"
+        return f"gravity both ways along the axes of the hand's base ({axes} directions), {rest}"
+
+    def moving(self, row: Orientation) -> str:
+        """In words, how the hand accelerates in a row; "" at rest."""
+        return f" and the hand speeding up along {_along(row)}" if row.acceleration.any() else ""
+
+    def cause(self, row: Orientation, letters: int) -> str:
+        """What gives out first in a row, in words; in short where these have more letters."""
+        return row.says if len(row.says) <= letters else said(row.binds, self.load.grasp.spec, brief=True)
+
+    def plot(self, path: Any = None, *, title: str = "") -> Any:
+        """A bar for each direction of gravity: the mass, coloured by what gives out first. A matplotlib figure, or the
+        file that it was written to.
+
+        path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format;
+        Unsupported without matplotlib.
+        """
+        return view("payload_plot")(self, path, title)
+
+    def __str__(self) -> str:
+        """The mass, what was asked, a table of the directions."""
+        lines = [wrapped(text, "  ") for text in (f"payload: {self.headline}", self.asked, geometry(self))]
+        return "\n".join([*lines, "", str(self._table())])
+
+    def __repr__(self) -> str:
+        return f"Payload(mass={self.mass:.6g}, binds={words.listed([f'{b.kind}: {b.who}' for b in self.binds])})"
+
+    def _table(self) -> TextTable:
+        """A row for each direction."""
+        moves = self.acceleration > 0.0
+        heads = ["gravity: what gives out first", "first slip\nkg", "mass\nkg"]
+        rows = []
+        for row in self.by_orientation:
+            slip = "" if row.first_slip is None or not row.mass > 0.0 else f"{row.first_slip:.3g}"
+            ways = (_along(row),) if moves else ()
+            rows.append((f"{direction(row.direction)}: {self.cause(row, _IN_TABLE)}", *ways, slip, _number(row.mass)))
+        if moves:
+            heads.insert(1, "hand speeds\nup along")
+        return TextTable(tuple(heads), tuple(rows), "<<>>" if moves else "<>>")
+
+
+def _along(row: Orientation) -> str:
+    """The way that the hand accelerates, such as "+x"."""
+    return direction(row.acceleration / np.linalg.norm(row.acceleration))
+
+
+def kilograms(mass: float) -> str:
+    """Such as "0.328 kg"."""
+    return f"{_number(mass)} kg"
+
+
+def _number(mass: float) -> str:
+    return "any" if np.isinf(mass) else "?" if np.isnan(mass) else f"{mass:.3g}"
