@@ -27,6 +27,7 @@ from handlcp.grasp.path.geometry import RIGID
 
 _SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _BEFORE = 0.98  # of the load at which the object is lost: if it slides through only from here on, that is not said
+_APART = 1e-5  # [m] a contact that began farther away and never pressed does not let go
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn
 
 
@@ -83,7 +84,9 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
             for part in e.words(end.scene, end.names, end.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
     slid, turned = _slid(path, scene.units.length)
-    apart = [n for n, kind in zip(spec.names, last.kinds, strict=True) if kind == "separated"]
+    came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _APART)
+    ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
+    apart = [n for n, kind, here in ends if kind == "separated" and here]
     yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
