@@ -28,6 +28,7 @@ from handlcp.lcp import Auto
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
 # the certifier, and closed forms are met to nine digits
 _SLOW = 1e8
+_FREE = 1e4  # h of a step that pushes an object which nothing holds
 _KEPT = 1e6  # 1 / h of the object alone, where something keeps it in place: it gives way by a millionth of the fingers
 _HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
 _NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
@@ -163,6 +164,18 @@ class Stepper:
             last = miss if share == 1.0 else max(miss, last)
             iterate = geometry.iterate(end if share == 1.0 else between(geometry, iterate.at, end, share), iterate)
         return Failure("runs away")
+
+    def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
+        """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
+        enough to compute with. The forces of that are none.
+        """
+        found = self.step(state, controls, guess, _FREE)
+        if isinstance(found, Failure):
+            return found
+        most = self.slow / _FREE * _NOTHING * self.stiffness * self.length
+        if found.read.forces[:, 2].max(initial=0.0) > most:
+            return Failure("no answer")
+        return found._replace(kinds=(OPEN,) * len(found.kinds))
 
     def sought(self, state: State, controls: Controls) -> State | Failure | None:
         """A step solved by all methods that a single grasp is solved with, at the contacts where they are; None: these
