@@ -54,8 +54,9 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
 
 
 def closing_torques(hand: HandModel, q: Array, obj: Object, value: Any) -> Array:
-    """(nv,) [N·m], with the sign in which each joint turns: a number for all joints that bend; (nv,) or a mapping by
-    joint name (others: 0), positive towards the object of joints that bend. Raises InputError, UnknownName.
+    """(nv,) [N·m], with the sign in which each joint turns: a number or (nv,) of the joints that bend, positive towards
+    the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps its sign. Raises
+    InputError, UnknownName.
     """
     way = bending(hand, q, obj)
     if dimensions(value) == 0 and not isinstance(value, Mapping):
@@ -64,9 +65,8 @@ def closing_torques(hand: HandModel, q: Array, obj: Object, value: Any) -> Array
         named = per_name("closing_torque", value, hand.joint_names, "a joint")
         given = {joint: number(f"closing_torque[{joint!r}]", v) for joint, v in named.items()}
         torque = np.array([given.get(joint, 0.0) for joint in hand.joint_names])
-    else:
-        torque = array("closing_torque", value, (hand.nv,))
-    return np.where(way != 0.0, np.sign(way) * torque, torque)
+        return np.where(way != 0.0, np.sign(way) * torque, torque)
+    return np.asarray(np.sign(way) * array("closing_torque", value, (hand.nv,)))
 
 
 def carries(state: Posture, q: Array, obj: Object) -> Array:
