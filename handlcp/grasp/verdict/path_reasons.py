@@ -84,7 +84,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
                 yield Reason("effect", "note", part, {"effect": e.title})
     slid, turned = _slid(path, scene.units.length)
     apart = [n for n, kind in zip(spec.names, last.kinds, strict=True) if kind == "separated"]
-    yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
+    yield contacts_reason(spec, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
