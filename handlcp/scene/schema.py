@@ -212,8 +212,8 @@ class GraspTable(Table):
     hold_object: k.Switch = False
     """the object is kept in place by something else until the hand has closed"""
     links: k.Links = "tips"
-    """what may touch: all fingertips have to, or any link with collision geometry ("all"), or these links; where something
-    is said by finger, links and their contacts, such as "palm 2", then stand for fingers"""
+    """what may touch: all fingertips have to, or any link with collision geometry ("all"), or these links; where
+    something is said by finger, links and their contacts, such as "palm 2", then stand for fingers"""
     fingers: k.Names | None = None
     """the fingertips that take part; left out: all; not beside links"""
     max_gap_m: k.NotNegative = 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from handlcp.errors import InputError, NotReached, SceneFileError, UnknownName
-from handlcp.hand import Box, Sphere, example_hand
+from handlcp.hand import Sphere, example_hand
 from handlcp.scene import keys, read
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
 
@@ -53,7 +53,8 @@ def same(grasp, expected):
             {"links": [PROXIMAL, "finger_3_distal_link"], "closing_torque": 0.2},
         ),
         (
-            'links = "all"\nhold_object = true\nclosing_torque_Nm = { finger_1_proximal = 0.3, finger_3_proximal = 0.2 }',
+            'links = "all"\nhold_object = true\n'
+            "closing_torque_Nm = { finger_1_proximal = 0.3, finger_3_proximal = 0.2 }",
             {
                 "links": "all",
                 "hold_object": True,

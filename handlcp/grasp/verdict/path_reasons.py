@@ -72,11 +72,11 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     last, mechanism = path.last, spec.mechanism
     if mechanism is not None:
         before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
-        yield from before
         known = {_about(reason) for reason in before}
         place = (path.state, path.object)
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _about(r) not in known)
+        yield from before
     end = path.solution
     if end.held and end.scene is not None:
         for e in spec.effects:

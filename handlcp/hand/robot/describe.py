@@ -175,8 +175,8 @@ def _made(
     mass = sum(float(inertia.mass) for inertia in model.inertias)
     size = size_of(described, kinematics)
     return HandDescription(
-        str(model.name), described.source, joints, tips, touching, _couplings(kinematics), _links(described), mass, size,
-        audit,
+        str(model.name), described.source, joints, tips, touching, _couplings(kinematics), _links(described), mass,
+        size, audit,
     )  # fmt: skip
 
 

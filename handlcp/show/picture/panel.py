@@ -151,7 +151,7 @@ def state_drawn(shown: Content, path: Any, at_end: bool) -> str:
 
 def contact_labels(shown: Content, room: int) -> list[Said]:
     """One label for each contact; where there is no room for so many, one for all contacts of a name and a state, the
-    largest such groups first.
+    largest such groups first, or of a link and a state.
     """
     names, states = shown.solution.names, shown.solution.contact_state
     single = {i: ((i,), name, _detail(shown, i)) for i, name in enumerate(names)}
@@ -161,7 +161,7 @@ def contact_labels(shown: Content, room: int) -> list[Said]:
         groups.setdefault((alike, state if shown.solution.held else ""), []).append(i)
     out, count = list[Said](), len(names)
     for (stem, state), members in sorted(groups.items(), key=lambda group: -len(group[1])):
-        if count > room and len(members) > 1:
+        if len(members) > 1 and (count > room or (links and len(names) > room)):
             count -= len(members) - 1
             out.append((tuple(members), f"{stem}: {len(members)} contacts", _together(shown, members, state)))
         else:
