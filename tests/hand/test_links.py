@@ -228,7 +228,7 @@ def test_what_makes_no_sense_is_refused(arguments, argument, text):
 
 def test_a_link_without_collision_geometry_cannot_touch():
     hand = flat(fingertips=["bar"], tip_radius=None)
-    with pytest.raises(InputError, match="links: expected links with collision geometry .*, got bare, which has none"):
+    with pytest.raises(InputError, match=r"links: expected links with collision geometry .*, got bare, which has none"):
         on_palm(BALL, hand, links=["palm", "bare"])
 
 
@@ -283,5 +283,5 @@ def test_links_and_torques_are_for_objects_that_are_known():
 @pytest.mark.parametrize("links", ["all", "tips"])
 def test_a_torque_turns_no_rigid_joint(links):
     hand = flat(joint_stiffness=None)
-    with pytest.raises(InputError, match="closing_torque: expected joints that give way, .*hinge: rigid"):
+    with pytest.raises(InputError, match=r"closing_torque: expected joints that give way, .*hinge: rigid"):
         on_palm(Sphere(0.03, (0.01, 0, 0.06)), hand, links=links, closing_torque=0.1, max_gap=0.05)

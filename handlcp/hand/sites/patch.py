@@ -52,10 +52,8 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
     length = np.ptp(along, axis=0)
     if length[0] <= _SPREAD:
         return ((_at_point(shape, R.T @ (near.tip_point - p), R.T @ normal), near.gap),)
-    if length[1] <= _SPREAD:
-        chosen = [int(along[:, 0].argmin()), int(along[:, 0].argmax())]
-    else:
-        chosen = _corners(along)
+    ends = [int(along[:, 0].argmin()), int(along[:, 0].argmax())]
+    chosen = ends if length[1] <= _SPREAD else _corners(along)
     centre, found = points[chosen].mean(axis=0), []
     for k in chosen:
         inward = centre - points[k]
