@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,6 +123,14 @@ def all_of(names: Sequence[str]) -> str:
     if more:
         return f"{', '.join(told)} and {more} more"
     return told[0] if len(told) == 1 else f"{', '.join(told[:-1])} and {told[-1]}"
+
+
+def by_link(names: Sequence[str], links: Mapping[str, str]) -> list[str]:
+    """The names, several of one link as one: "3 contacts of palm". links : by name; names without one stay."""
+    groups = dict[str, list[str]]()
+    for name in names:
+        groups.setdefault(links.get(name, name), []).append(name)
+    return [many[0] if len(many) == 1 else f"{len(many)} contacts of {link}" for link, many in groups.items()]
 
 
 def first_largest(values: NDArray[np.float64]) -> int:

@@ -67,6 +67,12 @@ class HandMechanism(Varied, Mechanism):
         every = self.posture.hand.fingertips
         return tuple([every[i] for i in self.tips])
 
+    @property
+    def links(self) -> dict[str, str]:
+        """Of a hand whose fingertips are places on its links."""
+        hand = self.posture.hand
+        return {} if hand.links_of_sites is None else dict(zip(hand.fingertips, hand.links_of_sites, strict=True))
+
     def turning(self, contacts: tuple[int, ...]) -> Array:
         """(k, nv) T of these contacts, zero for those of the environment."""
         J = self.posture.turning(self.tips)

@@ -16,6 +16,8 @@ from handlcp.errors import InputError, SceneFileError, unreadable
 from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
 from handlcp.grasp.model.limit import by_finger
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Synergies, Table, Tendons, example_hand
+from handlcp.hand.sites.sited import by_site
+from handlcp.hand.sites.touchers import TIPS
 from handlcp.lcp import Auto
 from handlcp.scene.keys import refused
 from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, keyed, known, law_of
@@ -120,7 +122,8 @@ GRASP = HAND | {
     "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object",
     "friction": "grasp.friction", "gravity": "grasp.gravity_m_per_s2", "preload": "grasp.preload_m",
     "fingers": "grasp.fingers", "squeeze": "grasp.squeeze_m", "grip_force": "grasp.grip_force_N",
-    "joint_offset": "grasp.joint_offset_rad",
+    "joint_offset": "grasp.joint_offset_rad", "closing_torque": "grasp.closing_torque_Nm",
+    "hold_object": "grasp.hold_object", "links": "grasp.links", "target": "object",
     "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
     "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
 }  # fmt: skip
@@ -187,22 +190,33 @@ def _by_hand(scene: SceneTables) -> Grasp:
     the_hand, obj, g, posture = hand(scene), shape(scene), scene.grasp, scene.posture
     assert obj is not None
     around = _environment(scene, obj)
+    on_links = g.links != TIPS
     with keyed(GRASP):
         q = _posture(the_hand, posture.q_rad)
-        if posture.close:
+        if posture.close and not on_links:
             with keyed({"squeeze": "posture.squeeze_m"}):
                 q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
+        elif posture.close and g.closing_torque_Nm is None and g.joint_offset_rad is None:
+            q = the_hand.close_on(obj, q, wrap=True)
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
         given: Any = g.friction
         laws = {f: law_of(v) for f, v in given.items()} if is_by_finger(given) else law_of(given)
+        words: dict[str, Any] = {
+            "reference": g.reference_m, "fingers": g.fingers, "max_gap": g.max_gap_m, "finger_weight": g.finger_weight,
+            "plane": g.plane, "squeeze": g.squeeze_m, "grip_force": g.grip_force_N, "joint_offset": g.joint_offset_rad,
+            "closing_torque": g.closing_torque_Nm, "hold_object": g.hold_object, "links": g.links,
+            "environment": around,
+        }  # fmt: skip
+        found, preload = None, g.preload_m
+        if on_links:  # what is said by contact has to wait until contacts have been found
+            found = the_hand.at(q).grasp(obj, laws, _wrench(scene), g.gravity_m_per_s2, **words)
+            fingers, preload = found.fingertips, by_site("grasp.preload_m", preload, found.state.hand)
     asked, keys = effects_of(scene.effects, fingers)
+    more = {"preload": by_finger("grasp.preload_m", preload, fingers, 0.0), "effects": asked}
     with keyed(GRASP | keys):
-        return the_hand.at(q).grasp(
-            obj, laws, _wrench(scene), g.gravity_m_per_s2, by_finger("grasp.preload_m", g.preload_m, fingers, 0.0),
-            reference=g.reference_m, fingers=g.fingers, max_gap=g.max_gap_m, effects=asked,
-            finger_weight=g.finger_weight, plane=g.plane, squeeze=g.squeeze_m, grip_force=g.grip_force_N,
-            joint_offset=g.joint_offset_rad, environment=around,
-        )  # fmt: skip
+        if found is not None:
+            return found.replace(**more) if any(more.values()) else found
+        return the_hand.at(q).grasp(obj, laws, _wrench(scene), g.gravity_m_per_s2, **more, **words)
 
 
 def _by_contacts(scene: SceneTables) -> Grasp:

@@ -66,6 +66,9 @@ _PerJoint = _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf]
 
 Text = Annotated[str, Expected("a string")]
 Names = Annotated[list[str], Field(min_length=1), Expected("a list of names")]
+Links = Annotated[
+    Literal["tips", "all"] | Annotated[list[str], Field(min_length=1)], Expected('"tips", "all" or a list of names')
+]
 Switch = Annotated[bool, Expected("true or false")]
 FingerWeight = Annotated[bool | Literal["torques"], Expected('true, false or "torques"')]
 
@@ -92,7 +95,7 @@ TorqueLimits = Annotated[
     _PerJoint, Expected("a number > 0 (inf: no limit), one for each joint, or a table by joint name")
 ]
 PadFlexibility = Annotated[
-    _Diagonal | dict[str, _Diagonal], Expected("a number ≥ 0, three of them, or a table by fingertip")
+    _Diagonal | dict[str, _Diagonal], Expected("a number ≥ 0, three of them, or a table by fingertip or link")
 ]
 Radius = Annotated[_Above0 | dict[str, _Above0], Expected("a number > 0, or a table by fingertip")]
 Posture = Annotated[
@@ -140,6 +143,10 @@ FrictionByFinger = Annotated[_Law | _ByFinger, Expected(f"{_LAW_WORDS}, or a tab
 Preload = Annotated[
     _Finite | list[_Finite] | dict[str, _Finite],
     Expected("a finite number, one for each contact, or a table by finger"),
+]
+ClosingTorque = Annotated[
+    _From0 | list[_Finite] | dict[str, _Finite],
+    Expected("a number ≥ 0, one finite number for each joint, or a table of these by joint name"),
 ]
 ByTip = Annotated[
     _From0 | list[_From0] | dict[str, _From0],

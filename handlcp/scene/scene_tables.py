@@ -120,7 +120,7 @@ def _laws_with_keys() -> list[type[FrictionLaw]]:
 # ----------------------------------------------------------------
 # All tables of a scene file together, and what may stand beside what.
 
-_COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad")  # of [grasp]
+_COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad", "closing_torque_Nm")  # of [grasp]
 
 
 class SceneTables(Table):
@@ -173,7 +173,7 @@ class SceneTables(Table):
                 raise InputError("grasp.flexibility_m_per_N", words, "a value")
             self._one_squeeze()
         else:
-            for key in ("fingers", "max_gap_m", "finger_weight", *_COMMANDS):
+            for key in ("fingers", "max_gap_m", "finger_weight", "links", "hold_object", *_COMMANDS):
                 if key in given:
                     raise InputError(f"grasp.{key}", "a [hand] that it is about", "a scene without one")
             said = asked(self.effects)
@@ -191,6 +191,9 @@ class SceneTables(Table):
             raise InputError(f"grasp.{said[1]}", f"at most one of {', '.join(_COMMANDS)}", " and ".join(said))
         if said and said[0] != "joint_offset_rad" and "squeeze_m" in self.posture.model_fields_set:
             expected = f"none beside grasp.{said[0]}, which says how hard the hand closes"
+            raise InputError("posture.squeeze_m", expected, self.posture.squeeze_m)
+        if self.grasp.links != "tips" and "squeeze_m" in self.posture.model_fields_set:
+            expected = "none beside grasp.links: grasp.squeeze_m squeezes contacts on links"
             raise InputError("posture.squeeze_m", expected, self.posture.squeeze_m)
 
     @property

@@ -53,7 +53,8 @@ class HandTable(Table):
     synergies: SynergiesTable | None = None
     """instead of joint_stiffness_Nm_per_rad"""
     pad_flexibility_m_per_N: k.PadFlexibility | None = None
-    """of the fingertips' pads, the same in all directions or along the axes of the tip frame"""
+    """of the surface of what touches, the same in all directions or along the axes of its frame; a number is for all,
+    a table by fingertip or link leaves the others rigid"""
     torque_limits_Nm: k.TorqueLimits | None = None
     """over the effort limits of the URDF"""
     tip_radius_m: k.Radius | None = None
@@ -68,7 +69,8 @@ class PostureTable(Table):
     q_rad: k.Posture | None = None
     """joint positions in the hand's order or by name; joints left out are at the neutral posture"""
     close: k.Switch = True
-    """flex each finger from q_rad until its tip touches the object"""
+    """flex each finger from q_rad until its tip touches the object; with grasp.links the whole hand, unless
+    closing_torque_Nm or joint_offset_rad closes it"""
     squeeze_m: k.ByTip = 0.0
     """with close: how far the tips close past the surface; as grasp.squeeze_m, and the posture is the one commanded"""
 
@@ -193,7 +195,7 @@ class GraspTable(Table):
     """How fingers and object meet."""
 
     friction: k.FrictionByFinger = 0.6
-    """of all contacts, or by finger"""
+    """of all contacts, or by finger or link"""
     gravity_m_per_s2: k.Vector = Field(default=[0.0, 0.0, -9.81])
     """on the object's mass, and on the fingers' when finger_weight is on; world axes"""
     preload_m: k.Preload = 0.0
@@ -204,10 +206,18 @@ class GraspTable(Table):
     """instead of squeeze_m: normal forces that the commanded joints make on an object that stays where it is"""
     joint_offset_rad: k.Posture | None = None
     """instead of squeeze_m: how far beyond the posture the joints are commanded; joints left out: not at all"""
+    closing_torque_Nm: k.ClosingTorque | None = None
+    """instead of squeeze_m: with which each joint that bends pulls at the object, and then holds; joints left out of a
+    table: none"""
+    hold_object: k.Switch = False
+    """the object is kept in place by something else until the hand has closed"""
+    links: k.Links = "tips"
+    """what may touch: all fingertips have to, or any link with collision geometry ("all"), or these links; where
+    something is said by finger, links and their contacts, such as "palm 2", then stand for fingers"""
     fingers: k.Names | None = None
-    """the fingertips that take part; left out: all"""
+    """the fingertips that take part; left out: all; not beside links"""
     max_gap_m: k.NotNegative = 1e-3
-    """the farthest a fingertip may be from the object and still count as touching"""
+    """the farthest a fingertip or link may be from the object and still count as touching"""
     finger_weight: k.FingerWeight = False
     """the fingers' own weight in torques and elastic balance, for a commanded posture; "torques": for a measured one"""
     reference_m: k.Vector | None = None

@@ -163,5 +163,5 @@ def _limit_note(solution: GraspSolution) -> str:
     if scene.soft:
         least = words.percent(min(section.share, limit_set(section, 3).share))
         return f"of limit: friction and moment within the limit surface; a contact slides from {least} on"
-    least, who = words.percent(section.share), "contact" if scene.environment else "finger"
+    least, who = words.percent(section.share), "finger" if solution.spec is None else solution.spec.who
     return f"of limit: friction / (μ · normal); {section.faces} faces inside the cone let a {who} slide from {least} on"

@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 LINKED = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "handlcp" / "README.md",
           ROOT / "handlcp" / "grasp" / "effects" / "README.md", *sorted(DOCS.rglob("*.md"))]  # fmt: skip
-SHORT = 150  # lines of the README
+SHORT = 160  # lines of the README
 
 
 def text(page):

@@ -14,6 +14,7 @@ from handlcp.grasp.analysis import required as _required
 from handlcp.grasp.analysis.least import least
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.answer.diagnosis import Sentences
+from handlcp.grasp.answer.reasons import contacts_reason
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import assemble
@@ -50,6 +51,7 @@ __all__ = [
     "required_friction",
     "required_preload",
     "residuals",
+    "said_of_contacts",
     "section",
     "section_of",
     "with_friction",
@@ -274,3 +276,8 @@ def required_friction(
 def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
     tests = () if check is None else [lambda spec, section: check(type(grasp)(spec))] * 2
     return find(grasp.spec, section_of(grasp, faces), tolerance, limit, *tests)
+
+
+def said_of_contacts(spec: Any, sliding: Any, turns: Any, apart: Any) -> str:
+    """What a verdict says of contacts of a grasp that slide [m], twist [rad] or let go."""
+    return contacts_reason(spec, sliding, turns, apart).sentence

@@ -27,15 +27,17 @@ class Sentences:
 
     names (n,), positions (n, 3) m of the contacts, of which the last ones, `environment` in number, are no finger's.
     reference (3,) m: the point that twists refer to. faces : of pyramids inside the friction cones; 0: the cones.
+    who : what each of the contacts is called.
     """
 
     def __init__(
-        self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0, faces: int = 0
-    ) -> None:
+        self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0, faces: int = 0,
+        who: str = "finger",
+    ) -> None:  # fmt: skip
         if len(set(names)) < len(names):  # with each one's number: "finger 1 (a)"
             names = [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
         self._names, self._fingers = names, names[: len(names) - environment]
-        self._who = "contact" if environment else "finger"
+        self._who = who
         self._within = f"within {faces}-face pyramids inside the friction cones" if faces else "within friction"
         self._arms, self._reference = positions - reference, reference
         spread = positions - positions.mean(axis=0)

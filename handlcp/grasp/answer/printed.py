@@ -109,7 +109,7 @@ def contact_columns(s: Any) -> TextTable:
     least = CERTIFY * s.residuals.motion_scale
     slips, gaps = (np.where(abs(a) > least, a, 0.0) for a in (np.hypot(*s.slip.T), s.gap))
     unit, moments = words.length_unit([*slips.tolist(), *gaps.tolist()]), s.torsion
-    who = "contact" if s.scene is not None and s.scene.environment else "finger"
+    who = "finger" if s.spec is None else s.spec.who
     heads, columns = [who, "state"], [list(s.names), list(s.contact_state)]
     noise = CERTIFY * s.residuals.force_scale
     normal, friction = (np.where(abs(a) > noise, a, 0.0) for a in (s.normal_force, np.hypot(*s.tangential_force.T)))

@@ -13,6 +13,7 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.answer.uniqueness import Uniqueness
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.lcp.problem import Status
 
 # ---------------------------------------------------------------- How much of its friction a contact uses.
@@ -126,6 +127,7 @@ def _about(share: float) -> str:
 HARDLY = 0.95  # of the friction limit: a contact that uses more has hardly any margin
 _LITTLE = 5e-4  # of the friction limit: less is not worth a word
 _STILL = 1e-7  # [m] an object that moves less is not said to move
+_FEW = 4  # contacts that are named one by one
 _TWIST = 1e-4  # [rad] a soft finger that turns less on the object is not said to twist
 _CODES = {Status.NOT_HOLDABLE: "not_holdable", Status.NO_EQUILIBRIUM: "no_equilibrium"}
 
@@ -172,29 +174,42 @@ def _contacts(s: Any) -> Reason:
     sliding = {n: d for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"}
     turns = {n: float(a) for n, a in zip(s.names, spins, strict=True) if a > _TWIST}
     apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
-    return contacts_reason("contacts" if s.scene.environment else "fingers", len(s.names), sliding, turns, apart)
+    return contacts_reason(s.spec, sliding, turns, apart)
 
 
 def contacts_reason(
-    who: str, count: int, sliding: Mapping[str, float], turns: Mapping[str, float], apart: Sequence[str]
+    spec: GraspSpec, sliding: Mapping[str, float], turns: Mapping[str, float], apart: Sequence[str]
 ) -> Reason:
-    """Which of `count` contacts slide [m], twist on the object [rad] or let go; "all stick" where none does. who : what
-    they are called.
-    """
-    parts = []
+    """Which contacts of a grasp slide [m], twist on the object [rad] or let go; "all stick" where none does."""
+    parts, who, count = [], f"{spec.who}s", spec.n
     if sliding and len(sliding) == count > 1:
         parts.append(f"all {who} slide, up to {words.length(max(sliding.values()))}")
     elif sliding:
-        there = {n: d for n, d in sliding.items() if d > words.NOTHING or not turns}
-        ways = words.lengths(there.values())
-        parts.append(", ".join(f"{n} slides {way}" for n, way in zip(there, ways, strict=True)))
+        parts.append(_slide({n: d for n, d in sliding.items() if d > words.NOTHING or not turns}, spec))
     if turns and len(sliding) < max(count, 2):
         parts.append(", ".join(f"{n} twists by {words.angle(a)} on the object" for n, a in turns.items()))
     if apart:
-        parts.append(f"{words.listed(apart)} {'let' if len(apart) > 1 else 'lets'} go")
+        gone = words.by_link(apart, spec.links) if len(apart) > _FEW else apart
+        parts.append(f"{words.listed(gone)} {'let' if len(apart) > 1 else 'lets'} go")
     text = "; ".join(p for p in parts if p) or f"all {who} stick"
     values = {"sliding_m": dict(sliding), "twisting_rad": dict(turns), "separated": list(apart)}
     return Reason("contacts", "note", text, values)
+
+
+def _slide(sliding: Mapping[str, float], spec: GraspSpec) -> str:
+    """How far each of a few contacts slides [m]; of many those of one link together, or how many there are."""
+    if len(sliding) <= _FEW:
+        ways = words.lengths(sliding.values())
+        return ", ".join(f"{n} slides {way}" for n, way in zip(sliding, ways, strict=True))
+    farthest = dict[str, list[float]]()
+    for name, far in sliding.items():
+        farthest.setdefault(spec.links.get(name, name), []).append(far)
+    if len(farthest) > _FEW:
+        most = max(sliding, key=lambda name: sliding[name])
+        return f"{len(sliding)} of {spec.n} {spec.who}s slide, up to {words.length(sliding[most])} ({most})"
+    ways = words.lengths([max(far) for far in farthest.values()])
+    named = zip(words.by_link(list(sliding), spec.links), farthest.values(), ways, strict=True)
+    return ", ".join(f"{who} {'slides' if len(far) == 1 else 'slide up to'} {way}" for who, far, way in named)
 
 
 def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], when: str = "") -> Iterator[Reason]:

@@ -183,7 +183,8 @@ class GraspSolution(Shown, Deferred):
         if self.scene is None or self.reference is None:
             return self.status.meaning
         faces = self.section.faces if isinstance(self.section, Pyramid) and self.section.inscribed else 0
-        say = Sentences(self.names, self.scene.positions, self.reference, self.scene.environment, faces)
+        who = "finger" if self.spec is None else self.spec.who
+        say = Sentences(self.names, self.scene.positions, self.reference, self.scene.environment, faces, who)
         if self.held:
             text, moved = say.held(self.forces, self.contact_state, self.uniqueness), self._motions
             return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text

@@ -103,6 +103,7 @@ _HAPPENS = {  # of one, of several
 }  # fmt: skip
 BY_TURNS = " by turns"
 _JOINTS = ("over limit", "within limit", "yields", "holds", "range end", "range", TORQUE)
+_FEW = 4  # contacts that are named one by one
 _STRAIGHT = 1e-9  # of a load: less of it across an axis is none
 
 
@@ -159,12 +160,14 @@ def called(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -> str:
     """
     if spec is not None and len(who) > 1:
         names, k = spec.names, spec.of_fingers
-        groups = [(names[:k], "fingers"), (names, "contacts")]
+        groups = [(names[:k], "contacts" if spec.links else "fingers"), (names, "contacts")]
         if kind.removesuffix(BY_TURNS) in _JOINTS:
             groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]
         for group, plural in groups:
             if len(who) == len(group) and set(who) == set(group):
                 return f"{'both' if len(who) == 2 else f'all {len(who)}'} {plural}"
+        if len(who) > _FEW:
+            who = words.by_link(who, spec.links)
     return words.all_of(who)
 
 

@@ -126,7 +126,7 @@ def _told(spec: GraspSpec, scene: Scene, kind: str, forces: Array | None, motion
         text = "so near to the edge between yes and no that rounding decides"
         return Closure(kind, None, None, None, text)
     t = certificate_of(spec, scene, escape_of(scene, motion))
-    say = Sentences(spec.names, scene.positions, spec.reference, scene.environment)
+    say = Sentences(spec.names, scene.positions, spec.reference, scene.environment, who=spec.who)
     way = say.motion(t, "slides", "turns")
     less = "without friction " if kind == "form" else ""
     return Closure(kind, False, None, t, f"{less}the object {way}, and no contact resists")

@@ -70,6 +70,16 @@ class Placement:
         return self.n if self.fingers is None else self.fingers
 
     @property
+    def who(self) -> str:
+        """What each of them is called: "finger"; "contact" where a table or links of the hand touch, too."""
+        return "contact" if self.of_fingers < self.n or self.links else "finger"
+
+    @property
+    def links(self) -> dict[str, str]:
+        """By the names of contacts that are places on links: the link; {} where fingertips alone touch."""
+        return {} if self.mechanism is None else self.mechanism.links
+
+    @property
     def planar(self) -> bool:
         """Whether the scene lies in a plane."""
         return self.plane is not None

@@ -93,6 +93,11 @@ class Mechanism:
         raise NotImplementedError
 
     @property
+    def links(self) -> dict[str, str]:
+        """By the names of contacts that are places on links: the link; {} where fingertips alone touch."""
+        return {}
+
+    @property
     def lengths(self) -> tuple[str, ...]:
         """Names of what `varied` counts as "lengths", three (x, y, z) each; () where none are known."""
         return ()

@@ -94,8 +94,13 @@ class Steps:
 
     @lazy
     def slip_on_the_way(self) -> Array:
-        """(n, 2) of the object past each fingertip in all steps, along the contact axes of the last of them [m]."""
-        world = np.einsum("mnij,mnj->ni", self.frames[..., :2], self.slip)
+        """(n, 2) of the object past each fingertip in all steps since they first touched, along the contact axes of the
+        last step [m].
+        """
+        touched = np.logical_or.accumulate([[kind != "separated" for kind in kinds] for kinds in self.contact_state])
+        since = self.slip.copy()
+        since[1:] *= touched[:-1, :, None]
+        world = np.einsum("mnij,mnj->ni", self.frames[..., :2], since)
         return read_only(np.einsum("nij,ni->nj", self.frames[-1][..., :2], world))
 
     @lazy

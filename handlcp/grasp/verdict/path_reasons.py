@@ -73,11 +73,11 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     last, mechanism = path.last, spec.mechanism
     if mechanism is not None:
         before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
-        yield from before
         known = {_about(reason) for reason in before}
         place = (path.state, path.object)
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _about(r) not in known)
+        yield from before
     end = path.solution
     if end.held and end.scene is not None:
         for e in spec.effects:
@@ -87,7 +87,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _APART)
     ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
     apart = [n for n, kind, here in ends if kind == "separated" and here]
-    yield contacts_reason("contacts" if scene.environment else "fingers", spec.n, slid, turned, apart)
+    yield contacts_reason(spec, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)

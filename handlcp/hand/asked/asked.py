@@ -133,12 +133,12 @@ class HandAsked:
     def spec(self) -> GraspSpec:
         """See `state.grasp`. Raises NotReached, UnknownName, InputError."""
         obj = self.target if isinstance(self.target, Object) else None
-        if self.bare is None and not (isinstance(self.links, str) and self.links == TIPS):
-            return self._on_links(obj).spec()
         one_command(
             squeeze=self.squeeze, grip_force=self.grip_force, joint_offset=self.joint_offset,
             closing_torque=self.closing_torque,
         )  # fmt: skip
+        if self.bare is None and not (isinstance(self.links, str) and self.links == TIPS):
+            return self._on_links(obj).spec()
         closed = self._closed(obj)
         offset = self.joint_offset if closed is None else closed.command
         weighed = _weight_given(self.finger_weight)

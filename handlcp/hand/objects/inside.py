@@ -190,22 +190,24 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...],
         for far in (True, False):
             these = [one for one in seen if (one.tip is not None) is beside_tip and (one.depth > deep) is far]
             if these:
-                yield _inside(these, beside_tip, far, when)
+                yield _inside(these, beside_tip, far, when, posture.hand.links_of_sites is None)
 
 
-def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str) -> Reason:
-    """Links of one kind, the deepest first."""
+def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_alone: bool) -> Reason:
+    """Links of one kind, the deepest first. tips_alone : whether fingertips are all that may touch."""
     values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}
     first, more = links[0], len(links) - 1
     who = f"{first.link} and {more} more link{'s' if more > 1 else ''} are up to" if more else f"{first.link} is"
     if beside_tip:
-        than = "their fingertips" if more else f"its fingertip {first.tip}"
+        kind = "fingertip" if tips_alone else "contact"
+        than = f"their {kind}s" if more else f"its {kind} {first.tip}"
         text = f"{when}, {who} {words.length(first.depth)} deeper in the object than {than}"
     else:
         text = f"{when}, {who} {words.length(first.depth)} inside the object"
     if far:
         return Reason("link_inside", "decides", f"{text}: the hand cannot take this posture", values)
-    return Reason("link_inside", "warning", f"{text}: only fingertips are taken to touch it", values)
+    touch = "only fingertips are" if tips_alone else "it is not among the contacts, and not"
+    return Reason("link_inside", "warning", f"{text}: {touch} taken to touch it", values)
 
 
 def _ranges(posture: Posture, when: str) -> Iterator[Reason]:

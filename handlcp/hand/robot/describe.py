@@ -12,7 +12,15 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
-from handlcp.hand.robot.describe_text import CouplingRow, JointRow, LinkRow, TipRow, text_of
+from handlcp.hand.robot.describe_text import (
+    CouplingRow,
+    JointRow,
+    LinkRow,
+    TipRow,
+    TouchRow,
+    shape_words,
+    text_of,
+)
 from handlcp.hand.robot.fingertips import Candidate, candidates, obvious
 from handlcp.hand.robot.joints import Coupling, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
@@ -53,6 +61,7 @@ def size_of(described: Description, kinematics: Kinematics) -> tuple[float, floa
 _ROWS = {
     "joints": ("name", "kind", "lower", "upper", "torque_limit_Nm", "stiffness_Nm_per_rad", "fingertips"),
     "fingertips": ("name", "link", "point_m (3,)", "taken", "reason"),
+    "touching": ("name", "shapes", "pad_m_per_N (3, 3) = pad"),
     "links": ("name", "mass_kg", "joint", "geometry"),
 }
 
@@ -62,12 +71,13 @@ class HandDescription(Record):
     """A hand in words and numbers; iterates over its joints, prints in lines of at most 80 columns.
 
     name : the robot's. source : the file's. joints : the independent ones, in the order of every vector over joints.
-    fingertips : those of the hand, and what else could be one (`taken` says which). couplings : joints that follow.
+    fingertips : those of the hand, and what else could be one (`taken` says which). touching : what may touch an object
+    where a grasp asks for links; () for a file, and where meshes are missing. couplings : joints that follow.
     links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m]. audit : its doubts.
     """
 
     entries = (
-        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "couplings", "links",
+        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "touching", "couplings", "links",
         "doubts = audit.doubts",
     )  # fmt: skip
 
@@ -75,6 +85,7 @@ class HandDescription(Record):
     source: str
     joints: tuple[JointRow, ...]
     fingertips: tuple[TipRow, ...]
+    touching: tuple[TouchRow, ...]
     couplings: tuple[CouplingRow, ...]
     links: tuple[LinkRow, ...]
     mass: float
@@ -109,7 +120,7 @@ def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) 
     limits = read_torque_limits(None, kinematics.joint_names, facts)
     tips = tuple(_candidate(c, c.name in taken) for c in found)
     audit = audit_of(described.source, file_doubts(described, kinematics))
-    return _made(described, kinematics, tips, (limits.limits, limits.known), {}, audit)
+    return _made(described, kinematics, tips, (), (limits.limits, limits.known), {}, audit)
 
 
 def describe_hand(hand: Any) -> HandDescription:
@@ -128,13 +139,24 @@ def describe_hand(hand: Any) -> HandDescription:
     rest = tuple(_candidate(c, False) for c in reasons.values() if c.link not in {t.link for t in tips})
     springs = _springs(hand)
     limits = hand.torques.limits, hand.torques.known
-    return _made(described, hand.kinematics, (*tips, *rest), limits, springs, hand.audit())
+    return _made(described, hand.kinematics, (*tips, *rest), _touching(hand), limits, springs, hand.audit())
+
+
+def _touching(hand: Any) -> tuple[TouchRow, ...]:
+    from handlcp.hand.sites.touchers import ALL, touchers
+
+    try:
+        every = touchers(hand, ALL)
+    except HandLCPError:  # meshes are missing, or nothing collides
+        return ()
+    return tuple(TouchRow(t.name, tuple(shape_words(shape) for shape in t.shapes), t.pad) for t in every)
 
 
 def _made(
     described: Description,
     kinematics: Kinematics,
     tips: tuple[TipRow, ...],
+    touching: tuple[TouchRow, ...],
     limits: tuple[Array, Sequence[bool]],
     springs: Mapping[str, float],
     audit: Audit,
@@ -153,8 +175,9 @@ def _made(
     mass = sum(float(inertia.mass) for inertia in model.inertias)
     size = size_of(described, kinematics)
     return HandDescription(
-        str(model.name), described.source, joints, tips, _couplings(kinematics), _links(described), mass, size, audit
-    )
+        str(model.name), described.source, joints, tips, touching, _couplings(kinematics), _links(described), mass,
+        size, audit,
+    )  # fmt: skip
 
 
 def _candidate(c: Candidate, taken: bool) -> TipRow:

@@ -6,6 +6,12 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+import coal
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.text_table import WIDTH, wrapped
 
 # ----------------------------------------------------------------
@@ -38,6 +44,17 @@ class TipRow(NamedTuple):
     point: tuple[float, float, float] | None
     taken: bool
     reason: str
+
+
+class TouchRow(NamedTuple):
+    """What may touch an object: a fingertip, or a link with collision geometry. shapes : its convex shapes, in words.
+
+    pad (3, 3) : flexibility of its surface in its axes [m/N].
+    """
+
+    name: str
+    shapes: tuple[str, ...]
+    pad: Array
 
 
 class CouplingRow(NamedTuple):
@@ -77,6 +94,7 @@ def text_of(hand: Any) -> str:
     lines += _tips("Fingertips", taken)
     rest = [t for t in hand.fingertips if not t.taken]
     lines += _tips("Could be fingertips too" if taken else "Candidates: pass fingertips=[...] with those meant", rest)
+    lines += _touching(hand.touching)
     lines += ["", *_joints(hand.joints)]
     if hand.couplings:
         lines += ["", "Joints that follow others"]
@@ -98,6 +116,47 @@ def _tips(title: str, tips: Sequence[TipRow]) -> Iterator[str]:
                 yield wrapped(f"{t.name}: {on}", "      ", "  ")
             else:
                 yield wrapped(f"{t.name}: {t.reason}", "      ", "  ")
+
+
+def _touching(rows: Sequence[TouchRow]) -> Iterator[str]:
+    """Those of equal shapes and pads together."""
+    alike = dict[str, list[str]]()
+    for row in rows:
+        alike.setdefault(f"{' and '.join(row.shapes)}, {_pad(row.pad)}", []).append(row.name)
+    if alike:
+        yield ""
+        yield 'What may touch, with links="all" of a grasp'
+        for text, names in alike.items():
+            yield wrapped(f"{', '.join(names)}: {text}", "      ", "  ")
+
+
+def _pad(pad: Array) -> str:
+    """Of a block (3, 3) [m/N]."""
+    if not pad.any():
+        return "rigid"
+    own = pad.diagonal()
+    if abs(pad - own[0] * np.eye(3)).max() <= 1e-12 * abs(pad).max():
+        return f"pad {words.length(float(own[0]))}/N"
+    return f"pad up to {words.length(float(np.linalg.eigvalsh(pad)[-1]))}/N"
+
+
+def shape_words(shape: TipShape) -> str:
+    """Such as "box 20 × 30 × 5 mm"; of a mesh its hull."""
+    g = shape.geometry
+
+    def size(*metres: float) -> str:
+        return f"{' × '.join(f'{1e3 * x:.3g}' for x in metres)} mm"
+
+    if isinstance(g, coal.Sphere):
+        return f"ball of {size(g.radius)} radius"
+    if isinstance(g, coal.Box):
+        return f"box {size(*(2.0 * np.array(g.halfSide).ravel()).tolist())}"
+    if isinstance(g, (coal.Cylinder, coal.Capsule)):
+        kind = type(g).__name__.lower()
+        return f"{kind} of {size(g.radius)} radius, {size(2.0 * g.halfLength)} long"
+    if isinstance(g, coal.Ellipsoid):
+        return f"ellipsoid with half axes {size(*np.array(g.radii).ravel().tolist())}"
+    return f"hull {size(*np.ptp(np.array(g.points()), axis=0).tolist())}"
 
 
 def _joints(joints: Sequence[JointRow]) -> Iterator[str]:

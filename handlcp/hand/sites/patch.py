@@ -27,7 +27,8 @@ from handlcp.hand.robot.tip_geometry import TipShape
 
 _TILT = 2e-3  # [rad]
 _SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
-_WAYS = np.array([(np.cos(a), np.sin(a)) for a in np.arange(8) * np.pi / 4])
+# Along no axis of a contact: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
+_WAYS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
 _INSET, _SHARE = 5e-4, 0.05  # [m], of the patch's size: how far inside its rim points lie, which its edge may leave
 _TINY = 1e-4  # [m] radius of the ball that stands for a corner
 
@@ -51,12 +52,8 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
     length = np.ptp(along, axis=0)
     if length[0] <= _SPREAD:
         return ((_at_point(shape, R.T @ (near.tip_point - p), R.T @ normal), near.gap),)
-    if length[1] <= _SPREAD:
-        chosen = [int(along[:, 0].argmin()), int(along[:, 0].argmax())]
-    else:
-        chosen = list(dict.fromkeys(int(k) for a in (0, 1) for k in (along[:, a].argmin(), along[:, a].argmax())))
-        if len(chosen) < 4:
-            chosen = _corners(along)
+    ends = [int(along[:, 0].argmin()), int(along[:, 0].argmax())]
+    chosen = ends if length[1] <= _SPREAD else _corners(along)
     centre, found = points[chosen].mean(axis=0), []
     for k in chosen:
         inward = centre - points[k]

@@ -61,20 +61,22 @@ def sited(state: T, obj: Object, links: Any, max_gap: float) -> T:
 def sites(state: Posture, among: Iterable[Toucher], obj: Object, reach: float) -> list[Site]:
     """All that are within reach [m] of the object, in the order of the links. Raises InputError."""
     centre, around = ball_around(obj)
-    found = list[Site]()
+    found, deepest = list[Site](), ("", 0.0)
     for toucher, R, p in placed(state, among):
         for shape in toucher.shapes:
             middle = p + R @ shape.translation
             if float(np.linalg.norm(middle - centre)) > np.sqrt(3.0) * size_of(shape.geometry) + around + reach:
                 continue
-            if nearest((shape,), p, R, obj).gap > reach:
+            gap = nearest((shape,), p, R, obj).gap
+            if gap > reach:
                 continue
+            deepest = min(deepest, (toucher.name, gap), key=lambda one: one[1])
             for made, gap in patch(shape, p, R, obj):
                 there = nearest((made,), p, R, obj)
                 site = Site(toucher, made, there.position, there.normal, gap)
                 if gap <= reach and not any(_same(site, other) for other in found):
                     found.append(site)
-    _sound(found)
+    _sound(found, *deepest)
     return found
 
 
@@ -106,13 +108,13 @@ def _same(site: Site, other: Site) -> bool:
     return bool(near and site.link.place.joint == other.link.place.joint)
 
 
-def _sound(found: list[Site]) -> None:
+def _sound(found: list[Site], deepest: str, gap: float) -> None:
+    """Raises InputError for too many, and for a link whose gap, the least of all, is far below zero."""
     if len(found) > MOST:
         expected = f"at most {MOST} contacts (name fewer links, or use coarser collision geometry)"
         raise InputError("links", expected, f"{len(found)} places that touch")
-    deepest = min(found, key=lambda site: site.gap, default=None)
-    if deepest is not None and deepest.gap < -_DEEP:
-        came = f"{deepest.link.name}, {words.length(-deepest.gap)} inside it"
+    if gap < -_DEEP:
+        came = f"{deepest}, {words.length(-gap)} inside it"
         raise InputError("target", "an object beside the hand, where no link begins inside it", came)
 
 

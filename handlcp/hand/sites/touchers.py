@@ -51,7 +51,7 @@ def touchers(hand: HandModel, links: Any) -> tuple[Toucher, ...]:
         raise InputError("links", '"tips", "all", or names of links, at least one', repr(links)[:80])
     known: list[str] = _names(hand)
     if unknown := [str(name) for name in links if name not in known and name not in every]:
-        raise UnknownName("links", "a link", unknown, (*known, *hand.fingertips))
+        raise UnknownName("links", "a link", unknown, tuple(dict.fromkeys((*known, *hand.fingertips))))
     tip_of = {link: hand.fingertips[i] for i in hand.tips.every for link in hand.tip_links(i)}
     chosen: dict[str, None] = dict.fromkeys(str(name if name in every else tip_of.get(name, name)) for name in links)
     if bare := [name for name in chosen if name not in every]:

@@ -194,7 +194,7 @@ class _Closing:
 
     def _jacobian(self, state: Posture, link: Toucher, point: Array) -> Array:
         """(3, nv) of a point of a link, world axes."""
-        _, columns = self.hand.kinematics.frames_at(state.q, ())
+        columns = self.hand.kinematics.frames_at(state.q, ())[1].reshape(6, -1)  # of one joint it is a row
         J = (columns[:3] + np.cross(columns[3:].T, point).T) * link.support[0]
         C = self.hand.kinematics.coupling
         return np.asarray(J if C is None else J @ C)

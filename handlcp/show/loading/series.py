@@ -69,7 +69,7 @@ def panels(spec: GraspSpec, forces: Array, used: Array | None, displacement: Arr
     scene, mechanism = Grasp(spec).scene, spec.mechanism
     n, names = scene.n, shortened(spec.names, LETTERS)
     colours = [COLOURS[i % len(COLOURS)] for i in range(n)]
-    every = f"all {n} {'contacts' if scene.environment else 'fingers'}"
+    every = f"all {n} {spec.who}s"
     out = [Panel("Normal force [N]", _curves(names, colours, forces[:, :, 2]), every)]
     if used is not None and (scene.mu > 0).any():
         out.append(Panel("Friction [% of its limit]", _curves(names, colours, 100.0 * used), every, 100.0))

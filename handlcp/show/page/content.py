@@ -134,7 +134,7 @@ def _hull(triangles: Array) -> Array:
 def layers_of(parts: Sequence[Part], names: dict[str, str]) -> list[Any]:
     """A line of the legend for each layer of solids. names : of layers that are called otherwise than themselves."""
     colours = {p.layer: HAND if p.layer == "hand" else p.colour for p in parts}
-    names = {"tips": "fingertip that finds the contact"} | names
+    names = {"tips": "shape that finds the contact"} | names
     return [[layer, "patch", list(colour), names.get(layer, layer)] for layer, colour in colours.items()]
 
 
@@ -143,7 +143,7 @@ def _legend(
 ) -> list[Any]:  # fmt: skip
     """Lines of (layer, kind, colour, text); each layer can be switched off."""
     grasp = drawn.grasp
-    who = "contact" if grasp.scene.environment else "finger"
+    who = grasp.spec.who
     states = {state for s in shown for state in s.states}
     deep, links = words.length(max(drawn.inside.values(), default=0.0)), list(drawn.inside)
     inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"

@@ -151,16 +151,17 @@ def state_drawn(shown: Content, path: Any, at_end: bool) -> str:
 
 def contact_labels(shown: Content, room: int) -> list[Said]:
     """One label for each contact; where there is no room for so many, one for all contacts of a name and a state, the
-    largest such groups first.
+    largest such groups first, or of a link and a state.
     """
     names, states = shown.solution.names, shown.solution.contact_state
     single = {i: ((i,), name, _detail(shown, i)) for i, name in enumerate(names)}
-    groups: dict[tuple[str, str], list[int]] = {}
+    groups, links = dict[tuple[str, str], list[int]](), shown.grasp.spec.links
     for i, (name, state) in enumerate(zip(names, states, strict=True)):
-        groups.setdefault((_NUMBER.sub("", name), state if shown.solution.held else ""), []).append(i)
+        alike = links.get(name, name) if links else _NUMBER.sub("", name)
+        groups.setdefault((alike, state if shown.solution.held else ""), []).append(i)
     out, count = list[Said](), len(names)
     for (stem, state), members in sorted(groups.items(), key=lambda group: -len(group[1])):
-        if count > room and len(members) > 1:
+        if len(members) > 1 and (count > room or (links and len(names) > room)):
             count -= len(members) - 1
             out.append((tuple(members), f"{stem}: {len(members)} contacts", _together(shown, members, state)))
         else:
@@ -211,12 +212,13 @@ def _bodies(shown: Content) -> Iterator[Entry]:
         who = names[0] if len(names) == 1 else f"{len(names)} links"
         yield "hatch", STATE["sliding"], f"inside the object: {who}, {'' if len(names) == 1 else 'up to '}{most}"
     if shown.tips:
-        yield "outline", LOAD, "fingertip shape that finds the contact"
+        which = "link's" if shown.grasp.spec.links else "fingertip"
+        yield "outline", LOAD, f"{which} shape that finds the contact"
 
 
 def _contacts(shown: Content, hidden: bool) -> Iterator[Entry]:
     s, scene = shown.solution, shown.grasp.scene
-    who = "contact" if scene.environment else "finger"
+    who = shown.grasp.spec.who
     for state in ("sticking", "sliding"):
         if s.held and state in s.contact_state:
             yield "line", STATE[state], f"{who} force, {state}"

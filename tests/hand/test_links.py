@@ -1,0 +1,287 @@
+"""Contacts on any link: where they are, what is said of them by link, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from handlcp.errors import InputError, NotReached, UnknownName
+from handlcp.grasp import Contact
+from handlcp.hand import Box, Cylinder, Hand, Sphere, example_hand
+from tests.support.grasp import said_of_contacts
+
+# A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it
+FLAT = """
+<robot name="flat">
+  <link name="palm"><collision><origin xyz="0 0 -0.01"/><geometry><box size="0.1 0.1 0.02"/></geometry></collision>
+  </link>
+  <link name="bar"><collision><origin xyz="0 0 0.04"/><geometry><box size="0.02 0.02 0.08"/></geometry></collision>
+  </link>
+  <link name="bare"/>
+  <joint name="hinge" type="revolute"><parent link="palm"/><child link="bar"/><axis xyz="0 -1 0"/>
+    <origin xyz="0.06 0 0"/><limit lower="-0.5" upper="1.5" effort="2" velocity="1"/></joint>
+  <joint name="end" type="fixed"><parent link="bar"/><child link="bare"/><origin xyz="0 0 0.08"/></joint>
+</robot>
+"""
+ALONG_Y = pin.rpy.rpyToMatrix(np.pi / 2, 0.0, 0.0)
+CUBE, ROD, BALL = (
+    Box(0.04, (0, 0, 0.02)), Cylinder(0.02, 0.06, pin.SE3(ALONG_Y, np.array([0, 0, 0.02]))), Sphere(0.02, (0, 0, 0.02))
+)  # fmt: skip
+
+
+def flat(**given):
+    return Hand.from_urdf(FLAT, **({"fingertips": ["bare"], "joint_stiffness": 5.0, "tip_radius": 0.012} | given))
+
+
+def on_palm(obj, hand=None, **arguments):
+    return (hand or flat()).at([0.0]).grasp(obj, **({"links": "all"} | arguments))
+
+
+def names(grasp):
+    return [c.name for c in grasp.contacts]
+
+
+def ball_in_five_fingers(hand=None, rotation=None, **arguments):
+    hand = hand or example_hand("five_finger", joint_stiffness=6.0)
+    place = pin.SE3(np.eye(3) if rotation is None else rotation, np.array([0.0, 0.0, 0.035]))
+    given = {"links": "all", "closing_torque": 0.2} | arguments
+    return hand.at(hand.neutral).grasp(Sphere(0.03, place, mass=0.3), **given)
+
+
+# ---------------------------------------------------------------- Where links touch.
+
+
+def test_a_box_flat_on_a_flat_palm_is_held_at_its_four_corners():
+    grasp = on_palm(CUBE)
+    assert names(grasp) == ["palm 1", "palm 2", "palm 3", "palm 4"]
+    where = np.array([c.position for c in grasp.contacts])
+    np.testing.assert_allclose(where[:, 2], 0.0, atol=1e-6)
+    assert {(x > 0, y > 0) for x, y in where[:, :2]} == {(True, True), (True, False), (False, True), (False, False)}
+    np.testing.assert_allclose(abs(where[:, :2]), 0.02, atol=1e-3)  # at the corners, but for an edge's rounding
+    np.testing.assert_allclose([c.normal for c in grasp.contacts], np.tile([0, 0, 1], (4, 1)), atol=1e-6)
+
+
+def test_a_cylinder_lying_on_a_palm_is_held_at_both_ends():
+    grasp = on_palm(ROD)
+    assert names(grasp) == ["palm 1", "palm 2"]
+    where = np.array([c.position for c in grasp.contacts])
+    np.testing.assert_allclose(where[:, [0, 2]], 0.0, atol=1e-6)
+    np.testing.assert_allclose(np.sort(where[:, 1]), [-0.03, 0.03], atol=1e-3)
+
+
+def test_a_ball_on_a_palm_touches_once_and_is_not_numbered():
+    grasp = on_palm(BALL)
+    assert names(grasp) == ["palm"]
+    np.testing.assert_allclose(grasp.contacts[0].position, 0.0, atol=1e-6)
+    np.testing.assert_allclose(grasp.contacts[0].normal, [0, 0, 1], atol=1e-6)
+
+
+def test_four_corners_share_a_weight_as_one_patch():
+    s = on_palm(Box(0.04, (0, 0, 0.02), mass=0.5), flat(pad_flexibility=1e-4)).solve()
+    np.testing.assert_allclose(s.normal_force, 0.5 * 9.81 / 4, rtol=1e-3)
+
+
+def test_only_links_that_are_named_touch():
+    beside = Box(0.04, (0.03, 0, 0.02))  # on the palm, against the bar
+    assert {n.partition(" ")[0] for n in names(on_palm(beside))} == {"palm", "bar"}
+    assert names(on_palm(beside, links=["bar"])) == ["bar 1", "bar 2", "bar 3", "bar 4"]
+    hand = example_hand("five_finger", joint_stiffness=6.0)
+    chosen = ["finger_2_distal_link", "finger_4_distal_link"]
+    assert names(ball_in_five_fingers(hand, links=chosen)) == chosen
+
+
+def test_the_palm_pushes_with_no_joint():
+    grasp = on_palm(Box(0.04, (0.03, 0, 0.02)))
+    moved = abs(grasp.jacobian.reshape(-1, 3)).max(axis=1)
+    on = np.array([n.startswith("palm") for n in names(grasp)])
+    np.testing.assert_array_equal(moved[on], 0.0)
+    assert (moved[~on] > 0.0).all()
+
+
+# ---------------------------------------------------------------- What is said by link.
+
+
+def test_pads_by_link_arrive_at_its_contacts():
+    hand = flat(pad_flexibility={"palm": 2e-5, "bar": (1e-4, 2e-4, 3e-4)})
+    grasp = on_palm(Box(0.04, (0.03, 0, 0.02)), hand)
+    E = grasp.flexibility.reshape(grasp.spec.n, 3, grasp.spec.n, 3)
+    for i, name in enumerate(names(grasp)):
+        if name.startswith("palm"):
+            np.testing.assert_allclose(E[i, :, i], 2e-5 * np.eye(3), atol=1e-15)
+        else:  # the bar pushes along its x axis, which no joint but the hinge moves
+            along = grasp.contacts[i].rotation[:, 2]
+            np.testing.assert_allclose(abs(along), [1, 0, 0], atol=1e-6)
+            lever = grasp.contacts[i].position[2]
+            assert E[i, 2, i, 2] == pytest.approx(1e-4 + lever**2 / 5.0, rel=1e-6)
+
+
+def test_friction_by_link_and_by_contact():
+    grasp = on_palm(Box(0.04, (0.03, 0, 0.02)), friction={"palm": 0.9, "palm 2": 0.4})
+    found = {c.name: c.mu for c in grasp.contacts}
+    assert [found[f"palm {k}"] for k in (1, 2, 3, 4)] == [0.9, 0.4, 0.9, 0.9]
+    assert {found[f"bar {k}"] for k in (1, 2, 3, 4)} == {0.6}  # as of every contact of which nothing is said
+
+
+def test_a_link_that_does_not_touch_may_be_named():
+    assert on_palm(BALL, friction={"bar": 0.9}).contacts[0].mu == 0.6
+
+
+# ---------------------------------------------------------------- The same grasp said in another way.
+
+
+def test_links_that_are_all_fingertips_make_the_grasp_of_the_fingertips():
+    hand, cube = example_hand("three_finger", joint_stiffness=6.0), Box(0.05, (0, 0, 0.08), mass=0.2)
+    state = hand.at(hand.close_on(cube))
+    tips = state.grasp(cube, friction=0.8, squeeze=0.005)
+    links = state.grasp(cube, friction=0.8, squeeze=0.005, links=list(hand.fingertips))
+    assert names(links) == list(hand.fingertips)
+    np.testing.assert_allclose(links.solve().forces_world, tips.solve().forces_world, atol=1e-9)
+    np.testing.assert_allclose(links.solve().torques, tips.solve().torques, atol=1e-9)
+    assert links.check().word == tips.check().word == "HELD"
+
+
+def test_the_order_of_fingertips_and_how_a_ball_is_turned_do_not_matter():
+    hand = example_hand("five_finger", joint_stiffness=6.0)
+    backwards = hand.replace(fingertips=list(reversed(hand.fingertips)))
+    first = ball_in_five_fingers(hand)
+    forces = dict(zip(names(first), first.solve().forces_world, strict=True))
+    turned = pin.rpy.rpyToMatrix(0.3, -0.7, 1.1)
+    for other in (ball_in_five_fingers(backwards), ball_in_five_fingers(hand, turned)):
+        np.testing.assert_allclose(other.state.q, first.state.q, atol=1e-6)
+        assert set(names(other)) == set(forces)
+        for name, force in zip(names(other), other.solve().forces_world, strict=True):
+            np.testing.assert_allclose(force, forces[name], atol=1e-3 * np.linalg.norm(force))
+
+
+def test_a_grasp_made_again_closes_again():
+    grasp = ball_in_five_fingers()
+    tighter = grasp.replace(closing_torque=0.3)
+    expected = ball_in_five_fingers(closing_torque=0.3)
+    assert names(tighter) == names(expected)
+    np.testing.assert_allclose(tighter.joint_offset, expected.joint_offset, atol=1e-12)
+    assert names(grasp.replace(links=["finger_1_distal_link"])) == ["finger_1_distal_link"]
+
+
+# ---------------------------------------------------------------- What a user reads.
+
+
+def test_contacts_on_links_are_contacts_in_words_and_tables():
+    s = ball_in_five_fingers().solve()
+    assert "\ncontact " in str(s)
+    assert "finger  " not in str(s).partition("\njoint")[0]
+    assert "contacts" in s.diagnosis
+    assert "fingers stick" not in str(s.verdict)
+    assert "fingers slide" not in str(s.verdict)
+
+
+def test_a_sentence_about_many_contacts_is_short():
+    spec = on_palm(Box(0.04, (0.03, 0, 0.02))).spec
+    every = spec.names
+    five = {name: 1e-3 * (k + 1) for k, name in enumerate(every[:5])}
+    assert said_of_contacts(spec, five, {}, ()) == "4 contacts of palm slide up to 4 mm, bar 1 slides 5 mm"
+    assert said_of_contacts(spec, {}, {}, every[1:]) == "3 contacts of palm, 4 contacts of bar let go"
+    assert said_of_contacts(spec, {}, {}, ()) == "all contacts stick"
+    two = {name: 1e-3 for name in every[:2]}
+    assert said_of_contacts(spec, two, {}, ()) == "palm 1 slides 1 mm, palm 2 slides 1 mm"
+    ball = ball_in_five_fingers().spec
+    many = {name: 1e-3 * (k + 1) for k, name in enumerate(ball.names[:6])}
+    assert said_of_contacts(ball, many, {}, ()) == f"6 of 10 contacts slide, up to 6 mm ({ball.names[5]})"
+
+
+def test_a_hand_says_what_may_touch():
+    text = str(flat(pad_flexibility={"palm": 2e-5}).describe())
+    assert "palm: box 100 × 100 × 20 mm, pad 20 µm/N" in text
+    assert "bar: box 20 × 20 × 80 mm, rigid" in text
+    assert "bare: ball of 12 mm radius, rigid" in text
+    rows = {row["name"]: row for row in flat(pad_flexibility=1e-4).describe().to_dict()["touching"]}
+    assert list(rows) == ["bare", "palm", "bar"]
+    assert rows["palm"]["pad_m_per_N"] == (1e-4 * np.eye(3)).tolist()
+
+
+# ---------------------------------------------------------------- What is refused, or judged.
+
+_REFUSED = {
+    "a link that there is not": ({"links": ["plam"]}, "links", "did you mean 'palm'"),
+    "a number for a link": ({"links": [1]}, "links", "a link among"),
+    "no links": ({"links": []}, "links", "at least one"),
+    "a word": ({"links": "palm"}, "links", '"tips", "all", or names'),
+    "links beside fingers": ({"fingers": ["bare"]}, "fingers", "None beside links"),
+    "an object held without a command": ({"hold_object": True}, "hold_object", "closing_torque"),
+    "an object held by a number": ({"hold_object": 1, "closing_torque": 0.1}, "hold_object", "True or False"),
+    "two commands": ({"closing_torque": 0.1, "squeeze": 1e-3}, "closing_torque", "at most one of"),
+    "a torque that opens": ({"closing_torque": -0.1}, "closing_torque", "≥ 0"),
+    "a torque that is no number": ({"closing_torque": float("nan")}, "closing_torque", "finite"),
+    "a torque of no joint": ({"closing_torque": {"plam": 0.1}}, "closing_torque", "a joint among [hinge]"),
+    "friction of no link": ({"friction": {"plam": 0.5}}, "friction", "did you mean 'palm'"),
+    "a squeeze of no link": ({"squeeze": {"plam": 1e-3}}, "squeeze", "did you mean 'palm'"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "argument", "text"), _REFUSED.values(), ids=_REFUSED)
+def test_what_makes_no_sense_is_refused(arguments, argument, text):
+    with pytest.raises(InputError) as e:
+        on_palm(Sphere(0.02, (0.02, 0, 0.02)), **arguments)
+    assert e.value.argument == argument
+    assert text in str(e.value)
+
+
+def test_a_link_without_collision_geometry_cannot_touch():
+    hand = flat(fingertips=["bar"], tip_radius=None)
+    with pytest.raises(InputError, match=r"links: expected links with collision geometry .*, got bare, which has none"):
+        on_palm(BALL, hand, links=["palm", "bare"])
+
+
+def test_a_hand_without_collision_geometry_has_no_links_that_touch():
+    bare = "<robot name='a'><link name='b'/><link name='c'/><joint name='j' type='revolute'><parent link='b'/>"
+    bare += "<child link='c'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
+    hand = Hand.from_urdf(bare, fingertips=["c"], joint_stiffness=1.0)
+    with pytest.raises(InputError, match="links: expected links with collision geometry, got 'a', whose links"):
+        on_palm(BALL, hand)
+    assert hand.describe().touching == ()
+
+
+def test_pads_of_no_link():
+    with pytest.raises(UnknownName, match="did you mean 'palm'"):
+        flat(pad_flexibility={"plam": 1e-4})
+
+
+def test_an_open_hand_that_never_touches_says_how_near_it_came():
+    far = Sphere(0.02, (0, 0, 0.3))
+    with pytest.raises(NotReached) as e:
+        on_palm(far)
+    assert set(e.value.gaps) == {"palm", "bar", "bare"}
+    assert e.value.gaps["palm"] == pytest.approx(0.28, abs=1e-6)
+    with pytest.raises(NotReached, match="when the hand closes"):
+        on_palm(far, closing_torque=0.1)
+
+
+@pytest.mark.parametrize("obj", [Sphere(0.02), Box(0.04), Cylinder(0.02, 0.06)])
+@pytest.mark.parametrize("closing", [{}, {"closing_torque": 0.1}])
+def test_an_object_that_begins_inside_the_palm_is_refused(obj, closing):
+    with pytest.raises(InputError, match=r"target: expected an object beside the hand, .*, got palm, \d+ mm inside it"):
+        on_palm(obj, **closing)
+
+
+def test_hundreds_of_contacts_are_refused():
+    box = '<collision><origin xyz="{} {} -0.01"/><geometry><box size="0.005 0.005 0.02"/></geometry></collision>'
+    many = "".join(box.format(0.01 * i, 0.01 * k) for i in range(-5, 6) for k in range(-5, 6))
+    link = FLAT[FLAT.index("<collision>") : FLAT.index("</collision>") + len("</collision>")]
+    hand = Hand.from_urdf(FLAT.replace(link, many, 1), fingertips=["bare"], joint_stiffness=5.0, tip_radius=0.012)
+    with pytest.raises(InputError, match=r"links: expected at most 100 contacts \(name fewer links, .*got 484 places"):
+        on_palm(Box((0.2, 0.2, 0.04), (0, 0, 0.02)), hand, links=["palm"])
+
+
+def test_links_and_torques_are_for_objects_that_are_known():
+    state, given = flat().at([0.0]), [Contact((0, 0, 0), (0, 0, 1))]
+    for argument, value in (("links", "all"), ("closing_torque", 0.1), ("hold_object", True)):
+        with pytest.raises(InputError) as e:
+            state.grasp(given, **{argument: value})
+        assert e.value.argument == argument
+
+
+@pytest.mark.parametrize("links", ["all", "tips"])
+def test_a_torque_turns_no_rigid_joint(links):
+    hand = flat(joint_stiffness=None)
+    with pytest.raises(InputError, match=r"closing_torque: expected joints that give way, .*hinge: rigid"):
+        on_palm(Sphere(0.03, (0.01, 0, 0.06)), hand, links=links, closing_torque=0.1, max_gap=0.05)
