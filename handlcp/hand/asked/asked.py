@@ -36,7 +36,6 @@ from handlcp.hand.squeeze import joint_by_joint, overlaps
 # Which fingertips take part, and where they touch: detected on an object, or given.
 
 DEFAULT = Coulomb(0.6)  # of contacts with an object
-_MAY_TOUCH = 3e-3  # [m] links as near as this to the object when a hand has closed may still come to touch it
 
 
 def found_on(
@@ -195,8 +194,7 @@ class HandAsked:
         if self.joint_offset is not None or self.closing_torque is not None:
             closed = closed_by(state, obj, self.joint_offset, self.closing_torque)
             state = type(state)(state.hand, closed.q)
-        reach = self._reach if closed is None or closed.opened is None else max(self._reach, _MAY_TOUCH)
-        return replace(self, state=sited(state, obj, self.links, reach), bare=self.state, closed=closed)
+        return replace(self, state=sited(state, obj, self.links, self._reach), bare=self.state, closed=closed)
 
     @property
     def _reach(self) -> float:
