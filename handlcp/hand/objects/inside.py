@@ -204,10 +204,13 @@ def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_al
         text = f"{when}, {who} {words.length(first.depth)} deeper in the object than {than}"
     else:
         text = f"{when}, {who} {words.length(first.depth)} inside the object"
+    if not tips_alone and not beside_tip:
+        text += f", and {'they are' if more else 'it is'} not among the contacts: a larger max_gap lets"
+        text += f" {'them' if more else 'it'} touch"
+        return Reason("link_inside", "decides" if far else "warning", text, values)
     if far:
         return Reason("link_inside", "decides", f"{text}: the hand cannot take this posture", values)
-    touch = "only fingertips are" if tips_alone else "it is not among the contacts, and not"
-    return Reason("link_inside", "warning", f"{text}: {touch} taken to touch it", values)
+    return Reason("link_inside", "warning", f"{text}: only fingertips are taken to touch it", values)
 
 
 def _ranges(posture: Posture, when: str) -> Iterator[Reason]:
