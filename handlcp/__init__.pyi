@@ -22,6 +22,7 @@ from .grasp import (
     Equilibria as Equilibria,
     Explanation as Explanation,
     FingerForceBound as FingerForceBound,
+    Flexibility as Flexibility,
     Frictionless as Frictionless,
     GeometricStiffness as GeometricStiffness,
     Grasp as Grasp,

@@ -60,6 +60,12 @@ class PowerGrasp:
         """The grasp, with E as one matrix."""
         return hl.Grasp(self.contacts, self.wrench, flexibility=self.flexibility, offset=self.offset)
 
+    def factored(self) -> hl.Grasp:
+        """The same grasp, with E as a factor."""
+        pads = self.pads[:, None, None] * np.eye(3)
+        E = hl.Flexibility(self.jacobian, np.diag(1.0 / np.sqrt(self.stiffness)), pads)
+        return hl.Grasp(self.contacts, self.wrench, flexibility=E, offset=self.offset)
+
 
 def power_grasp(n: int, seed: int, friction: float | None = None, loaded: bool = True) -> PowerGrasp:
     """A random one with n contacts; friction None: 0.15 or 0.6. loaded : by more than its weight."""
@@ -128,7 +134,7 @@ def _velocity(finger: int, phalanx: int, point: Array, size: float, side: float,
 # ----------------------------------------------------------------
 
 Make = Callable[[PowerGrasp], hl.Grasp]
-WAYS: dict[str, Make] = {"dense E": PowerGrasp.dense}
+WAYS: dict[str, Make] = {"dense E": PowerGrasp.dense, "factored E": PowerGrasp.factored}
 
 
 def times(console: Console, rounds: int, count: int) -> None:
