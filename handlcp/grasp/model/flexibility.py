@@ -18,7 +18,7 @@ from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.lazy import lazy
 
 T = TypeVar("T")
-MANY = 8  # contacts from which on a solve by elimination is the faster one
+MANY = 10  # contacts from which on a solve by elimination is the faster one
 
 
 class Factor(NamedTuple):
@@ -62,22 +62,12 @@ class Flexibility:
         J, A, P = self.factor
         return read_only(joint_flexibility(J, A) + block_diagonal(P, len(P)))
 
-    @lazy
-    def blocks_are_regular(self) -> bool:
-        """Whether every contact gives way in all directions by itself, as far as numbers can tell."""
-        P = self.factor.pads
-        softest = float(abs(P).max(initial=0.0)) + float(((self.factor.rows @ self.factor.root) ** 2).sum(1).max())
-        return bool(len(P) and np.linalg.eigvalsh(P).min() > _STIFFEST * softest)
-
     def __reduce__(self) -> tuple[Any, ...]:
         return Flexibility, tuple(self.factor)
 
     def __repr__(self) -> str:
         (rows, nv), n = self.factor.rows.shape, len(self.factor.pads)
         return f"Flexibility({n} contacts, {nv} joints, {rows} components)"
-
-
-_STIFFEST = 1e-7  # of the softest contact: a stiffer pad would cost the elimination more digits than it may
 
 
 def flexible(kind: type[T]) -> type[T]:

@@ -11,7 +11,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.flexibility import Flexibility, kept
+from handlcp.grasp.model.flexibility import MANY, Flexibility, kept
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
@@ -36,7 +36,7 @@ class CompiledKind:
         kind, self.design = scene.kind, design(scene, section, ())
         where, roles = self.design.layout, self.design.pattern
         self.kind: Kind = kind
-        self.by_contact = not kind.planar and not kind.soft and all(kind.governed)
+        self.by_contact = kind.n >= MANY and not (kind.planar or kind.soft) and all(kind.governed)
         self.scene_width = width(scene)
         self.answer_width = HEAD + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
@@ -63,7 +63,7 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
     """The first stage's answer, certified or not; start as in `start_from`."""
     kind = compiled_kind(scene, section)
-    if isinstance(E := kept(scene), Flexibility) and kind.by_contact and E.blocks_are_regular:
+    if kind.by_contact and isinstance(E := kept(scene), Flexibility):
         row, limits = np.empty(kind.answer_width), scene.limits(section)
         parts = (
             scene.positions,

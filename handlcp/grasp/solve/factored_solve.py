@@ -13,7 +13,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.grasp.model.flexibility import Factor
 from handlcp.grasp.model.grasp_matrix import Given, Posed, placed
-from handlcp.grasp.solve.compiled_solve import HEAD, NO_ANSWER, UNIQUE, UNKNOWN, ScenePattern, begin
+from handlcp.grasp.solve.compiled_solve import HEAD, UNIQUE, UNKNOWN, ScenePattern, begin
 from handlcp.grasp.verify.contact_laws import Friction, examined, motions_of_factor
 from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States, find_states
 from handlcp.lcp.kernels.contact_blocks import Linked, determined_by, held_blocks, newton_blocks
@@ -40,10 +40,9 @@ def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> boo
     """Write the answer's row, as `solve_scenes` does; start as there. Returns whether it is an answer."""
     n = len(p.contacts)
     g, factor, limits = _read(scene, n)
-    forces, still = np.zeros(3 * n), np.zeros(6)
-    softness = motions_of_factor(np.zeros((6, 3 * n)), factor, forces, forces, still).softness
+    B, softness = _columns(factor)
     posed = placed(g, softness)
-    linked = _linked(g, factor, posed, softness, limits, p)
+    linked = _linked(g, factor.pads, B, posed, softness, limits, p)
     r, z, newton, residual = np.zeros(3 * n), np.zeros(scene.columns + 6), 0, np.inf
     if len(start) > 0:
         x = np.zeros(p.at[4])
@@ -54,11 +53,11 @@ def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> boo
         apart = np.empty(n, np.bool_)
         for i in range(n):
             apart[i] = linked.d[3 * i] > 0.0
-        held_blocks(linked, apart, r, z)
+        if not held_blocks(linked, apart, r, z):
+            return False
         steps, residual = _run(linked, r, z, True)
         newton += steps
     row[0], row[1], row[2] = 0.0, newton, residual
-    row[11] = NO_ANSWER
     if not residual <= SOLVE:
         return False
     for i in range(n):
@@ -84,9 +83,26 @@ def _read(scene: Row, n: int) -> tuple[Given, Factor, Array]:
 
 
 @kernel
-def _linked(g: Given, E: Factor, posed: Posed, softness: Array, limits: Array, p: ScenePattern) -> Linked:
-    """The problem in natural units, each contact's normal first."""
-    n, (nv, m) = len(g.positions), E.root.shape
+def _columns(E: Factor) -> tuple[Array, Array]:
+    """(J A (3n, m), diagonal of E (3n,))."""
+    c, (nv, m) = len(E.rows), E.root.shape
+    B, softness = np.zeros((c, m)), np.empty(c)
+    for i in range(c):
+        for j in range(nv):
+            x = E.rows[i, j]
+            if x != 0.0:  # a finger's joints move no other finger
+                for a in range(m):
+                    B[i, a] += x * E.root[j, a]
+        softness[i] = E.pads[i // 3, i % 3, i % 3]
+        for a in range(m):
+            softness[i] += B[i, a] * B[i, a]
+    return B, softness
+
+
+@kernel
+def _linked(g: Given, pads: Array, B: Array, posed: Posed, softness: Array, limits: Array, p: ScenePattern) -> Linked:
+    """The problem in natural units, each contact's normal first; B = J A."""
+    n, m = len(g.positions), B.shape[1]
     units = posed.force / posed.motion
     scale = np.sqrt(units)
     P, W, d = np.empty((n, 3, 3)), np.zeros((3 * n, m + 6)), np.empty(3 * n)
@@ -100,12 +116,9 @@ def _linked(g: Given, E: Factor, posed: Posed, softness: Array, limits: Array, p
             at, own = 3 * i + a, 3 * i + (a + 2) % 3
             d[at] = g.offset[own] / posed.motion
             for b in range(3):
-                P[i, a, b] = E.pads[i, (a + 2) % 3, (b + 2) % 3] * units
-            for j in range(nv):
-                x = E.rows[own, j] * scale
-                if x != 0.0:
-                    for b in range(m):
-                        W[at, b] += x * E.root[j, b]
+                P[i, a, b] = pads[i, (a + 2) % 3, (b + 2) % 3] * units
+            for j in range(m):
+                W[at, j] = B[own, j] * scale
             for k in range(6):
                 W[at, m + k] = posed.grasp_matrix[k, own] / (1.0 if k < 3 else posed.length)
             largest = max(largest, softness[own] * units)

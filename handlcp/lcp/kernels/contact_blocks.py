@@ -56,14 +56,14 @@ def motions(p: Linked, r: Array, z: Array, y: Array, core: Array) -> float:
     for i in range(len(P)):
         for a in range(3):
             k = 3 * i + a
-            line, f, value = W[k], r[k], d[k]
+            f, value = r[k], d[k]
             for b in range(3):
                 value += P[i, a, b] * r[3 * i + b]
             for j in range(m):
-                value += line[j] * z[j]
+                value += W[k, j] * z[j]
             if f != 0.0:
                 for j in range(m):
-                    core[j] += line[j] * f
+                    core[j] += W[k, j] * f
             y[k] = value
     for j in range(m):
         total += core[j] * core[j]
@@ -81,46 +81,40 @@ def eliminated(p: Linked, split: _Split, F: Array, core: Array, dr: Array, dz: A
     for j in range(m):
         core_matrix[j, j], right[j] = S[j], -core[j]
     X, H, Y = np.empty((n, 3, 3)), np.empty((3, 7)), np.empty((3, m))
+    # Indices instead of views throughout: compiled code counts references to each view
     for i in range(n):
+        k, still = 3 * i, True
         for a in range(3):
             for b in range(3):
-                total = A[i, a, b]
-                for e in range(3):
-                    total += C[i, a, e] * P[i, e, b]
-                H[a, b], H[a, 3 + b] = total, C[i, a, b]
-            H[a, 6] = F[3 * i + a]
+                H[a, b] = A[i, a, b] + C[i, a, 0] * P[i, 0, b] + C[i, a, 1] * P[i, 1, b] + C[i, a, 2] * P[i, 2, b]
+                H[a, 3 + b] = C[i, a, b]
+                still = still and C[i, a, b] == 0.0
+            H[a, 6] = F[k + a]
         determined = _solved(H) and determined
-        still = True
         for a in range(3):
-            dr[3 * i + a] = H[a, 6]
+            dr[k + a] = H[a, 6]
             for b in range(3):
                 X[i, a, b] = H[a, 3 + b]
-                still = still and H[a, 3 + b] == 0.0
-        if not still:
-            Y[:] = 0.0
-            for b in range(3):
-                line = W[3 * i + b]
-                for a in range(3):
-                    x, out = X[i, a, b], Y[a]
-                    if x != 0.0:
-                        for j in range(m):
-                            out[j] += x * line[j]
+        f0, f1, f2 = H[0, 6], H[1, 6], H[2, 6]
+        for j in range(m):
+            right[j] += W[k, j] * f0 + W[k + 1, j] * f1 + W[k + 2, j] * f2
+        if still:
+            continue
         for a in range(3):
-            line, f, own = W[3 * i + a], H[a, 6], Y[a]
+            x0, x1, x2 = X[i, a, 0], X[i, a, 1], X[i, a, 2]
             for j in range(m):
-                value = line[j]
-                if value != 0.0:  # a finger's joints move no other finger
-                    right[j] += value * f
-                    if not still:
-                        out = core_matrix[j]
-                        for k in range(m):
-                            out[k] += value * own[k]
+                Y[a, j] = x0 * W[k, j] + x1 * W[k + 1, j] + x2 * W[k + 2, j]
+        for j in range(m):
+            w0, w1, w2 = W[k, j], W[k + 1, j], W[k + 2, j]
+            if w0 != 0.0 or w1 != 0.0 or w2 != 0.0:  # a finger's joints move no other finger
+                for e in range(m):
+                    core_matrix[j, e] += w0 * Y[0, e] + w1 * Y[1, e] + w2 * Y[2, e]
     rank = solve_ranked(core_matrix, right, dz, np.empty(m, np.int64), _LEAST)
     for i in range(n):
         for b in range(3):
-            line, value = W[3 * i + b], 0.0
+            value = 0.0
             for j in range(m):
-                value += line[j] * dz[j]
+                value += W[3 * i + b, j] * dz[j]
             for a in range(3):
                 dr[3 * i + a] -= X[i, a, b] * value
     return determined and rank == m
@@ -177,8 +171,10 @@ def split_rows(p: Linked, g: Subgradient, out: _Split) -> None:
 
 
 @kernel
-def held_blocks(p: Linked, apart: Bools, r: Array, z: Array) -> None:
-    """Write the linear solution in which contacts are open where `apart` (n,) and all others stick."""
+def held_blocks(p: Linked, apart: Bools, r: Array, z: Array) -> bool:
+    """Write the linear solution in which contacts are open where `apart` (n,) and all others stick. Returns whether
+    nothing is free then; contacts that cannot give way by themselves cannot be eliminated.
+    """
     n, m = len(p.P), len(z)
     split, F, core = _Split(np.zeros((n, 3, 3)), np.zeros((n, 3, 3))), np.zeros(3 * n), p.w.copy()
     for i in range(n):
@@ -188,11 +184,12 @@ def held_blocks(p: Linked, apart: Bools, r: Array, z: Array) -> None:
             else:
                 split.C[i, a, a], F[3 * i + a] = 1.0, p.d[3 * i + a]
     dr, dz = np.empty(3 * n), np.empty(m)
-    eliminated(p, split, F, core, dr, dz)
+    determined = eliminated(p, split, F, core, dr, dz)
     for k in range(3 * n):
         r[k] = -dr[k]
     for j in range(m):
         z[j] = -dz[j]
+    return determined
 
 
 @kernel
