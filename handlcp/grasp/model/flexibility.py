@@ -47,6 +47,13 @@ class Flexibility:
         own = read_only(np.array([psd(f"Flexibility.pads[{i}]", block) for i, block in enumerate(P)]).reshape(P.shape))
         self.factor = Factor(J, A, own)
 
+    @classmethod
+    def of(cls, factor: Factor) -> Flexibility:
+        """From sound arrays, read-only."""
+        made = cls.__new__(cls)
+        made.factor = factor
+        return made
+
     @property
     def shape(self) -> tuple[int, int]:
         """Of the matrix."""

@@ -16,13 +16,16 @@ from handlcp.grasp.model.grasp_matrix import Given, Posed, placed
 from handlcp.grasp.solve.compiled_solve import HEAD, UNIQUE, UNKNOWN, ScenePattern, begin
 from handlcp.grasp.verify.contact_laws import Friction, examined, motions_of_factor
 from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States, find_states
-from handlcp.lcp.kernels.contact_blocks import Linked, determined_by, held_blocks, newton_blocks
+from handlcp.lcp.kernels.contact_blocks import Linked, determined_by, held_blocks, newton_blocks, proximal_blocks
 from handlcp.lcp.kernels.contact_rows import Contacts
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
 # Newton's steps, and those on the ball in place of a polygon, as in `contact_run`
 _BALL_STEPS, _ON_BALL, _STEPS = 8, 1e-2, 12
+# Proximal steps before Newton's method is tried again: of 20 grasps that it fails on at first, ten were enough for 19.
+# Each is a linear solve as Newton's are, and they are counted as such.
+_NEARER, _WEIGHT = (10, 20, 70), 10.0
 
 
 class Row(NamedTuple):
@@ -57,6 +60,13 @@ def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> boo
             return False
         steps, residual = _run(linked, r, z, True)
         newton += steps
+        copies, pull, k = np.zeros(3 * n), np.zeros(3 * n), 0
+        while not residual <= SOLVE and k < len(_NEARER):
+            proximal_blocks(linked, copies, pull, _NEARER[k], _WEIGHT, z)
+            r[:] = copies
+            steps, residual = _run(linked, r, z, False)
+            newton += _NEARER[k] + steps
+            k += 1
     row[0], row[1], row[2] = 0.0, newton, residual
     if not residual <= SOLVE:
         return False

@@ -23,6 +23,7 @@ from handlcp.lcp.kernels.dense import kernel, solve_ranked
 
 _MEMORY = 8  # steps over which ‖F‖ may rise, as in `contact_run`
 _SHORTEST = 2e-2
+_FARTHER = 1.6  # over-relaxation of ADMM
 _LEAST = 1e-9  # pivots below this share of the largest say that something may be free
 
 
@@ -237,6 +238,44 @@ def newton_blocks(p: Linked, r: Array, z: Array, steps: int, tolerance: float) -
         r[:] = r1
         z[:] = z1
     return steps, relative
+
+
+@kernel
+def proximal_blocks(p: Linked, copies: Array, pull: Array, steps: int, weight: float, z: Array) -> None:
+    """Steps of ADMM on friction with dilatancy (De Saxcé & Feng, Math. Comput. Model. 28, 1998): forces that meet the
+    linear laws and their copies (3n,) in the cones draw each other near, pull (3n,) being what holds them together.
+    Both in place; z (m,) is written. Far from any answer they lead to where Newton's method converges.
+
+    weight : of the distance, over each contact's own softness.
+    """
+    n, m, rho, limits = len(p.P), len(z), p.own.rho, p.own.limits
+    split, F = _Split(np.zeros((n, 3, 3)), np.zeros((n, 3, 3))), np.empty(3 * n)
+    dr, dz, t = np.empty(3 * n), np.empty(m), np.empty(3)
+    for i in range(n):
+        for a in range(3):
+            split.A[i, a, a], split.C[i, a, a] = weight / rho[3 * i], 1.0
+    for _ in range(steps):
+        for i in range(n):
+            k, own = 3 * i, weight / rho[3 * i]
+            for a in range(3):
+                F[k + a] = p.d[k + a] + pull[k + a] - own * copies[k + a]
+            F[k] += limits[i] * np.sqrt(pull[k + 1] ** 2 + pull[k + 2] ** 2)
+        eliminated(p, split, F, p.w, dr, dz)
+        for i in range(n):
+            k, own, mu = 3 * i, weight / rho[3 * i], limits[i]
+            for a in range(3):
+                pull[k + a] -= own * (_FARTHER * dr[k + a] + (_FARTHER - 1.0) * copies[k + a])
+                t[a] = pull[k + a] / own
+            push, across = t[0], np.sqrt(t[1] * t[1] + t[2] * t[2])
+            share = 1.0
+            if across > mu * push:
+                push = max((push + mu * across) / (1.0 + mu * mu), 0.0)
+                share = mu * push / across if across > 0.0 else 0.0
+            copies[k], copies[k + 1], copies[k + 2] = push, share * t[1], share * t[2]
+            for a in range(3):
+                pull[k + a] -= own * copies[k + a]
+    for j in range(m):
+        z[j] = -dz[j]
 
 
 @kernel
