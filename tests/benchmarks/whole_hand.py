@@ -3,6 +3,7 @@
     python -m tests.benchmarks.whole_hand                      times, and what becomes of 200 random grasps
     python -m tests.benchmarks.whole_hand --times --rounds 20
     python -m tests.benchmarks.whole_hand --statuses --count 100
+    python -m tests.benchmarks.whole_hand --paths
 
 Times are the best of some rounds, in turns, and ratios are of medians over the grasps.
 """
@@ -24,6 +25,7 @@ from tests.benchmarks.report import conditions, opened, plain_table
 from tests.support.power import STRONG, WEAK, PowerGrasp, power_grasp
 
 COUNTS = (5, 10, 20, 40, 60)
+FOLLOWED = (5, 20, 60)
 
 Make = Callable[[PowerGrasp], hl.Grasp]
 WAYS: dict[str, Make] = {"dense E": PowerGrasp.dense, "factored E": PowerGrasp.factored}
@@ -62,6 +64,20 @@ def _solving(make: Make, g: PowerGrasp) -> Callable[[], Callable[[], Any]]:
     return task
 
 
+def paths(console: Console) -> None:
+    """Time of a loading that is followed, by contacts, beside five."""
+    table, five = plain_table("A loading that is followed, friction 0.6", "contacts", "time [ms]", "ratio"), 0.0
+    for n in FOLLOWED:
+        best = []
+        for seed in range(3):
+            grasp = power_grasp(n, seed, STRONG, loaded=False).factored()
+            best.append(best_times({"": lambda grasp=grasp: grasp.follow}, 2, 1)[""])  # type: ignore[misc]
+        now = median(best)
+        five = five or now
+        table.add_row(str(n), f"{1e3 * now:.0f}", f"{now / five:.1f}")
+    console.print(table)
+
+
 def statuses(console: Console, count: int) -> None:
     """What becomes of random grasps of 10 to 60 contacts, half of them with weak friction."""
     rng = np.random.default_rng(0)
@@ -86,6 +102,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--times", action="store_true", help="only the times")
+    parser.add_argument("--paths", action="store_true", help="only loadings that are followed")
     parser.add_argument("--statuses", action="store_true", help="only what becomes of random grasps")
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--grasps", type=int, default=5, help="timed grasps of each number of contacts")
@@ -93,9 +110,12 @@ def main() -> None:
     o = parser.parse_args()
     console = opened(120)
     console.print(conditions(), highlight=False)
-    if o.times or not o.statuses:
+    every = not (o.times or o.paths or o.statuses)
+    if o.times or every:
         times(console, o.rounds, o.grasps)
-    if o.statuses or not o.times:
+    if o.paths or every:
+        paths(console)
+    if o.statuses or every:
         statuses(console, o.count)
 
 
