@@ -243,7 +243,7 @@ class Hand(HandModel):
 
     def close_on(
         self, obj: Object, q0: Any = None, *, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
-        tolerance: float = 1e-6, wrap: Any = False,
+        tolerance: float = 1e-6,
     ) -> Array:  # fmt: skip
         """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
         read-only.
@@ -256,20 +256,8 @@ class Hand(HandModel):
             0). The posture is then the one that the joints are commanded to, and a grasp from there has the forces of
             `squeeze=` of `state.grasp` from the posture that touches, to first order: contacts and levers are those of
             the posture inside the object. There, joints that several fingers share take part, too.
-        wrap : True: the whole hand closes, and not the fingertips alone. Every joint that bends a finger towards the
-            object turns, all as fast; where a link touches, the joints that carry it stop, and those beyond it go on
-            until their own links touch or their range ends. Or how fast each joint turns, with its sign: a mapping by
-            joint name (others: 0), or (nv,). What may touch is all collision geometry; it comes without fingers and
-            squeeze.
-        Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`; beside
-        wrap, where no link comes to touch.
+        Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`.
         """
-        if wrap is not False:
-            from handlcp.hand.sites.wrap import wrap as wrapped
-
-            if fingers is not None or not (isinstance(squeeze, (int, float)) and squeeze == 0.0):
-                raise InputError("wrap", "False beside fingers and squeeze", repr(wrap)[:80])
-            return wrapped(self, obj, q0, wrap).q
         from handlcp.hand.objects.close import close_on
 
         return close_on(self, obj, q0, fingers, squeeze, tolerance)
