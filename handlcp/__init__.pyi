@@ -22,6 +22,7 @@ from .grasp import (
     Equilibria as Equilibria,
     Explanation as Explanation,
     FingerForceBound as FingerForceBound,
+    Flexibility as Flexibility,
     ForceBounds as ForceBounds,
     Frictionless as Frictionless,
     GeometricStiffness as GeometricStiffness,

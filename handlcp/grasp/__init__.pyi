@@ -35,6 +35,7 @@ from .margins.wrench_space import WrenchSpace as WrenchSpace
 from .model.contact import Contact as Contact
 from .model.effect import Effect as Effect, effect_kinds as effect_kinds
 from .model.environment import Environment as Environment
+from .model.flexibility import Flexibility as Flexibility
 from .model.kind import Placement as Placement
 from .model.limit import FileKey as FileKey, Limit as Limit
 from .model.scene import Scene as Scene

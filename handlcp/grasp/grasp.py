@@ -43,7 +43,8 @@ class Grasp(Questions):
     wrench : (6,) force [N] and torque [N·m] about `reference` that the world applies to the object, gravity
         included; None: none. A planar scene in xy also takes (Fx, Fy, M).
     flexibility : E [m/N] in contact axes (x, y tangents, z normal): a number, a (3,) diagonal for every contact,
-        (n, 3, 3) blocks or the full coupled (3n, 3n) matrix; symmetric positive semidefinite, 0 for rigid fingers.
+        (n, 3, 3) blocks or the full coupled (3n, 3n) matrix; symmetric positive semidefinite, 0 for rigid fingers. Of
+        many contacts on a few joints a `Flexibility`, which is faster.
     preload : squeeze of each normal [m], a number or (n,); short for offset[:, 2] = -preload.
     offset : (n, 3) motion of the object relative to the tips before anything is loaded [m], contact axes; along the
         normal > 0 a gap, < 0 a preload. With a row for every contact it also moves the environment.

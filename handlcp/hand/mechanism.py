@@ -20,6 +20,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import command_of
+from handlcp.grasp.model.flexibility import MANY, Factor, Flexibility
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -339,6 +340,18 @@ def mechanism_of(
 
 def finger_flexibility(mechanism: HandMechanism) -> Array:
     """(3k, 3k) E = J K⁻¹ Jᵀ + pads of the fingers, contact axes [m/N]."""
+    return read_only(tip_flexibility(*flexibility_factor(mechanism)))
+
+
+def flexibility_factor(mechanism: HandMechanism) -> Factor:
+    """The same as a factor."""
     posture, tips, axes = mechanism.posture, mechanism.tips, mechanism.frames.transpose(0, 2, 1)
     pads = posture.hand.pads.in_axes(lambda: axes @ posture.tip_rotations[list(tips)], tips)
-    return read_only(tip_flexibility(mechanism.jacobian, mechanism.root, pads))
+    return Factor(mechanism.jacobian, mechanism.root, pads)
+
+
+def own_flexibility(mechanism: HandMechanism) -> Array | Flexibility:
+    """E of the fingers as a grasp keeps it: with many contacts the factor, which solves are faster with."""
+    if len(mechanism.tips) >= MANY:
+        return Flexibility.of(flexibility_factor(mechanism))
+    return finger_flexibility(mechanism)

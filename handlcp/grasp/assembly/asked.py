@@ -14,6 +14,7 @@ from handlcp.grasp.friction import FrictionLaw, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact, frame
 from handlcp.grasp.model.environment import Environment, beside, joined, offset_beside
+from handlcp.grasp.model.flexibility import Flexibility, kept, matrix_of
 from handlcp.grasp.model.spec import GraspSpec
 
 _DEEP = 4  # lists in lists; nothing that is asked has more
@@ -45,10 +46,11 @@ class Asked:
         positions, frames, normal = validate.placed(self.plane, cs)
         point = validate.reference(self.reference, normal, positions)
         load = validate.wrench(self.wrench, normal, validate.lift(positions, point, normal))
-        E = validate.flexibility(self.flexibility, k, normal is not None)
+        own = self.flexibility
+        E = own if _fits(own, k, around) else validate.flexibility(matrix_of(own), k, normal is not None)
         d = offset_beside(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset)
         if around is not None:
-            E = beside(E, around.flexibility)
+            E = beside(matrix_of(E), around.flexibility)
         fingers, R = None if around is None else k, read_only(frames)
         spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
         return as_asked(spec, self.effects).replace(asked=self)
@@ -62,6 +64,11 @@ class Asked:
             given["contacts"] = tuple([rubbed(c, law) for c, law in zip(cs, laws, strict=True)])
         made: Self = again(self, given)
         return made
+
+
+def _fits(E: Any, contacts: int, around: Environment | None) -> bool:
+    """Whether a flexibility can stay the factor that it was given as; else it is read as a matrix."""
+    return isinstance(E, Flexibility) and around is None and E.shape[0] == 3 * contacts
 
 
 def alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
@@ -92,7 +99,8 @@ def _asked_of(spec: GraspSpec) -> Asked:
     k, around = spec.of_fingers, environment_of(spec)
     plane = None if spec.contacts[0].planar else spec.plane
     effects = tuple([e for e in spec.effects if e.by_name])
-    E, d = spec.flexibility[: 3 * k, : 3 * k], of_fingers_alone(spec.offset, k)
+    E = kept(spec) if k == spec.n else spec.flexibility[: 3 * k, : 3 * k]
+    d = of_fingers_alone(spec.offset, k)
     return Asked(spec.contacts[:k], spec.wrench, E, 0.0, d, spec.reference, effects, plane, around)
 
 

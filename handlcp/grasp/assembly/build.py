@@ -8,16 +8,21 @@ know one friction law: a ball. Where S = 1, in nearly all scenes, nothing is don
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.flexibility import Flexibility, kept, matrix_of
 from handlcp.grasp.model.kind import Placement, cross_rows, kind_of
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.tolerances import LEVER
+
+Given = Array | Flexibility  # as it was given
 
 
 def build(spec: GraspSpec) -> Scene:
@@ -43,24 +48,31 @@ def build(spec: GraspSpec) -> Scene:
     E, d = _with_turns(spec, soft)
     held: Array | None = None
     if spec.effects:
-        E, d = softened_by(spec.effects, spec, soft, E), shifted_by(spec.effects, spec, soft, d)
+        E, d = _softened(spec, soft, E), shifted_by(spec.effects, spec, soft, d)
         torques = [torque for e in spec.effects if (torque := e.added_torque()) is not None]
         held = sum(torques[1:], torques[0]) if torques else None
     frames = spec.frames
     if not planar and not plain and (scale := _scales(contacts, soft)) is not None:
         rows = scale[: 3 * len(contacts)].reshape(-1, 3)
-        frames, E, d = frames * rows[:, None, :], E * scale[:, None] * scale, d * scale
+        frames, E, d = frames * rows[:, None, :], matrix_of(E) * scale[:, None] * scale, d * scale
     given = None
     if known:
         given = np.zeros(len(d))
         for i, force in known.items():
             given[3 * i : 3 * i + 3] = force if scale is None else force / scale[3 * i : 3 * i + 3]
-    force = spec.wrench[:3]
+    force, E = spec.wrench[:3], E if isinstance(E, Flexibility) else read_only(E)
     return Scene(
-        spec.positions, read_only(frames), read_only(mu), read_only(E), read_only(d), force,
+        spec.positions, read_only(frames), read_only(mu), cast(Array, E), read_only(d), force,
         read_only(spec.wrench[3:] + cross_rows(spec.reference, force)), spec.plane,
         kind_of(governed, tangents, planar, bool(E.any())), spec.fingers, given, scale, spec.mechanism, held,
     )  # fmt: skip
+
+
+def _softened(spec: GraspSpec, soft: tuple[int, ...], E: Given) -> Given:
+    """Flexibility with what effects add to E; a factor stays one where they add nothing."""
+    if isinstance(E, Flexibility) and all([e.added_flexibility(spec, soft) is None for e in spec.effects]):
+        return E
+    return softened_by(spec.effects, spec, soft, matrix_of(E))
 
 
 def softened_by(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...], E: Array) -> Array:
@@ -100,13 +112,13 @@ def _along(contact: Contact, direction: Array) -> float:
     return contact.mu if contact.friction.plain else contact.friction.toward(float(x), float(y))
 
 
-def _with_turns(spec: GraspSpec, soft: tuple[int, ...]) -> tuple[Array, Array]:
+def _with_turns(spec: GraspSpec, soft: tuple[int, ...]) -> tuple[Given, Array]:
     """Flexibility (c, c) and offset (c,) of the points and of the turns about the normals of the soft contacts: pads
     turn, and joints turn the fingertip under its moment. Where E is zero, joints are taken as rigid in torsion, too.
     """
     d = spec.offset.reshape(-1)
     if not soft:
-        return spec.flexibility, d
+        return kept(spec), d
     n = len(d)
     E = np.zeros((n + len(soft), n + len(soft)))
     if spec.mechanism is not None and spec.flexibility.any():

@@ -64,19 +64,34 @@ class Posed(NamedTuple):
 @kernel
 def pose(g: Given, index: Ints) -> tuple[Posed, Blocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
-    force, length, motion, centre, wrench = _sizes(g)
-    grasp_matrix = wrench_map(g.positions, centre, g.frames, g.spin)
-    posed = Posed(force, length, motion, centre, wrench, grasp_matrix)
+    posed = placed(g, diagonal(g.flexibility))
     return posed, _blocks(g, posed, index)
 
 
 @kernel
-def _sizes(g: Given) -> tuple[float, float, float, Array, Array]:
+def placed(g: Given, own: Array) -> Posed:
+    """Units and geometry of a grasp; own (c,): the diagonal of E, all that they see of it."""
+    force, length, motion, centre, wrench = _sizes(g, own)
+    grasp_matrix = wrench_map(g.positions, centre, g.frames, g.spin)
+    return Posed(force, length, motion, centre, wrench, grasp_matrix)
+
+
+@kernel
+def diagonal(E: Array) -> Array:
+    """(c,) of E (c, c)."""
+    own = np.empty(len(E))
+    for i in range(len(E)):
+        own[i] = E[i, i]
+    return own
+
+
+@kernel
+def _sizes(g: Given, own: Array) -> tuple[float, float, float, Array, Array]:
     """(force, length, motion, centre, wrench): force is the size of the load plus that of the squeeze, length the rms
     distance of the contacts from their centre, motion = force × the mean flexibility; wrench (6,) of the load about the
     centre.
     """
-    positions, offset, flexibility = g.positions, g.offset, g.flexibility
+    positions, offset = g.positions, g.offset
     n = len(positions)
     centre = np.zeros(3)
     for i in range(n):
@@ -88,7 +103,7 @@ def _sizes(g: Given) -> tuple[float, float, float, Array, Array]:
             spread += (positions[i, k] - centre[k]) ** 2 / n
             if k < 2 or offset[3 * i + k] < 0.0:  # a gap loads nothing, however wide
                 travel += offset[3 * i + k] ** 2 / n
-            softness += flexibility[3 * i + k, 3 * i + k] / (3 * n)
+            softness += own[3 * i + k] / (3 * n)
     length, away = np.sqrt(spread), np.sqrt(centre[0] ** 2 + centre[1] ** 2 + centre[2] ** 2)
     if length <= 1e-12 * away:  # all at one point: what is left is rounding, no size
         length = away

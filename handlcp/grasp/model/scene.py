@@ -10,6 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, read_only, sealed
 from handlcp.grasp.friction import Section, limit_set
+from handlcp.grasp.model.flexibility import flexible
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.kind import Kind, cross_rows
 from handlcp.grasp.model.mechanism import Mechanism
@@ -18,6 +19,7 @@ from handlcp.lazy import lazy
 _SPATIAL = read_only(np.eye(6))
 
 
+@flexible
 @dataclass(frozen=True)
 class Scene:
     """SI arrays of a grasp in the coordinates of its friction laws (`friction.law`), and the same in natural units.

@@ -12,21 +12,24 @@ from handlcp.check import Array, read_only, sealed
 from handlcp.errors import InputError
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.flexibility import flexible, kept
 from handlcp.grasp.model.kind import Placement, cross_rows
 from handlcp.lazy import lazy
 
 _ARRAYS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")
 
 
+@flexible
 @dataclass(frozen=True, eq=False)
 class GraspSpec(Placement):
     """A grasp before it is built: sound arrays, read-only, SI. Immutable; `build` makes a `Scene` of it.
 
     Besides what `Placement` says: wrench (6,) force and torque about reference (3,) that the world applies to the
-    object. flexibility (3n, 3n) of fingers and environment in contact axes, and offset (n, 3) of the object relative to
-    them before any load, both without what the effects add. effects : all that were asked for, in `effects=` or by an
-    argument of their own, such as `finger_weight=`. asked : the arguments that all this was made of, which `replace` of
-    a grasp changes; None: they are not known, as after any change of the specification itself.
+    object. flexibility (3n, 3n) of fingers and environment in contact axes, made of a `Flexibility` where one was
+    given, and offset (n, 3) of the object relative to them before any load, both without what the effects add.
+    effects : all that were asked for, in `effects=` or by an argument of their own, such as `finger_weight=`. asked :
+    the arguments that all this was made of, which `replace` of a grasp changes; None: they are not known, as after any
+    change of the specification itself.
     """
 
     wrench: Array
@@ -40,7 +43,7 @@ class GraspSpec(Placement):
         """Raises InputError where shapes do not fit one another; the numbers were checked where they came in."""
         n = self.n
         shapes = ((n, 3), (n, 3, 3), (6,), (3,), (3 * n, 3 * n), (n, 3))
-        arrays = (self.positions, self.frames, self.wrench, self.reference, self.flexibility, self.offset)
+        arrays = (self.positions, self.frames, self.wrench, self.reference, kept(self), self.offset)
         if tuple([a.shape for a in arrays]) == shapes:
             return
         for name, array, shape in zip(_ARRAYS, arrays, shapes, strict=True):
@@ -49,7 +52,7 @@ class GraspSpec(Placement):
 
     def replace(self, **changes: Any) -> Self:
         """The same with other values of some fields."""
-        return dataclasses.replace(self, **({"asked": None} | changes))
+        return dataclasses.replace(self, **({"asked": None, "flexibility": kept(self)} | changes))
 
     def with_laws(self, laws: tuple[FrictionLaw, ...]) -> Self:
         """The same with other friction, a law for each contact."""

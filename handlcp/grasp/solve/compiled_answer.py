@@ -11,9 +11,11 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.flexibility import MANY, Flexibility, kept
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
+from handlcp.grasp.solve.factored_solve import Row, solve_factored
 from handlcp.grasp.solve.scene_row import width, write_row
 from handlcp.grasp.verify.contact_laws import Misses
 from handlcp.grasp.verify.contact_states import names_of
@@ -28,12 +30,13 @@ NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every
 class CompiledKind:
     """Scenes that differ in numbers alone: their effects and layout, the same for compiled code, widths of rows."""
 
-    __slots__ = ("answer_width", "design", "kind", "pattern", "scene_width")
+    __slots__ = ("answer_width", "by_contact", "design", "kind", "pattern", "scene_width")
 
     def __init__(self, scene: Scene, section: Section) -> None:
         kind, self.design = scene.kind, design(scene, section, ())
         where, roles = self.design.layout, self.design.pattern
         self.kind: Kind = kind
+        self.by_contact = kind.n >= MANY and not (kind.planar or kind.soft) and all(kind.governed)
         self.scene_width = width(scene)
         self.answer_width = HEAD + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
@@ -60,6 +63,21 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
     """The first stage's answer, certified or not; start as in `start_from`."""
     kind = compiled_kind(scene, section)
+    if kind.by_contact and isinstance(E := kept(scene), Flexibility):
+        row, limits = np.empty(kind.answer_width), scene.limits(section)
+        parts = (
+            scene.positions,
+            scene.frames,
+            scene.offset,
+            scene.force,
+            scene.moment,
+            scene.freedom,
+            *E.factor,
+            limits,
+        )
+        numbers = read_only(np.concatenate(parts, axis=None))
+        if solve_factored(Row(numbers, *E.factor.root.shape), kind.pattern, start, row):
+            return CompiledAnswer(kind, row)
     numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
     write_row(scene, section, numbers[0])
     solve_scenes(read_only(numbers), kind.pattern, start, seed, rows)

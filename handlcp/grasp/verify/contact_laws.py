@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.model.grasp_matrix import Given, Posed
+from handlcp.grasp.model.flexibility import Factor
+from handlcp.grasp.model.grasp_matrix import Given, Posed, diagonal
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.projection import nearest
 
@@ -62,23 +63,42 @@ def examine(
     if total != 0.0:
         nan = np.nan
         return np.full(len(forces), nan), Misses(nan, nan, nan, nan, nan, nan, nan, nan)
-    G, lost = p.grasp_matrix, p.wrench.copy()
-    v, own, terms = _motions(G, g.flexibility, offset, forces, twist)
+    moved = _motions(p.grasp_matrix, g.flexibility, offset, forces, twist)
+    return moved.v, examined(g, p, contacts, f, offset, forces, moved, growth)
+
+
+class Moved(NamedTuple):
+    """Motions v (c,), the largest of what adds up to each, Gᵀ u, E r and d, and the largest single term; and the
+    diagonal of E.
+    """
+
+    v: Array
+    own: Array
+    terms: Array
+    softness: Array
+
+
+@kernel
+def examined(
+    g: Given, p: Posed, contacts: Ints, f: Friction, offset: Array, forces: Array, moved: Moved, growth: float
+) -> Misses:
+    """The misses of forces (c,) and the motions that go with them, whatever is the flexibility in g."""
+    G, lost, v = p.grasp_matrix, p.wrench.copy(), moved.v
     for k in range(6):
         for j in range(len(forces)):
             lost[k] += G[k, j] * forces[j]
     lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
     lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
     unit = _units(g, p.length)
-    F, V = _sizes(g, p, unit, contacts, offset, forces, own, terms, growth)
+    F, V = _sizes(p, unit, contacts, offset, forces, moved, growth)
     normal, cone, slip = _laws(contacts, f, unit, forces, v, F, V)
     balance = np.sqrt(lost_force**2 + (lost_moment / p.length) ** 2) / F
-    return v, Misses(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
+    return Misses(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
 
 
 @kernel
-def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> tuple[Array, Array, Array]:
-    """Of the components (c,): v; the largest of what adds up to it, Gᵀ u, E r and d; and the largest single term."""
+def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> Moved:
+    """Of the components (c,)."""
     c = len(forces)
     v, own, terms = np.empty(c), np.empty(c), np.empty(c)
     for i in range(c):
@@ -94,7 +114,52 @@ def _motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> 
         v[i] = move + retreat + offset[i]
         own[i] = max(abs(move), abs(retreat), abs(offset[i]))
         terms[i] = largest
-    return v, own, terms
+    return Moved(v, own, terms, diagonal(E))
+
+
+@kernel
+def motions_of_factor(G: Array, E: Factor, offset: Array, forces: Array, twist: Array) -> Moved:
+    """The same of E = J A (J A)ᵀ + P, which is not formed."""
+    J, root, P = E.rows, E.root, E.pads
+    c, nv, m = len(forces), root.shape[0], root.shape[1]
+    torque, strain, bent = np.zeros(nv), np.zeros(m), np.zeros(nv)
+    for i in range(c):
+        if forces[i] != 0.0:
+            for j in range(nv):
+                torque[j] += J[i, j] * forces[i]
+    for j in range(nv):
+        for a in range(m):
+            strain[a] += root[j, a] * torque[j]
+    for j in range(nv):
+        for a in range(m):
+            bent[j] += root[j, a] * strain[a]
+    v, own, terms, softness, line = np.empty(c), np.empty(c), np.empty(c), np.empty(c), np.empty(m)
+    for i in range(c):
+        move, retreat, largest = 0.0, 0.0, abs(offset[i])
+        line[:] = 0.0
+        for k in range(6):
+            term = G[k, i] * twist[k]
+            move += term
+            largest = max(largest, abs(term))
+        for j in range(nv):
+            x = J[i, j]
+            if x != 0.0:  # a finger's joints move no other finger
+                term = x * bent[j]
+                retreat += term
+                largest = max(largest, abs(term))
+                for a in range(m):
+                    line[a] += x * root[j, a]
+        for b in range(3):
+            term = P[i // 3, i % 3, b] * forces[i - i % 3 + b]
+            retreat += term
+            largest = max(largest, abs(term))
+        softness[i] = P[i // 3, i % 3, i % 3]
+        for a in range(m):
+            softness[i] += line[a] * line[a]
+        v[i] = move + retreat + offset[i]
+        own[i] = max(abs(move), abs(retreat), abs(offset[i]))
+        terms[i] = largest
+    return Moved(v, own, terms, softness)
 
 
 @kernel
@@ -112,9 +177,8 @@ def _units(g: Given, length: float) -> Array:
 
 @kernel
 def _sizes(
-    g: Given, p: Posed, unit: Array, contacts: Ints, offset: Array, forces: Array, own: Array, terms: Array,
-    growth: float,
-) -> tuple[float, Array]:  # fmt: skip
+    p: Posed, unit: Array, contacts: Ints, offset: Array, forces: Array, moved: Moved, growth: float
+) -> tuple[float, Array]:
     """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
 
     A component counts as what it is in contact axes where the law's coordinates make it larger: a large lever excuses
@@ -124,7 +188,7 @@ def _sizes(
     A rigid contact that sticks has neither: it is measured by the retreat of the stiffest of the others, as a motion of
     it changes their forces.
     """
-    load, wrench, E = 0.0, p.wrench, g.flexibility
+    load, wrench, own, terms, E = 0.0, p.wrench, moved.own, moved.terms, moved.softness
     for k in range(6):
         load += (wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
     load = np.sqrt(load)
@@ -138,7 +202,7 @@ def _sizes(
     for i in range(len(contacts)):
         softness = 0.0
         for a in range(3):  # a pad that turns easily excuses no overlap
-            softness += E[3 * i + a, 3 * i + a] / 3
+            softness += E[3 * i + a] / 3
         V[i] = softness * F
         if V[i] > 0.0:
             rigid = min(rigid, V[i])

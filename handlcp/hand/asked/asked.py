@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -17,11 +17,12 @@ from handlcp.grasp.friction import Coulomb, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, offset_beside
+from handlcp.grasp.model.flexibility import matrix_of
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.closing import Closed, begun_open, closed_by, closing_torques, pulled
 from handlcp.hand.asked.load import load_of, point_of
 from handlcp.hand.command import commanded, one_command
-from handlcp.hand.mechanism import HandMechanism, finger_flexibility, mechanism_of
+from handlcp.hand.mechanism import HandMechanism, mechanism_of, own_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
 from handlcp.hand.objects.object import Object
@@ -150,7 +151,7 @@ class HandAsked:
         g = array("gravity", self.gravity, (3,), what=_GRAVITY)
         mechanism = mechanism_of(self.state, tips, positions[:k], frames[:k], obj, g, read_only(np.zeros((k, 3))))
         given = self.flexibility
-        E = finger_flexibility(mechanism) if given is None else validate.flexibility(given, k, planar)
+        E = own_flexibility(mechanism) if given is None else validate.flexibility(matrix_of(given), k, planar)
         if self.found is not None:
             mechanism = replace(mechanism, stand_off=self.found[1])
         elif obj is not None:
@@ -158,14 +159,14 @@ class HandAsked:
         d = offset_beside(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset).copy()
         d[:k] += mechanism.stand_off
         if around is not None:
-            mechanism, E = mechanism.beside(len(around.contacts)), beside(E, around.flexibility)
+            mechanism, E = mechanism.beside(len(around.contacts)), beside(matrix_of(E), around.flexibility)
         point = point_of(self.reference, obj, positions, normal)
         if self.load is None:
             load = load_of(self.wrench, point, obj, g, positions, normal)
         else:
             load = validate.wrench(self.load, normal, validate.lift(positions, point, normal))
         spec = GraspSpec(
-            contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, E,
+            contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, cast(Array, E),
             read_only(d), _weight(self.state, weighed, g),
         )  # fmt: skip
         spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, offset)
