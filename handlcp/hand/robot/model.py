@@ -35,7 +35,8 @@ class HandModel:
     lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
     neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
     torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
-    links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None.
+    links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None. own_tips :
+    names of the fingertips that such a hand has otherwise; else ().
     """
 
     kinematics: Kinematics
@@ -53,6 +54,7 @@ class HandModel:
     neutral: Array
     torque_limits: Array
     links_of_sites: tuple[str, ...] | None
+    own_tips: tuple[str, ...]
     _geometry: TipGeometry
 
     def __init__(
@@ -69,6 +71,7 @@ class HandModel:
             name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
             nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
             neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None,
+            own_tips=(),
         )  # fmt: skip
 
     @property
