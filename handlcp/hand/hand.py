@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
-from handlcp.errors import InputError, UnknownName, Unsupported
+from handlcp.errors import HandLCPError, InputError, UnknownName, Unsupported
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
@@ -245,10 +245,17 @@ class Hand(HandModel):
         return audit_of(self.source, doubts)
 
     def describe(self) -> HandDescription:
-        """Joints with ranges, limits, stiffness; fingertips, and why; couplings; mass; size. To print, or as data."""
+        """Joints with ranges, limits, stiffness; fingertips, and why; what may touch, its shapes and pads; couplings;
+        mass; size. To print, or as data.
+        """
         from handlcp.hand.robot.describe import describe_hand
+        from handlcp.hand.sites.touchers import ALL, touchers
 
-        return describe_hand(self)
+        try:
+            touching = touchers(self, ALL)
+        except HandLCPError:  # meshes are missing, or nothing collides
+            touching = ()
+        return describe_hand(self, touching)
 
     def at(self, q: Any) -> HandState:
         """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names all of them.

@@ -10,6 +10,7 @@ from handlcp.errors import InputError, NotReached, UnknownName
 from handlcp.grasp import Contact
 from handlcp.hand import Box, Cylinder, Hand, Sphere, example_hand
 from tests.support.grasp import said_of_contacts
+from tests.support.show import hand_bodies, tip_shapes
 
 # A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it
 FLAT = """
@@ -125,6 +126,8 @@ def test_friction_by_link_and_by_contact():
 
 def test_a_link_that_does_not_touch_may_be_named():
     assert on_palm(BALL, friction={"bar": 0.9}).contacts[0].mu == 0.6
+    thumb = flat(fingertips={"thumb": "bare"})
+    assert on_palm(BALL, thumb, friction={"thumb": 0.9}).contacts[0].mu == 0.6
 
 
 # ---------------------------------------------------------------- The same grasp said in another way.
@@ -285,3 +288,14 @@ def test_a_torque_turns_no_rigid_joint(links):
     hand = flat(joint_stiffness=None)
     with pytest.raises(InputError, match=r"closing_torque: expected joints that give way, .*hinge: rigid"):
         on_palm(Sphere(0.03, (0.01, 0, 0.06)), hand, links=links, closing_torque=0.1, max_gap=0.05)
+
+
+def test_a_picture_outlines_links_that_are_drawn_elsewhere():
+    box = '<geometry><box size="0.1 0.1 0.02"/></geometry>'
+    drawn = FLAT.replace("</collision>\n", f'</collision><visual><origin xyz="0 0 -0.06"/>{box}</visual>\n', 1)
+    hand = Hand.from_urdf(drawn, fingertips=["bare"], joint_stiffness=5.0, tip_radius=0.012)
+    grasp = on_palm(CUBE, hand)
+    (outlined,) = tip_shapes(grasp, hand_bodies(grasp.state))  # one for four contacts
+    np.testing.assert_allclose(np.ptp(outlined.reshape(-1, 3), axis=0), [0.1, 0.1, 0.02], atol=1e-9)
+    as_drawn = on_palm(CUBE)
+    assert tip_shapes(as_drawn, hand_bodies(as_drawn.state)) == []

@@ -19,10 +19,10 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.object import Object, on_surface
 from handlcp.hand.objects.overlap import apart, beyond, known, overlap, size_of, support
-from handlcp.hand.objects.swept import Swept, nearest_station
+from handlcp.hand.objects.swept import nearest_station
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.posture import Posture
-from handlcp.hand.robot.tip_geometry import TipShape
+from handlcp.hand.robot.tip_geometry import Swept, TipShape
 
 # ----------------------------------------------------------------
 # The signed distance of two convex shapes: coal's where their support functions confirm it, else computed from these.

@@ -13,8 +13,6 @@ As the shape moves, the nearest station stays where the normal n is across the l
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from handlcp.check import Array
@@ -25,16 +23,6 @@ _SWEEPS = 40  # over a rectangle, one line after the other
 _HALVINGS = 120
 _SETTLED = 1e-13  # of the line's half length
 _FLAT = 1e-6  # curvature along a line, times the object's size, below which stations do not move
-
-
-class Swept(NamedTuple):
-    """A ball of this radius [m] about centre + s spans[0] + t spans[1], -1 ≤ s, t ≤ 1, in tip axes [m]. centre (3,).
-    spans (2, 3) : half the edges, across each other; zero for a line's second and both of a ball's.
-    """
-
-    centre: Array
-    spans: Array
-    radius: float
 
 
 @kernel

@@ -123,8 +123,8 @@ def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) 
     return _made(described, kinematics, tips, (), (limits.limits, limits.known), {}, audit)
 
 
-def describe_hand(hand: Any) -> HandDescription:
-    """Of a hand; as a method, `hand.describe()`."""
+def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
+    """Of a hand; as a method, `hand.describe()`. touching : with name, shapes and pad, what may touch."""
     described, model = hand.description, hand.kinematics.model
     reasons = {(c.name, c.link): c for c in candidates(described)}
     tips = []
@@ -139,17 +139,8 @@ def describe_hand(hand: Any) -> HandDescription:
     rest = tuple(_candidate(c, False) for c in reasons.values() if c.link not in {t.link for t in tips})
     springs = _springs(hand)
     limits = hand.torques.limits, hand.torques.known
-    return _made(described, hand.kinematics, (*tips, *rest), _touching(hand), limits, springs, hand.audit())
-
-
-def _touching(hand: Any) -> tuple[TouchRow, ...]:
-    from handlcp.hand.sites.touchers import ALL, touchers
-
-    try:
-        every = touchers(hand, ALL)
-    except HandLCPError:  # meshes are missing, or nothing collides
-        return ()
-    return tuple(TouchRow(t.name, tuple(shape_words(shape) for shape in t.shapes), t.pad) for t in every)
+    rows = tuple(TouchRow(t.name, tuple(shape_words(shape) for shape in t.shapes), t.pad) for t in touching)
+    return _made(described, hand.kinematics, (*tips, *rest), rows, limits, springs, hand.audit())
 
 
 def _made(

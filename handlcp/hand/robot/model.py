@@ -36,7 +36,8 @@ class HandModel:
     neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
     torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
     in_parts_of : links whose meshes touch in convex parts, not as their hulls.
-    links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None.
+    links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None. own_tips :
+    names of the fingertips that such a hand has otherwise; else ().
     """
 
     kinematics: Kinematics
@@ -55,6 +56,7 @@ class HandModel:
     torque_limits: Array
     in_parts_of: frozenset[str]
     links_of_sites: tuple[str, ...] | None
+    own_tips: tuple[str, ...]
     _geometry: TipGeometry
 
     def __init__(
@@ -71,7 +73,7 @@ class HandModel:
             name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
             nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
             neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None,
-            in_parts_of=frozenset(),
+            in_parts_of=frozenset(), own_tips=(),
         )  # fmt: skip
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import coal
 import numpy as np
@@ -12,7 +12,6 @@ import pinocchio as pin
 
 from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
-from handlcp.hand.objects.swept import Swept
 from handlcp.hand.robot.fingertips import TipFrames
 from handlcp.hand.robot.link_surface import hull
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
@@ -20,6 +19,16 @@ from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 _LARGEST = 0.5  # [m] no fingertip is larger
 
 _CONVEX = (coal.Sphere, coal.Box, coal.Cylinder, coal.Capsule, coal.Ellipsoid, coal.ConvexBase)
+
+
+class Swept(NamedTuple):
+    """A ball of this radius [m] about centre + s spans[0] + t spans[1], -1 ≤ s, t ≤ 1, in tip axes [m]. centre (3,).
+    spans (2, 3) : half the edges, across each other; zero for a line's second and both of a ball's.
+    """
+
+    centre: Array
+    spans: Array
+    radius: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,7 @@ from handlcp.grasp.model.contact import frame as axes_of
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.overlap import size_of, support
-from handlcp.hand.objects.swept import Swept
-from handlcp.hand.robot.tip_geometry import TipShape
+from handlcp.hand.robot.tip_geometry import Swept, TipShape
 
 _TILT = 2e-3  # [rad]
 _SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface

@@ -147,7 +147,7 @@ def touching_there(hand: HandModel, near: list[Site]) -> HandModel:
     pads = np.array([site.link.pad for site in near]).reshape(-1, 3, 3)
     return hand.with_parts(
         tips=tips, fingertips=tips.names, kinematics=Kinematics(model, hand.kinematics.facts), pads=Pads(pads),
-        links_of_sites=tuple(site.link.name for site in near),
+        links_of_sites=tuple(site.link.name for site in near), own_tips=hand.fingertips,
         _geometry=TipGeometry.of(hand.description, tips, shapes),
     )  # fmt: skip
 
@@ -167,7 +167,7 @@ def by_site(argument: str, value: Any, hand: HandModel) -> Any:
     of = hand.links_of_sites
     if of is None or not isinstance(value, Mapping):
         return value
-    links = (*dict.fromkeys(of), *link_names(hand))
+    links = (*dict.fromkeys(of), *hand.own_tips, *link_names(hand))
     if unknown := [str(name) for name in value if name not in hand.fingertips and name not in links]:
         raise UnknownName(argument, "a link", unknown, tuple(dict.fromkeys((*hand.fingertips, *links))))
     said = {site: value[link] for site, link in zip(hand.fingertips, of, strict=True) if link in value}

@@ -14,6 +14,7 @@ from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
 from handlcp.hand import HandGrasp, HandState
 from handlcp.hand.objects.shapes import closest_of
+from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.source.description import COLLISION, VISUAL
 from handlcp.show.picture import shapes
 
@@ -88,20 +89,28 @@ def hand_bodies(state: HandState) -> list[Body]:
 
 
 def tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
-    """Triangles (m, 3, 3) of the convex shapes of each fingertip whose contact is not on what is drawn of the hand.
+    """Triangles (m, 3, 3) of the convex shapes of each fingertip whose contact is not on what is drawn of the hand; of
+    a contact on a link, the link's.
 
     So it is where a `tip_radius` or the collision geometry differs from the visual geometry. Contacts that were given
     and lie on neither show nothing.
     """
     if not isinstance(grasp, HandGrasp):
         return []
-    state, out = grasp.state, list[Array]()
+    state, links = grasp.state, grasp.spec.links
+    out, seen = list[Array](), set[str]()
     drawn = np.concatenate([b.triangles for b in bodies])
     near = _APART * grasp.scene.units.length
     for p, tip in zip(grasp.scene.positions, grasp.mechanism.tips, strict=False):
         off = _distance(p, drawn)
-        if off <= near:
+        if off <= near or (link := links.get(state.hand.fingertips[tip])) in seen:
             continue
+        if link is not None:
+            whole = [b.triangles for b in _links(state, COLLISION, state.hand.description.readable(COLLISION) - {link})]
+            if whole and min(_distance(p, tri) for tri in whole) < 0.5 * off:
+                out += whole
+                seen.add(link)
+                continue
         try:
             known = state.hand.tip_shapes(tip)
         except HandLCPError:
@@ -122,7 +131,7 @@ def _distance(point: Array, triangles: Array) -> float:
     return abs(closest_of(point, triangles[away - reach <= away.min()])[0])
 
 
-def _links(state: HandState, kind: str, known: set[str]) -> Iterator[Body]:
+def _links(state: Posture, kind: str, known: set[str]) -> Iterator[Body]:
     """Bodies of the links of a file that are not known yet and have geometry of this kind whose meshes are found."""
     described, kinematics = state.hand.description, state.hand.kinematics
     try:
