@@ -17,9 +17,10 @@ from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
-from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, add_tip, full_names, round_shape
+from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
 from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
+from handlcp.simulator.tips import add_tip, check_points
 
 # ----------------------------------------------------------------
 # Where a simulation starts, what the hand is told, and what the object carries.
@@ -150,7 +151,7 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
 
     Raises InputError; Unsupported, by name, for what MuJoCo cannot have exactly: preloads and offsets that no joint
     makes, contacts given one by one, meshes that are not convex, anisotropic friction, prescribed and bounded forces,
-    soft wrists and surfaces, pads that turn, fingertips of several shapes, flat fingertips on flat faces.
+    soft wrists and surfaces, pads that turn, fingertips that touch along a line or on a patch.
     """
     hand_grasp, settings = of_a_hand(grasp), SimulatorSettings() if settings is None else settings
     check_writable(hand_grasp)
@@ -159,22 +160,19 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     root = _frame(settings, mechanism.gravity)
     world = add(root, "worldbody")
     bodies = add_hand(world, hand, bool(hand_grasp.finger_weight))
-    pairs = list[tuple[str, str, str]]()
-    for name, tip in zip(spec.names, mechanism.tips, strict=False):
-        parent = hand.kinematics.model.frames[hand.tips.frames[tip]].parentJoint
-        geom, shape = add_tip(root, bodies[parent], hand, tip, settings)
-        if not (round_shape(shape.geometry) or round_shape(obj.geometry)):
-            raise Unsupported(
-                f"fingertip {name!r} and the object may touch in more than one point: give it a tip_radius"
-            )
-        pairs.append((name, geom, OBJECT))
+    touching = list[tuple[tuple[str, ...], str]]()
+    for tip in mechanism.tips:
+        check_points(hand_grasp.state, tip, obj)
+        body = bodies[hand.tips.places[tip].joint]
+        touching.append((add_tip(root, body, hand, tip, obj, settings), OBJECT))
     body = add_object(root, world, obj, spec, settings)
-    supports = add_supports(world, body, spec, obj, settings)
-    pairs += [(s.name, s.ground, s.ours) for s in supports]
-    touching = add(root, "contact")
-    for i, ((name, one, other), contact) in enumerate(zip(pairs, spec.contacts, strict=True)):
-        stiff = {} if i < spec.of_fingers else _stiffness(settings.support_impedance)
-        add(touching, "pair", name=name, geom1=one, geom2=other, **friction_words(name, contact.friction), **stiff)
+    touching += [((s.ground,), s.ours) for s in add_supports(world, body, spec, obj, settings)]
+    pairs = add(root, "contact")
+    for i, ((ours, other), contact) in enumerate(zip(touching, spec.contacts, strict=True)):
+        words = friction_words(spec.names[i], contact.friction)
+        words |= {} if i < spec.of_fingers else _stiffness(settings.support_impedance)
+        for one in ours:
+            add(pairs, "pair", name=one, geom1=one, geom2=other, **words)
     limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)
     springs = add_springs(root, hand, hand_grasp.state.q, limited, settings)
     ET.indent(root)
