@@ -14,7 +14,7 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
 from handlcp.simulator.settings import SimulatorSettings, add, add_shape, axes_along, placed
-from handlcp.simulator.tips import add_pad, round_shape, shape_words
+from handlcp.simulator.tips import add_pad, round_shape, shape_words, weighty
 
 OBJECT = "object"  # its body, and its shape
 LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object
@@ -119,9 +119,7 @@ def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorS
             "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
         )
     block = add(world, "body", name=place.name, gravcomp=1.0, **placed(place.axes, place.surface))
-    # Contacts are as stiff as bodies are heavy
-    mass = settings.damped(1.0 / float(place.flexibility.max()))["armature"]
-    add_pad(block, place.name, place.flexibility, settings, mass)
+    add_pad(block, place.name, place.flexibility, settings, weighty(place.flexibility, settings))
     words: Any = {"type": "box", "pos": (0, 0, -_BLOCK), "size": np.full(3, _BLOCK)}
     add_shape(block, name=place.name, **words)
     return Support(place.name, "object")

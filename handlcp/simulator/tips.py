@@ -42,7 +42,11 @@ def add_tip(
     """The fingertip numbered `tip` below the body of its link: the names of its shapes."""
     name, at = hand.fingertips[tip], hand.tips.places[tip].placement
     below = add(body, "body", name=pad_of(name), gravcomp=1.0, **placed(at.rotation, at.translation))
-    add_pad(below, pad_of(name), hand.pads.blocks[tip], settings)
+    pad = hand.pads.blocks[tip]
+    if hand.tips.places[tip].joint or not pad.any():
+        add_pad(below, pad_of(name), pad, settings)
+    else:
+        add_pad(below, pad_of(name), pad, settings, weighty(pad, settings))
     names = list[str]()
     for k, shape in enumerate(hand.tip_shapes(tip)):
         names.append(f"{name} ({k + 1})" if k else name)
@@ -63,6 +67,13 @@ def add_pad(body: ET.Element, name: str, flexibility: Array, settings: Simulator
         k = 1 / values[i]
         add(body, "joint", name=f"{name} {count}", type="slide", axis=vectors[:, i], stiffness=k, **settings.damped(k))
     add(body, "inertial", pos=np.zeros(3), mass=mass, diaginertia=np.full(3, _INERTIA))
+
+
+def weighty(flexibility: Array, settings: SimulatorSettings) -> float:
+    """[kg] of a pad on slides that no joint moves. MuJoCo makes contacts as stiff as bodies are heavy, and there it
+    does not count the armature of slides (`body_invweight0`).
+    """
+    return settings.damped(1.0 / float(abs(flexibility).max()))["armature"]
 
 
 # ----------------------------------------------------------------

@@ -78,6 +78,7 @@ class SimulatorState:
 
 _TOUCHING = 1e-6  # [m] an overlap up to this is what is left of touching
 _NEAR = 1e-9  # [m] what is opened ends as near as this
+_LEFT = 1e-5  # [m] an overlap up to this that joints cannot open is begun with: pads give way more
 _ITERATIONS = 30
 
 
@@ -129,6 +130,8 @@ def _opened(grasp: HandGrasp) -> Array:
         frames[:, :, 2] = normals  # tangents do not matter: only depths along normals are asked for
         moved = mechanism.moved(posture, positions, frames)
         posture = Posture(posture.hand, posture.q - joint_by_joint(moved, grasp.spec.planar).deeper(inside))
+    if inside.max() <= _LEFT:
+        return posture.q
     name, depth = grasp.fingertips[int(np.argmax(inside))], 1e3 * float(inside.max())
     raise Unsupported(f"fingertip {name!r} starts {depth:.3g} mm inside the object, and its joints cannot open it")
 
