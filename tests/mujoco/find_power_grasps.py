@@ -17,12 +17,11 @@ import trimesh
 
 import handlcp as hl
 from handlcp.errors import HandLCPError
-from handlcp.hand.sites.sited import gaps_of
-from handlcp.hand.sites.touchers import ALL, touchers
+from tests.support.hand import link_gap
 
 FILE = pathlib.Path(__file__).with_name("power_grasps.json")
-MU, STIFFNESS, TORQUE = 0.6, 5.0, 0.3  # friction, N·m/rad, N·m
-EACH, TRIES = 2, 40
+MU, STIFFNESS, TORQUE = 0.8, 5.0, 0.3  # friction, N·m/rad, N·m
+EACH, TRIES = 2, 10
 FAR = 0.12  # [m] before the palm, where an object begins
 
 
@@ -103,7 +102,7 @@ def made(row: Any) -> Any:
     hand = a_hand(row["hand"])
     obj = thing(row["thing"], row["hand"], pin.SE3(np.array(row["rotation"]), np.array(row["position"])))
     state = hand.at(row["q"])
-    return state.grasp(obj, hl.Coulomb(row["mu"]), links=ALL, closing_torque=row["torque"])
+    return state.grasp(obj, hl.Coulomb(row["mu"]), links="all", closing_torque=row["torque"])
 
 
 def main(names: list[str]) -> None:
@@ -138,12 +137,11 @@ def tried(hand: Any, name: str, what: str, random: Any) -> dict[str, Any] | None
     at = at + palm.aside[1] * random.uniform(-1, 1) * across
     axes = np.stack([along, across, n], axis=1) if random.uniform() < 0.4 else np.stack([n, along, across], axis=1)
     R = axes @ pin.exp3(0.05 * random.standard_normal(3) if what != "stone" else random.standard_normal(3))
-    state, links = hand.at(q), touchers(hand, ALL)
     low, high = 0.0, FAR
     for _ in range(40):
         middle = 0.5 * (low + high)
         obj = thing(what, name, pin.SE3(R, at + middle * n))
-        free = min(gap for _, gap in gaps_of(state, links, obj)) > 0.0
+        free = link_gap(hand, q, obj) > 0.0
         low, high = (low, middle) if free else (middle, high)
     place = pin.SE3(np.round(R, 12), np.round(at + high * n, 9))
     try:
