@@ -150,7 +150,7 @@ def simulate_limit(
         raise InputError("wrench", "a load", "zeros")
     seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
     run, before = Run(grasp, asked, settings), min(seconds, _BEFORE)
-    held = all(run.stage(name, before, settle) for name in (*run.before, "squeeze"))
+    held = all(run.stage(name, before, settle) for name in run.with_own(("squeeze",)))
     squeezed = read_only(run.track.readings[-1].forces)
     held = held and run.stage("weight", before, settle)
     growing = _Growing(run, squeezed)

@@ -12,6 +12,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp, TorqueSaturation
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
@@ -30,12 +31,14 @@ from handlcp.simulator.tips import add_tip, check_points
 class SimulatorState:
     """What the MJCF of `to_mujoco` leaves open. Immutable.
 
-    positions : of all movable joints of the hand where the grasp begins, by name [rad, m].
+    positions : of all movable joints of the hand where the grasp begins, by name [rad, m]: where its fingertips touch,
+        or where it begins to close.
     before, after : commands of the actuators at the start and with all of the squeeze, by name [rad, m].
     mass : [kg] of the object's weight; the mass with which it moves is another.
     weighing : bodies of the hand whose weight bends its joints, by name; none where the grasp leaves it out.
     wrench : (6,) force [N] and torque [N·m] on the object besides its weight, world axes. The force acts at the
         point of the object that the grasp's reference is at the start, and moves with it; the torque keeps its axes.
+    keeps : whether something else keeps the object in place until the hand has closed.
     """
 
     positions: Mapping[str, float]
@@ -44,6 +47,7 @@ class SimulatorState:
     mass: float
     weighing: tuple[str, ...]
     wrench: Array
+    keeps: bool = False
 
     def put(self, model: Any, data: Any, squeeze: float = 1.0, load: float = 1.0) -> None:
         """Put a simulation at its start, with these shares of squeeze, and of weight and load.
@@ -88,7 +92,8 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
     """
     hand, q, offset = grasp.state.hand, grasp.state.q, grasp.joint_offset
     kinematics, gravity = hand.kinematics, grasp.mechanism.gravity
-    start = _opened(grasp)
+    command = command_of(grasp.spec.effects)
+    start = _opened(grasp) if command is None or command.opened is None else command.opened
     for j in springs.rigid:
         if offset[j] or start[j] != q[j]:
             raise Unsupported(f"joint {hand.joint_names[j]!r} is rigid: it cannot be commanded beyond where it stands")
@@ -107,6 +112,7 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
         dict(zip(full_names(hand), full.tolist(), strict=True)),
         dict(zip(springs.names, before.tolist(), strict=True)), dict(zip(springs.names, after.tolist(), strict=True)),
         float(obj.mass), weighing, read_only(spec.wrench - np.append(weight, moment)),
+        command is not None and command.keeps,
     )  # fmt: skip
 
 

@@ -136,7 +136,8 @@ def tried(hand: Any, name: str, what: str, random: Any) -> dict[str, Any] | None
     at = np.array(palm.point) + palm.aside[0] * random.uniform(-1, 1) * along
     at = at + palm.aside[1] * random.uniform(-1, 1) * across
     axes = np.stack([along, across, n], axis=1) if random.uniform() < 0.4 else np.stack([n, along, across], axis=1)
-    R = axes @ pin.exp3(0.05 * random.standard_normal(3) if what != "stone" else random.standard_normal(3))
+    turn = random.standard_normal(3)
+    R = pin.exp3(turn if what == "stone" else 0.3 * turn[0] * n) @ axes
     low, high = 0.0, FAR
     for _ in range(40):
         middle = 0.5 * (low + high)
