@@ -27,7 +27,6 @@ from handlcp.simulator.settings import SimulatorSettings, add, add_shape, axes_a
 _MASS, _INERTIA = 1e-4, 1e-8  # [kg, kg·m²] of a pad's body, without weight
 _NONE = 1e-12  # of the largest flexibility: less is rounding, and rigid
 _THIN = 5e-4  # [m] of the box below a face
-_POINT = 1e-7  # [m] radius of the ball that stands for a corner, and of an edge
 _NEAR = 1e-3  # [m] a shape of a fingertip that is farther from the object does not touch it
 
 
@@ -91,11 +90,11 @@ def _face_words(shape: TipShape) -> dict[str, Any]:
     half = np.linalg.norm(face.spans, axis=1)
     lines = np.flatnonzero(half > 0.0)
     if not len(lines):
-        return {"type": "sphere", "pos": face.centre, "size": [max(face.radius, _POINT)]}
+        return {"type": "sphere", "pos": face.centre, "size": [face.radius]}
     x = face.spans[lines[0]] / half[lines[0]]
     if len(lines) == 1:
         words = placed(axes_along(x), face.centre)
-        return words | {"type": "capsule", "size": [max(face.radius, _POINT), half[lines[0]]]}
+        return words | {"type": "capsule", "size": [face.radius, half[lines[0]]]}
     y = face.spans[1] / half[1]
     normal = np.cross(x, y)
     inward = normal * np.copysign(1.0, normal @ (shape.translation - face.centre))
