@@ -32,13 +32,23 @@ _TURN = np.radians(2.0)  # [rad] that it turns
 class LimitTrack(Record):
     """factors (m,) of the load, each larger than the one before. motion (m, 6) of the object since the load began to
     grow, when it had become slow under that load: translation of the reference point [m], rotation vector [rad], world
-    axes. Between two factors with a jump the motion jumps.
+    axes. Between two factors with a jump the motion jumps. forces (m, n, 3) on the object then [N], world axes.
     """
 
     entries = ("factors (m,)", "motion_m_rad (m, 6)")
 
     factors: Array
     motion: Array
+    forces: Array
+
+    def forces_at(self, factor: float) -> Array:
+        """(n, 3) forces on the object [N] under the last of the factors that is not larger than this one, world axes;
+        NaN beyond the last one.
+        """
+        k = int(np.searchsorted(self.factors, factor, side="right")) - 1
+        if k < 0 or factor > self.factors[-1]:
+            return np.full(self.forces.shape[1:], np.nan)
+        return np.asarray(self.forces[k])
 
     def at(self, factor: float) -> Array:
         """(6,) how far the object had moved under this factor [m, rad], interpolated; NaN beyond the last one."""
@@ -58,13 +68,15 @@ class Tracking:
         self._start = self._calm = start
         self._factors: list[float] = []
         self._motion: list[Array] = []
+        self._forces: list[Array] = []
 
-    def rests(self, factor: float, motion: Array) -> None:
-        """The object moves slowly under this factor; motion (6,)."""
+    def rests(self, factor: float, motion: Array, forces: Array) -> None:
+        """The object moves slowly under this factor; motion (6,), forces (n, 3)."""
         self._calm = motion
         if not self._factors or factor > self._factors[-1]:
             self._factors.append(factor)
             self._motion.append(moved(self._start, motion))
+            self._forces.append(forces)
 
     def moves(self, factor: float, motion: Array) -> None:
         """The object moves fast under this factor; motion (6,)."""
@@ -76,7 +88,9 @@ class Tracking:
 
     def track(self) -> LimitTrack:
         """So far."""
-        return LimitTrack(read_only(np.array(self._factors)), read_only(np.array(self._motion).reshape(-1, 6)))
+        motion = read_only(np.array(self._motion).reshape(-1, 6))
+        forces = read_only(np.array(self._forces) if self._forces else np.zeros((0, 0, 3)))
+        return LimitTrack(read_only(np.array(self._factors)), motion, forces)
 
 
 def moved(before: Array, after: Array) -> Array:
@@ -136,7 +150,7 @@ def simulate_limit(
         raise InputError("wrench", "a load", "zeros")
     seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
     run, before = Run(grasp, asked, settings), min(seconds, _BEFORE)
-    held = all(run.stage(name, before, settle) for name in (*run.before, "squeeze"))
+    held = all(run.stage(name, before, settle) for name in run.with_own(("squeeze",)))
     squeezed = read_only(run.track.readings[-1].forces)
     held = held and run.stage("weight", before, settle)
     growing = _Growing(run, squeezed)
@@ -164,7 +178,7 @@ class _Growing:
             if there and run.slow(waited, _DRAG):
                 if joint := self._joint_at_its_end(now):
                     return self.ended(factor, joint, *_contacts(run, now))
-                self.tracking.rests(factor, now.motion)
+                self.tracking.rests(factor, now.motion, now.forces)
                 calm, waited, rest = now, 0.0, rest + (factor == most)
                 factor = min(factor + step, most)
                 continue

@@ -13,8 +13,8 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
-from handlcp.simulator.hand_tree import add_pad, round_shape, shape_words
-from handlcp.simulator.settings import SimulatorSettings, add, add_shape, placed
+from handlcp.simulator.settings import SimulatorSettings, add, add_shape, axes_along, placed
+from handlcp.simulator.tips import add_pad, round_shape, shape_words, weighty
 
 OBJECT = "object"  # its body, and its shape
 LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object
@@ -50,10 +50,8 @@ def _add_joints(body: ET.Element, at: Any, spec: GraspSpec, damping: float, turn
     """
     centre = at.actInv(np.array(spec.reference))
     normal = np.array([0.0, 0.0, 1.0]) if spec.plane is None else at.rotation.T @ spec.plane
-    least = np.eye(3)[int(np.argmin(abs(normal)))]
-    x = np.cross(normal, least)
-    x /= np.linalg.norm(x)
-    slides = {"x": x, "y": np.cross(normal, x)} | ({"z": normal} if spec.plane is None else {})
+    x, y, _ = axes_along(normal).T
+    slides = {"x": x, "y": y} | ({"z": normal} if spec.plane is None else {})
     for name, axis in slides.items():
         add(body, "joint", name=f"{OBJECT} {name}", type="slide", axis=axis, pos=centre, damping=damping)
     kind: dict[str, Any] = {"type": "ball"} if spec.plane is None else {"type": "hinge", "axis": normal}
@@ -74,9 +72,8 @@ _STANDING = 3  # points of a cylinder that stands on its rim; one that lies on i
 
 @dataclass(frozen=True)
 class Support:
-    """A contact of the environment: its name, and the names of the two shapes that touch."""
+    """The names of the two shapes that touch; the ground has that of the contact."""
 
-    name: str
     ground: str
     ours: str
 
@@ -116,18 +113,16 @@ class _Place:
 
 def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorSettings) -> Support:
     if not place.flexibility.any():
-        return Support(place.name, _plane(world, place), "object")
+        return Support(_plane(world, place), "object")
     if isinstance(obj.geometry, coal.Cylinder):
         raise Unsupported(
             "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
         )
     block = add(world, "body", name=place.name, gravcomp=1.0, **placed(place.axes, place.surface))
-    # Contacts are as stiff as bodies are heavy
-    mass = settings.damped(1.0 / float(place.flexibility.max()))["armature"]
-    add_pad(block, place.name, place.flexibility, settings, mass)
+    add_pad(block, place.name, place.flexibility, settings, weighty(place.flexibility, settings))
     words: Any = {"type": "box", "pos": (0, 0, -_BLOCK), "size": np.full(3, _BLOCK)}
     add_shape(block, name=place.name, **words)
-    return Support(place.name, place.name, "object")
+    return Support(place.name, "object")
 
 
 def _foot(world: ET.Element, body: ET.Element, place: _Place, obj: Object, settings: SimulatorSettings) -> Support:
@@ -138,7 +133,7 @@ def _foot(world: ET.Element, body: ET.Element, place: _Place, obj: Object, setti
     foot = add(body, "body", name=name, gravcomp=1.0, **placed(axes, centre))
     add_pad(foot, name, place.flexibility, settings)
     add_shape(foot, name=name, type="sphere", size=[_FOOT])
-    return Support(place.name, _plane(world, place), name)
+    return Support(_plane(world, place), name)
 
 
 def _plane(world: ET.Element, place: _Place) -> str:

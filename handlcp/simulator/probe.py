@@ -13,6 +13,7 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.simulator.object_body import LOADED, OBJECT
 from handlcp.simulator.settings import need_mujoco
+from handlcp.simulator.tips import pad_of
 
 _POINT = 3  # rows of a contact without a moment about its normal
 
@@ -48,6 +49,10 @@ class Probe:
         geoms = [(int(p.geom1[0]), int(p.geom2[0])) for p in pairs]
         self._contact = {frozenset(pair): i for i, pair in enumerate(geoms)}
         self._ours = [int(model.geom_bodyid[pair[0]]) for pair in geoms]
+        for i, name in enumerate(grasp.fingertips):  # one contact, of whichever of its shapes touch
+            pad = model.body(pad_of(name))
+            for geom in range(int(pad.geomadr[0]), int(pad.geomadr[0] + pad.geomnum[0])):
+                self._contact[frozenset((geom, geoms[i][1]))] = i
         self._objects = {g for g in range(model.ngeom) if self._belongs(int(model.geom_bodyid[g]))}
         self.start, self.axes = data.xpos[self._loaded].copy(), data.xmat[self._loaded].reshape(3, 3).copy()
         self.reach = max(float(np.linalg.norm(grasp.spec.positions - grasp.reference, axis=1).max()), 1e-3)

@@ -74,7 +74,7 @@ def simulate(
     run = Run(grasp, None if load is None else array("load", load, (6,)), settings)
     if stages[-1] == "load" and run.weighs and run.wrench.any():  # the weight in a stage of its own
         stages = (*stages[:-1], "weight", PUSH)
-    held = all(run.stage(name, seconds, settle) for name in (*run.before, *stages))
+    held = all(run.stage(name, seconds, settle) for name in run.with_own(stages))
     record = run.track.record()
     q, torques = run.probe.joints()
     stage, share = (None, None) if held else run.calm

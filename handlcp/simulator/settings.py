@@ -53,6 +53,14 @@ def placed(rotation: Array, translation: Array) -> dict[str, Any]:
     return {"pos": translation, "quat": quaternion(rotation)}
 
 
+def axes_along(z: Array) -> Array:
+    """(3, 3) axes as columns, the third of which is z (3,), a unit vector."""
+    least = np.eye(3)[int(np.argmin(abs(z)))]
+    x = np.cross(z, least)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
 # ----------------------------------------------------------------
 
 _STEPS = 10  # a contact that is softer than this many time steps does not chatter

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp import Grasp
+from handlcp.simulator.object_body import OBJECT
 from handlcp.simulator.probe import Probe, Reading
 from handlcp.simulator.settings import SimulatorSettings, need_mujoco, of_a_hand
 from handlcp.simulator.write import to_mujoco
@@ -84,9 +86,11 @@ def swiftness(vector: Any, reach: float) -> float:
 SAG = "own weight"  # the stage before all others where the hand's links bend its joints
 LONGEST = 60.0  # [s] that a load waits: an object that still moves has left
 PUSH = "load alone"  # the stage in which the load grows beside a weight that is there already
+LET_GO = "let go"  # the stage in which an object is let go that was kept in place while the hand closed
+_KEPT = 1e6  # times its own inertia and damping keep an object in place; it is let go as slowly as they fade
 _LEADS = {
     "squeeze": ("squeeze",), "load": ("weight", "load"), "together": ("squeeze", "weight", "load"),
-    "weight": ("weight",), PUSH: ("load",), SAG: ("sag",),
+    "weight": ("weight",), PUSH: ("load",), SAG: ("sag",), LET_GO: ("free",),
 }  # fmt: skip
 _READ = 20  # time steps between two readings, and between two changes of what drives the simulation
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
@@ -125,6 +129,11 @@ class Run:
         self.period = _READ * float(self.model.opt.timestep)
         self.track = Track(self.period)
         self._shares = {"squeeze": 0.0, "weight": 0.0, "load": 0.0, "sag": 0.0 if self.state.weighing else 1.0}
+        self._shares["free"] = 0.0 if self.state.keeps else 1.0
+        body = self.model.body(OBJECT)
+        self._own = slice(int(body.dofadr[0]), int(body.dofadr[0] + body.dofnum[0]))
+        self._damped = self.model.dof_damping[self._own].copy()
+        self._slows = float(self.model.body_mass[body.id]) / self._damping  # [s] inertia by damping
 
     @property
     def weighs(self) -> bool:
@@ -132,10 +141,14 @@ class Run:
         mechanism = self.grasp.spec.mechanism
         return mechanism is not None and bool(mechanism.weight_of_object(self.grasp.spec.reference)[:3].any())
 
-    @property
-    def before(self) -> tuple[str, ...]:
-        """Stages that come before those asked for."""
-        return (SAG,) if self.state.weighing else ()
+    def with_own(self, stages: Iterable[str]) -> list[str]:
+        """The stages asked for, and those that come with them: before all, the weight of the hand's links; after the
+        squeeze, the object is let go that was kept in place.
+        """
+        found = [SAG] if self.state.weighing else []
+        for stage in stages:
+            found += [stage, LET_GO] if stage == "squeeze" and self.state.keeps else [stage]
+        return found
 
     def stage(self, name: str, seconds: float, settle: float) -> bool:
         """Ramp one stage, which waits while the object moves fast, and wait for rest; whether the object is still
@@ -179,6 +192,10 @@ class Run:
         self._shares |= dict.fromkeys(_LEADS[name], share)
         now = self._shares
         self.state.drive(self.model, self.data, now["squeeze"], now["weight"], now["load"] * self.wrench, now["sag"])
+        if self.state.keeps:  # heavy as well: damping alone, friction would forget what it carries
+            kept = self._damped * _KEPT ** (1.0 - now["free"])
+            self.model.dof_damping[self._own] = kept
+            self.model.dof_armature[self._own] = self._slows * (kept - self._damped)
         began = perf_counter()
         self.mujoco.mj_step(self.model, self.data, _READ)
         self.seconds += perf_counter() - began

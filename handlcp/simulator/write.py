@@ -12,14 +12,16 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp, TorqueSaturation
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
-from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, add_tip, full_names, round_shape
+from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
 from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
+from handlcp.simulator.tips import add_tip, check_points
 
 # ----------------------------------------------------------------
 # Where a simulation starts, what the hand is told, and what the object carries.
@@ -29,12 +31,14 @@ from handlcp.simulator.settings import SimulatorSettings, add, check_writable, f
 class SimulatorState:
     """What the MJCF of `to_mujoco` leaves open. Immutable.
 
-    positions : of all movable joints of the hand where the grasp begins, by name [rad, m].
+    positions : of all movable joints of the hand where the grasp begins, by name [rad, m]: where its fingertips touch,
+        or where it begins to close.
     before, after : commands of the actuators at the start and with all of the squeeze, by name [rad, m].
     mass : [kg] of the object's weight; the mass with which it moves is another.
     weighing : bodies of the hand whose weight bends its joints, by name; none where the grasp leaves it out.
     wrench : (6,) force [N] and torque [N·m] on the object besides its weight, world axes. The force acts at the
         point of the object that the grasp's reference is at the start, and moves with it; the torque keeps its axes.
+    keeps : whether something else keeps the object in place until the hand has closed.
     """
 
     positions: Mapping[str, float]
@@ -43,6 +47,7 @@ class SimulatorState:
     mass: float
     weighing: tuple[str, ...]
     wrench: Array
+    keeps: bool = False
 
     def put(self, model: Any, data: Any, squeeze: float = 1.0, load: float = 1.0) -> None:
         """Put a simulation at its start, with these shares of squeeze, and of weight and load.
@@ -77,6 +82,7 @@ class SimulatorState:
 
 _TOUCHING = 1e-6  # [m] an overlap up to this is what is left of touching
 _NEAR = 1e-9  # [m] what is opened ends as near as this
+_LEFT = 1e-5  # [m] an overlap up to this that joints cannot open is begun with: pads give way more
 _ITERATIONS = 30
 
 
@@ -86,7 +92,8 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
     """
     hand, q, offset = grasp.state.hand, grasp.state.q, grasp.joint_offset
     kinematics, gravity = hand.kinematics, grasp.mechanism.gravity
-    start = _opened(grasp)
+    command = command_of(grasp.spec.effects)
+    start = _opened(grasp) if command is None or command.opened is None else command.opened
     for j in springs.rigid:
         if offset[j] or start[j] != q[j]:
             raise Unsupported(f"joint {hand.joint_names[j]!r} is rigid: it cannot be commanded beyond where it stands")
@@ -105,6 +112,7 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
         dict(zip(full_names(hand), full.tolist(), strict=True)),
         dict(zip(springs.names, before.tolist(), strict=True)), dict(zip(springs.names, after.tolist(), strict=True)),
         float(obj.mass), weighing, read_only(spec.wrench - np.append(weight, moment)),
+        command is not None and command.keeps,
     )  # fmt: skip
 
 
@@ -128,6 +136,8 @@ def _opened(grasp: HandGrasp) -> Array:
         frames[:, :, 2] = normals  # tangents do not matter: only depths along normals are asked for
         moved = mechanism.moved(posture, positions, frames)
         posture = Posture(posture.hand, posture.q - joint_by_joint(moved, grasp.spec.planar).deeper(inside))
+    if inside.max() <= _LEFT:
+        return posture.q
     name, depth = grasp.fingertips[int(np.argmax(inside))], 1e3 * float(inside.max())
     raise Unsupported(f"fingertip {name!r} starts {depth:.3g} mm inside the object, and its joints cannot open it")
 
@@ -150,7 +160,7 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
 
     Raises InputError; Unsupported, by name, for what MuJoCo cannot have exactly: preloads and offsets that no joint
     makes, contacts given one by one, meshes that are not convex, anisotropic friction, prescribed and bounded forces,
-    soft wrists and surfaces, pads that turn, fingertips of several shapes, flat fingertips on flat faces.
+    soft wrists and surfaces, pads that turn, fingertips that touch along a line or on a patch.
     """
     hand_grasp, settings = of_a_hand(grasp), SimulatorSettings() if settings is None else settings
     check_writable(hand_grasp)
@@ -159,22 +169,19 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     root = _frame(settings, mechanism.gravity)
     world = add(root, "worldbody")
     bodies = add_hand(world, hand, bool(hand_grasp.finger_weight))
-    pairs = list[tuple[str, str, str]]()
-    for name, tip in zip(spec.names, mechanism.tips, strict=False):
-        parent = hand.kinematics.model.frames[hand.tips.frames[tip]].parentJoint
-        geom, shape = add_tip(root, bodies[parent], hand, tip, settings)
-        if not (round_shape(shape.geometry) or round_shape(obj.geometry)):
-            raise Unsupported(
-                f"fingertip {name!r} and the object may touch in more than one point: give it a tip_radius"
-            )
-        pairs.append((name, geom, OBJECT))
+    touching = list[tuple[tuple[str, ...], str]]()
+    for tip in mechanism.tips:
+        check_points(hand_grasp.state, tip, obj)
+        body = bodies[hand.tips.places[tip].joint]
+        touching.append((add_tip(root, body, hand, tip, obj, settings), OBJECT))
     body = add_object(root, world, obj, spec, settings)
-    supports = add_supports(world, body, spec, obj, settings)
-    pairs += [(s.name, s.ground, s.ours) for s in supports]
-    touching = add(root, "contact")
-    for i, ((name, one, other), contact) in enumerate(zip(pairs, spec.contacts, strict=True)):
-        stiff = {} if i < spec.of_fingers else _stiffness(settings.support_impedance)
-        add(touching, "pair", name=name, geom1=one, geom2=other, **friction_words(name, contact.friction), **stiff)
+    touching += [((s.ground,), s.ours) for s in add_supports(world, body, spec, obj, settings)]
+    pairs = add(root, "contact")
+    for i, ((ours, other), contact) in enumerate(zip(touching, spec.contacts, strict=True)):
+        words = friction_words(spec.names[i], contact.friction)
+        words |= {} if i < spec.of_fingers else _stiffness(settings.support_impedance)
+        for one in ours:
+            add(pairs, "pair", name=one, geom1=one, geom2=other, **words)
     limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)
     springs = add_springs(root, hand, hand_grasp.state.q, limited, settings)
     ET.indent(root)

@@ -3,7 +3,8 @@
 `python -m tests.mujoco --truth [word ...]` asks whether MuJoCo says the same twice as slowly, and with half the time
 step: how far its forces, and the load at which it loses the object, change.
 
-`python -m tests.mujoco limits [word ...]` compares load limits: see `tests.mujoco.limits`.
+`python -m tests.mujoco limits [word ...]` compares load limits: see `tests.mujoco.limits`; `power [word ...]` power
+grasps: see `tests.mujoco.power`; `closing` the order in which links touch: see `tests.mujoco.closing`.
 
 HANDLCP_KERNELS=compiled is set, as in the tests: the times are those of compiled kernels.
 """
@@ -20,7 +21,7 @@ import numpy as np
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
 from handlcp.simulator import SimulatorSettings, simulate
-from tests.mujoco import limits as load_limits
+from tests.mujoco import closing, limits as load_limits, power
 from tests.mujoco.case import limit_error, misses
 from tests.mujoco.cases import CASES
 
@@ -104,4 +105,8 @@ if __name__ == "__main__":
         sys.exit(truth(sys.argv[2:]))
     if sys.argv[1:2] == ["limits"]:
         sys.exit(1 if load_limits.main(sys.argv[2:]) else 0)
+    if sys.argv[1:2] == ["power"]:
+        sys.exit(power.main(sys.argv[2:]))
+    if sys.argv[1:2] == ["closing"]:
+        sys.exit(closing.main())
     sys.exit(1 if main(sys.argv[1:]) else 0)

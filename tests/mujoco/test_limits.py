@@ -14,7 +14,7 @@ from tests.mujoco.limit_cases import CASES
 from tests.mujoco.limit_truth import Truth, stored
 from tests.support.simulator import Tracking, moved
 
-REST = np.zeros(6)
+REST, FORCES = np.zeros(6), np.zeros((2, 3))
 
 
 def along_x(motion):
@@ -24,18 +24,20 @@ def along_x(motion):
 def test_motion_while_the_load_grows_is_no_jump_and_motion_while_it_waits_is_one():
     tracking = Tracking(REST)
     for k in range(20):
-        tracking.rests(0.1 * k, along_x(1e-3 * k))
+        tracking.rests(0.1 * k, along_x(1e-3 * k), FORCES + k)
     assert tracking.jump == np.inf
     tracking.moves(2.0, along_x(19.9e-3))
     assert tracking.jump == np.inf
     tracking.moves(2.0, along_x(20.1e-3))
-    tracking.rests(2.0, along_x(25e-3))
+    tracking.rests(2.0, along_x(25e-3), FORCES + 25.0)
     tracking.moves(3.0, along_x(30e-3))
     assert tracking.jump == 2.0
     track = tracking.track()
     assert track.at(0.55)[0] == pytest.approx(5.5e-3)
     assert track.at(2.0)[0] == pytest.approx(25e-3)
     assert np.isnan(track.at(2.1)).all()
+    assert track.forces_at(0.55) == pytest.approx(FORCES + 5.0)
+    assert np.isnan(track.forces_at(2.1)).all()
 
 
 def test_a_turn_of_more_than_two_degrees_is_a_jump():

@@ -15,6 +15,8 @@ from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.table import RIM, _needed as _points_needed
 from handlcp.hand.robot.posture import contact_hessian
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
+from handlcp.hand.sites.sited import gaps_of
+from handlcp.hand.sites.touchers import touchers
 from handlcp.hand.solution import torque_check
 
 __all__ = [
@@ -33,6 +35,7 @@ __all__ = [
     "is_one_spring_a_joint",
     "jacobian_at",
     "knows_all_limits",
+    "link_gap",
     "links_inside",
     "mimic",
     "points_needed",
@@ -54,6 +57,11 @@ def shape_near(geometry: Any, rotation: np.ndarray, position: np.ndarray, obj: O
     """As `ball_near` for any shape of coal's, placed by rotation (3, 3) and position (3,) [m]."""
     shape = TipShape(geometry, np.eye(3), np.zeros(3), None)
     return nearest((shape,), position, rotation, obj)
+
+
+def link_gap(hand: Hand, q: Any, obj: Object) -> float:
+    """How far the nearest link or fingertip is from an object, in a posture [m]."""
+    return min(gap for _, gap in gaps_of(hand.at(q), touchers(hand, "all"), obj))
 
 
 def gaps(hand: Hand, q: Any, obj: Object) -> np.ndarray:

@@ -29,7 +29,7 @@ _SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
 # Along no axis of a contact: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
 _WAYS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
 _INSET, _SHARE = 5e-4, 0.05  # [m], of the patch's size: how far inside its rim points lie, which its edge may leave
-_TINY = 1e-4  # [m] radius of the ball that stands for a corner
+_TINY = 1e-4  # [m] radius of the ball that stands for a corner, and of edges
 
 
 def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipShape, float], ...]:
@@ -103,7 +103,9 @@ def _at_point(shape: TipShape, point: Array, normal: Array) -> TipShape:
         sides = np.array(geometry.halfSide).reshape(3)
         on = abs(x) >= sides - 1e-6
         centre, spans = np.where(on, np.copysign(sides, x), 0.0), np.diag(sides)[~on]
-        return replace(shape, face=_swept(shape, centre, np.vstack([spans, np.zeros((2 - len(spans), 3))]), 0.0))
+        radius = 0.0 if len(spans) > 1 else min(_TINY, float(sides.min()))  # an edge or a corner is round
+        spans = np.vstack([spans, np.zeros((2 - len(spans), 3))])
+        return replace(shape, face=_swept(shape, centre - radius * n, spans, radius))
     return shape
 
 

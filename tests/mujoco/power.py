@@ -1,0 +1,268 @@
+"""Power grasps beside MuJoCo: what links press, and the load at which the object is lost, in six directions.
+
+`python -m tests.mujoco power [word ...]` compares with the rows of `power.json`, every case, or those whose titles hold
+one of the words; exit 1 where the measure below is missed. Cases without a row are named. `power --write [word ...]`
+computes rows with MuJoCo, half a minute each, and keeps those that are there; `power --again [word ...]` those, too.
+
+The measure: held or dropped the same in 24 of 25; forces summed by link within 3 % of the largest, after the squeeze
+and under half of the load that is held; the first jump and the loss within 5 %.
+"""
+
+from __future__ import annotations
+
+import json
+import pathlib
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from handlcp.simulator import simulate_limit
+from tests.mujoco.find_power_grasps import FILE, made
+from tests.mujoco.limit_truth import Truth
+
+ROWS = pathlib.Path(__file__).with_name("power.json")
+FORCES, NEAR, SAME = 0.03, 0.05, 0.96
+HALF = 0.5  # of the load that is held: where forces are compared
+BEYOND, RATE = 1.5, 3.0  # times what is expected: how far MuJoCo's load grows; [s] in which it grows by that
+BAND = (0.9, 1.1)  # of MuJoCo's loss: between them neither is wrong to hold the object or to drop it
+WAYS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "+z": 2, "-z": 2}
+HEAD = (
+    f"{'case':32s} {'contacts':>8s} {'squeeze':>8s} {'half':>8s} {'handlcp':>8s} {'MuJoCo':>8s} {'apart':>8s}"
+    f" {'slides':>8s} {'jump':>8s} {'took':>17s}"
+)
+
+
+@dataclass(frozen=True)
+class PowerCase:
+    """grasp : its title in `power_grasps.json`. way : of a load of 1 N that grows."""
+
+    grasp: str
+    way: str
+
+    @property
+    def title(self) -> str:
+        """Its name in the stored table."""
+        return f"{self.grasp}, {self.way}"
+
+    @property
+    def wrench(self) -> Any:
+        """(6,)."""
+        load = np.zeros(6)
+        load[WAYS[self.way]] = 1.0 if self.way[0] == "+" else -1.0
+        return load
+
+    def make(self) -> Any:
+        """The grasp."""
+        return made(_grasps()[self.grasp])
+
+
+def _grasps() -> dict[str, Any]:
+    rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
+    return rows
+
+
+def _cases() -> tuple[PowerCase, ...]:
+    """Each grasp pulled one way, all ways in turn; then the next way, and so on."""
+    ways, names = list(WAYS), list(_grasps())
+    return tuple(PowerCase(name, ways[(i + k) % len(ways)]) for k in range(len(ways)) for i, name in enumerate(names))
+
+
+CASES = _cases()
+
+
+def by_link(grasp: Any, forces: Any) -> Any:
+    """(links, 3) forces (n, 3) of contacts, summed by link."""
+    links = grasp.state.hand.links_of_sites
+    return np.array(
+        [sum(f for f, of in zip(forces, links, strict=True) if of == link) for link in dict.fromkeys(links)]
+    )
+
+
+def apart(ours: Any, theirs: Any) -> float:
+    """Largest difference, as a share of the largest force."""
+    return float(np.linalg.norm(ours - theirs, axis=1).max() / max(np.linalg.norm(theirs, axis=1).max(), 1e-9))
+
+
+# ----------------------------------------------------------------
+# What MuJoCo says, as rows of a file.
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """truth : of the limit. load : [N] under which the forces by link (links, 3) are kept; NaN where it was not held.
+    squeezed (links, 3) : of the squeeze.
+    """
+
+    truth: Truth
+    load: float
+    forces: Any
+    squeezed: Any
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON."""
+        held = bool(np.isfinite(self.forces).all())
+        return {
+            "load_N": round(self.load, 6), "forces_by_link_N": np.round(self.forces, 5).tolist() if held else None,
+            "squeezed_by_link_N": np.round(self.squeezed, 5).tolist(), "limit": self.truth.row(),
+        }  # fmt: skip
+
+    @classmethod
+    def read(cls, row: dict[str, Any]) -> Row:
+        """The opposite."""
+        squeezed = np.array(row["squeezed_by_link_N"])
+        forces = row["forces_by_link_N"]
+        found = np.full(squeezed.shape, np.nan) if forces is None else np.array(forces)
+        return cls(Truth.read(row["limit"]), row["load_N"], found, squeezed)
+
+
+def theirs(case: PowerCase) -> Row:
+    """Of MuJoCo, whose load grows at a rate that hangs on what is expected."""
+    grasp = case.make()
+    expected = _end(grasp.load_limit(case.wrench))
+    expected = expected if 0.0 < expected < np.inf else 1.0
+    most = BEYOND * expected
+    limit = simulate_limit(grasp, case.wrench, most, seconds=BEYOND * RATE)
+    load = HALF * min(limit.factor, limit.jump, expected)
+    forces = limit.track.forces_at(load) if len(limit.track.factors) else np.full(limit.squeezed.shape, np.nan)
+    return Row(
+        Truth.of(limit, most), load, by_link(grasp, forces), by_link(grasp, limit.squeezed)
+    )  # fmt: skip
+
+
+def _end(limit: Any) -> float:
+    ends = [mark.factor for name, mark in limit.marks.items() if name in ("lost", "limit")]
+    return float(min(ends, default=np.inf))
+
+
+def stored() -> dict[str, Row]:
+    """By the titles of the cases; nothing without the file."""
+    rows = json.loads(ROWS.read_text(encoding="utf-8"))["rows"] if ROWS.exists() else {}
+    return {title: Row.read(row) for title, row in rows.items()}
+
+
+def store(title: str, row: Row) -> None:
+    """Put one row into the file."""
+    rows = json.loads(ROWS.read_text(encoding="utf-8"))["rows"] if ROWS.exists() else {}
+    rows = dict(sorted((rows | {title: row.as_json()}).items()))
+    lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(one)}" for key, one in rows.items())
+    head = json.dumps({"mujoco": mujoco.__version__})
+    ROWS.write_text(f'{{"made_with": {head},\n"rows": {{\n{lines}\n}}}}\n', encoding="utf-8")
+
+
+# ----------------------------------------------------------------
+# Beside ours.
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """One case. contacts : how many. squeeze, half : by how much forces by link are apart; NaN where one holds nothing.
+    end, slides, lost : the load at which handlcp's path ends, from which the object slides through, and at which it is
+    lost [N]. seconds : of the limit.
+    """
+
+    case: PowerCase
+    row: Row
+    contacts: int
+    squeeze: float
+    half: float
+    end: float
+    slides: float
+    lost: float
+    seconds: float
+
+    @property
+    def apart(self) -> float:
+        """Of the loads at which the object is lost, as a share of MuJoCo's."""
+        truth = self.row.truth
+        if not np.isfinite(truth.factor):
+            return min(self.end / truth.most, 1.0) - 1.0
+        return self.end / truth.factor - 1.0 if truth.factor > 0.0 else float(self.end > 0.0)
+
+    @property
+    def wrong(self) -> list[str]:
+        """What is not as it has to be, in words; each begins with its part of the measure."""
+        found, truth = [], self.row.truth
+        if not BAND[0] - 1.0 <= self.apart <= BAND[1] - 1.0:
+            found.append("held or dropped")
+        if not abs(self.apart) <= NEAR:
+            found.append(f"loss {100 * self.apart:+.1f} %")
+        if np.isfinite(truth.jump) and not (1 - NEAR) * self.slides <= truth.jump <= (1 + NEAR) * self.lost:
+            found.append(f"jump at {truth.jump:.4g}")
+        found += [f"forces {100 * e:.1f} %" for e in (self.squeeze, self.half) if e > FORCES]
+        return found
+
+    def __str__(self) -> str:
+        t = self.row.truth
+        numbers = f"{self.contacts:8d} {100 * self.squeeze:7.2f}% {100 * self.half:7.2f}% {self.end:8.3f}"
+        numbers += f" {t.factor:8.3f} {100 * self.apart:+7.2f}% {self.slides:8.3f} {t.jump:8.3f}"
+        times = f"{self.seconds:6.1f} s {t.seconds:6.1f} s"
+        return f"{self.case.title:32s} {numbers} {times}" + (f"  MISS: {'; '.join(self.wrong)}" if self.wrong else "")
+
+
+def compared(case: PowerCase, row: Row) -> Compared:
+    """What handlcp says, beside a row."""
+    grasp = case.make()
+    began = perf_counter()
+    limit = grasp.load_limit(case.wrench)
+    took = perf_counter() - began
+    slides, lost = (np.inf if value is None else value for value in (limit.slides, limit.lost))
+    squeeze = apart(by_link(grasp, grasp.follow(order=("squeeze",)).solution.forces_world), row.squeezed)
+    half = float("nan")
+    if np.isfinite(row.forces).all() and (there := grasp.follow(row.load * case.wrench)).reached:
+        half = apart(by_link(grasp, there.solution.forces_world), row.forces)
+    return Compared(
+        case, row, len(grasp.names), squeeze, half, _end(limit), min(slides, lost), lost, took
+    )  # fmt: skip
+
+
+def main(words: list[str]) -> int:
+    """Print the table and what it comes to; 1 where the measure is missed."""
+    if words[:1] in (["--write"], ["--again"]):
+        return write(words[1:], again=words[0] == "--again")
+    rows, found = stored(), list[Compared]()
+    print(HEAD, flush=True)
+    for case in chosen(words):
+        if case.title not in rows:
+            continue
+        found.append(compared(case, rows[case.title]))
+        print(found[-1], flush=True)
+    print(f"not stored: {sum(case.title not in rows for case in chosen(words))} of {len(chosen(words))}")
+    return summary(found)
+
+
+def summary(found: list[Compared]) -> int:
+    """Print the measure; 1 where it is missed."""
+    if not found:
+        return 1
+    grasps, hands = {c.case.grasp for c in found}, {c.case.grasp.split(",")[0] for c in found}
+    count = {
+        part: sum(any(w.startswith(part) for w in c.wrong) for c in found)
+        for part in ("held or dropped", "forces", "loss", "jump")
+    }
+    least, most = min(c.contacts for c in found), max(c.contacts for c in found)
+    print(f"{len(found)} loads on {len(grasps)} grasps of {len(hands)} hands, {least} to {most} contacts")
+    for part, missed in count.items():
+        print(f"{part}: {len(found) - missed} of {len(found)} as they have to be")
+    same = len(found) - count["held or dropped"]
+    return int(same < SAME * len(found) or any(count[part] for part in ("forces", "loss", "jump")))
+
+
+def write(words: list[str], again: bool) -> int:
+    """Compute rows with MuJoCo and put them into the file, one by one; 0."""
+    for case in chosen(words):
+        if again or case.title not in stored():
+            row = theirs(case)
+            store(case.title, row)
+            truth = row.truth
+            print(
+                f"{case.title:32s} lost {truth.factor:8.4f} jump {truth.jump:8.4f} {truth.seconds:6.1f} s", flush=True
+            )
+    return 0
+
+
+def chosen(words: list[str]) -> list[PowerCase]:
+    """Cases whose titles hold one of the words; all without words."""
+    return [case for case in CASES if not words or any(word in case.title for word in words)]
