@@ -2,8 +2,8 @@
 
 An object that lies on a fingertip is held as long as its weight presses it there. So the push comes in six directions
 beside the weight, along the world's axes through the reference. What is said to be held is: each push was solved and
-certified, in the posture of the grasp, and no joint is past its torque limit. Pushes grow by a factor of two, then by its fourth root, as long as all six are
-held.
+certified, in the posture of the grasp, and no joint is past its torque limit. Pushes grow by a factor of two, then by
+its fourth root, as long as all six are held.
 """
 
 from __future__ import annotations

@@ -32,8 +32,8 @@ from handlcp.hand.sites.sited import placed
 from handlcp.hand.sites.touchers import Toucher
 from handlcp.hand.sites.wrap import bending
 
-LAID = 512  # placements that are compared
-CLOSED = 128  # of them, those that lie nearest to the palm, round which the hand closes
+LAID = 1024  # placements that are compared
+CLOSED = 224  # of them, those that lie nearest to the palm, round which the hand closes
 _TILT, _TURN = 0.3, 0.35  # [rad] of the way to the palm, and of the object about it, at most
 _PLAIN = 0.35  # of fingers that bend to one side: the mean of the unit vectors along which their tips move
 _BENT = 0.6  # of its range, how far a joint is bent beforehand, at most

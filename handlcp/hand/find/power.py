@@ -26,9 +26,10 @@ from handlcp.hand.state import HandState
 from handlcp.progress import tick
 
 SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
-_AT_ONCE, _SOLVED = 12, 36  # closed exactly and solved: of a round, and in all
+_AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
 _ENOUGH = 6  # grasps that are held, after which no further round is begun
-_CHECKED = 4
+_CHECKED = 10
+_REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 
 
@@ -94,7 +95,7 @@ class PowerSearch:
             self.tried["settled"] += 1
             state, obj = HandState(self._hand, place.q), place.of(self._obj)
             asked = self._asked | {"closing_torque": self._torque(state, obj, one.closing)}
-            grasp = state.grasp(obj, links=ALL, hold_object=True, **asked)
+            grasp = state.grasp(obj, links=ALL, hold_object=True, max_gap=_REACH, **asked)
         except HandLCPError:
             return []
         if not encloses(self._hand, grasp):
