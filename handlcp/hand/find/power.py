@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.errors import HandLCPError
+from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.asked.closing import closing_torques
 from handlcp.hand.find.candidate import Candidate, candidate_of
@@ -96,7 +96,11 @@ class PowerSearch:
             state, obj = HandState(self._hand, place.q), place.of(self._obj)
             asked = self._asked | {"closing_torque": self._torque(state, obj, one.closing)}
             grasp = state.grasp(obj, links=ALL, hold_object=True, max_gap=_REACH, **asked)
-        except HandLCPError:
+        except (NotReached, Unsupported):
+            return []
+        except InputError as error:
+            if error.argument not in ("target", "links"):  # a link deep in the object, or too many that touch
+                raise
             return []
         if not encloses(self._hand, grasp):
             return []

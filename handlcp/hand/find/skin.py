@@ -58,7 +58,8 @@ class Skin:
         found = surface_points([(s.geometry, s.rotation, s.translation) for s in link.shapes])
         assert found is not None  # all that may touch has a surface
         place = link.place.placement
-        return _spread(found, _OF_PALM if palm else _POINTS) @ place.rotation.T + place.translation
+        chosen = _spread(found, _OF_PALM if palm else _POINTS)
+        return np.asarray(chosen @ place.rotation.T + place.translation)
 
 
 def _spread(points: Array, most: int) -> Array:
