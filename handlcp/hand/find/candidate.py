@@ -163,7 +163,7 @@ def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
 
 # ---------------------------------------------------------------- What a search for grasps gives back.
 
-_COLUMNS = "kind", "held_force_N", "margin", "friction_reserve", "torque_reserve", "pressing", "largest_force_N"
+_COLUMNS = "margin", "friction_reserve", "torque_reserve", "pressing", "largest_force_N", "held_force_N", "kind"
 _STEPS = {
     "laid": "against the palm", "tried": "placements tried",
     "touching": "touched by all fingers, without a link inside", "enclosing": "closed round the object",
@@ -209,8 +209,8 @@ class Found(Record, Sequence[Candidate]):
         return pick(self, "why", "tried") | {"grasps": grasps}
 
     def to_frame(self) -> Any:
-        """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, and the largest
-        normal force largest_force_N. Raises Unsupported without pandas.
+        """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, the largest
+        normal force largest_force_N, held_force_N and kind. Raises Unsupported without pandas.
         """
         return data_frame(columns_of(self, *_COLUMNS))
 
