@@ -121,3 +121,11 @@ def test_a_mesh_that_is_not_convex_is_refused_with_what_to_do(hand):
 def test_bad_input_is_refused(hand, wrong, said):
     with pytest.raises(hl.InputError, match=said):
         hl.find_grasp(hand, hl.Sphere(BALL), **wrong)
+
+
+def test_any_finds_both_kinds_the_best_first_and_held(hand, found):
+    both = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="any", tries=12)
+    assert {one.kind for one in both} == {"pinch", "power"}
+    assert [one.rank for one in both] == sorted(one.rank for one in both)
+    assert both[0].verdict.ok
+    assert both[0].held_force == pytest.approx(found[0].held_force)
