@@ -91,6 +91,7 @@ def _laid(arms: Array, weights: Array, draws: Array) -> Array:
 # From places to grasps: touched, held by forces, clear of links, solved; and better ones nearby.
 
 _AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held
+_MORE = 1  # rounds after the first in which something is held, where all that is held only lies on fingers
 _SOLVED = 16  # grasps of each round that are solved
 _ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
 _JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
@@ -123,7 +124,9 @@ class Search:
         """
         places = guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
         found: list[Candidate] = []
-        while places and not (found and found[0].rank < 0.0):
+        more = _MORE
+        while places and more and not (found and found[0].rank < 0.0):
+            more -= bool(found)
             settled = self._checked(self._settled(places[:_AT_ONCE]), _CHECKED)
             found = settled if settled and (not found or settled[0].rank < found[0].rank) else found
             places = places[_AT_ONCE:]
