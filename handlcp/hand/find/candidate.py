@@ -8,11 +8,13 @@ from typing import Any, overload
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.verdict.check import judged
+from handlcp.hand.find.held import held_force, lies_there
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
@@ -32,18 +34,25 @@ class Candidate(Record):
     friction_reserve : 1 - Σ |f_t| / Σ μ f_n over all fingers [-], what is left of all the friction there is. A finger
         that slides has used up its own, and the others still hold.
     torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
+    held_force : the largest force that is held beside the load in the worst of six directions, along the world's axes
+        [N]; each push was solved in this posture, with all of the load at once.
+    cradled : the object is held by its weight, which presses it onto fingers: turned round, the weight is not held.
+    kind : "pinch" or "power".
     """
 
     entries = (
-        "q (nv,)", "object = _object", "object_position_m (3,) = object.frame.1",
-        "object_rotation (3, 3) = object.frame.0", "margin", "friction_reserve", "torque_reserve", "pressing",
-        "normal_force_N",
+        "kind", "q (nv,)", "object = _object", "object_position_m (3,) = object.frame.1",
+        "object_rotation (3, 3) = object.frame.0", "held_force_N", "cradled", "margin", "friction_reserve",
+        "torque_reserve", "pressing", "normal_force_N",
     )  # fmt: skip
 
     grasp: HandGrasp
     solution: Any
     friction_reserve: float
     torque_reserve: float
+    held_force: float
+    cradled: bool
+    kind: str = "pinch"
 
     @property
     def margin(self) -> float:
@@ -57,8 +66,12 @@ class Candidate(Record):
 
     @property
     def rank(self) -> float:
-        """What grasps are sorted by, the smallest first: minus the margin, times the share of fingers that press."""
-        return -self.margin * (self.pressing / self.grasp.spec.of_fingers if self.margin > 0.0 else 1.0)
+        """What grasps are sorted by, the smallest first: minus the force that is held in the worst direction [N]. Those
+        that only lie there, or use more than their torque, come after all others, the larger margin first.
+        """
+        if self.cradled or self.held_force <= 0.0 or self.margin <= 0.0:
+            return 2.0 - self.margin
+        return -self.held_force
 
     @property
     def state(self) -> Posture:
@@ -115,13 +128,21 @@ class Candidate(Record):
 
     def __str__(self) -> str:
         forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
+        only = ", lies there" if self.cradled else ""
         return (
-            f"margin {100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
+            f"{self.kind}: {words.force(self.held_force)} in the worst direction{only}; margin "
+            f"{100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
             f"torque {100 * self.torque_reserve:.0f} %), forces {forces} N"
         )
 
     def __repr__(self) -> str:
         return f"Candidate(margin={self.margin:.3f}, q={np.round(self.q, 4).tolist()}, object={self.object!r})"
+
+
+def candidate_of(kind: str, grasp: HandGrasp, solution: GraspSolution) -> Candidate:
+    """With its reserves, and what it holds."""
+    held, lies = held_force(grasp, solution), lies_there(grasp)
+    return Candidate(grasp, solution, *reserves(grasp, solution), held, lies, kind)
 
 
 def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
@@ -142,9 +163,10 @@ def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
 
 # ---------------------------------------------------------------- What a search for grasps gives back.
 
-_COLUMNS = "margin", "friction_reserve", "torque_reserve", "pressing", "largest_force_N"
+_COLUMNS = "margin", "friction_reserve", "torque_reserve", "pressing", "largest_force_N", "held_force_N", "kind"
 _STEPS = {
-    "tried": "placements tried", "touching": "touched by all fingers, without a link inside",
+    "laid": "against the palm", "tried": "placements tried",
+    "touching": "touched by all fingers, without a link inside", "enclosing": "closed round the object",
     "balanced": "where forces within friction hold the object", "clear": "without links in each other, solved",
     "held": "held by one solve", "checked": "checked",
 }  # fmt: skip
@@ -154,7 +176,8 @@ class Found(Record, Sequence[Candidate]):
     """Grasps, sorted by `Candidate.rank`, the best first. That one is checked: its verdict is HELD. Prints in lines of
     at most 80 columns, with the warnings of that verdict.
 
-    tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked".
+    tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked"; of
+        power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", "held", "checked".
     why : what became of the search in one sentence.
     """
 
@@ -186,8 +209,8 @@ class Found(Record, Sequence[Candidate]):
         return pick(self, "why", "tried") | {"grasps": grasps}
 
     def to_frame(self) -> Any:
-        """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, and the largest
-        normal force largest_force_N. Raises Unsupported without pandas.
+        """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, the largest
+        normal force largest_force_N, held_force_N and kind. Raises Unsupported without pandas.
         """
         return data_frame(columns_of(self, *_COLUMNS))
 

@@ -1,0 +1,214 @@
+"""The search for fingertip grasps: postures and placements in which all fingers touch an object and hold it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.errors import HandLCPError
+from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.clear import Links, Place, box_around, end_of, free_ranges, size_of_object
+from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
+from handlcp.hand.hand_grasp import HandGrasp
+from handlcp.hand.objects.inside import distances
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.state import HandState
+from handlcp.progress import tick
+
+# ----------------------------------------------------------------
+# Where to begin: postures all over the joint ranges, with the object between their fingertips.
+#
+# At the weighted middle c of the tips p, Σ w (p - c) = 0: forces along the lines to c, with shares w |p - c|,
+# balance. So a ball around c can be held from all sides. The axes of a longer object are laid along those of the
+# tips' spread.
+
+SAMPLES = 4096  # postures and placements that are compared
+_TILT = 0.5  # [rad] of the object's axes against those of the tips' spread, at most, about each axis
+_OUTSIDE = 5e-3  # [m] how far outside the object the middles of links should be
+_LIGHTEST = 0.1  # the smallest weight of a fingertip beside the largest
+_TURNS = np.array([np.eye(3)[:, list(p)] for p in permutations(range(3))])
+_TURNS[:, :, 2] *= np.linalg.det(_TURNS)[:, None]  # the ways to lay one frame's axes along another's
+
+
+def guesses(hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, keep: int, seed: int) -> list[Place]:
+    """The `keep` samples whose fingertips come nearest to touching the object, the nearest first; alike for a seed."""
+    from scipy.stats import qmc  # a second of import that only a search should pay
+
+    count = len(tips)
+    lower, upper = free_ranges(hand)
+    draws = qmc.Sobol(hand.nv + count + 4, rng=seed).random(SAMPLES)
+    joints, weights, rest = np.split(draws, [hand.nv, hand.nv + count], axis=1)
+    qs = lower + joints * (upper - lower)
+    (frames, middles), ends = links.middles, [end_of(hand, tip) for tip in tips]
+    frames = [*[hand.tips.frames[tip] for tip in tips], *frames]
+    every = _points(hand, qs, frames, np.concatenate([[middle for middle, _ in ends], middles]))
+    points = every[:, :count]
+    weights = _LIGHTEST + (1.0 - _LIGHTEST) * weights
+    weights /= weights.sum(axis=1, keepdims=True)
+    centres = np.einsum("ki,kix->kx", weights, points)
+    rotations = _laid(points - centres[:, None], weights, rest)
+    middle = 0.5 * np.sum(box_around(obj.geometry), axis=0)
+    local = np.einsum("kix,kxy->kiy", every - centres[:, None], rotations) + middle
+    gaps = distances(local.reshape(-1, 3), obj).reshape(SAMPLES, -1)
+    inside = np.minimum(gaps[:, count:] - _OUTSIDE, 0.0)
+    gaps = gaps[:, :count] - np.array([radius for _, radius in ends])
+    cost = (gaps**2).mean(axis=1) + (inside**2).sum(axis=1) / count
+    best = np.argsort(cost, kind="stable")[:keep]
+    return [Place(qs[k], rotations[k], centres[k] - rotations[k] @ middle) for k in best]
+
+
+def _points(hand: HandModel, qs: Array, frames: list[int], within: Array) -> Array:
+    """(m, k, 3) points of frames, `within` (k, 3) of each, in postures (m, nv); world axes [m]."""
+    points = np.empty((len(qs), *within.shape))
+    for k, q in enumerate(qs):
+        at, _ = hand.kinematics.frames_at(q, frames)
+        points[k] = np.einsum("ixy,iy->ix", at[:, :3, :3], within) + at[:, :3, 3]
+    return points
+
+
+def _laid(arms: Array, weights: Array, draws: Array) -> Array:
+    """(m, 3, 3) rotations whose axes are those of the tips' spread, in any order and tilted a little, as draws (m, 4)
+    in [0, 1) say. arms (m, k, 3) of the tips, with weights (m, k).
+    """
+    from scipy.spatial.transform import Rotation
+
+    spread = np.einsum("ki,kix,kiy->kxy", weights, arms, arms)
+    axes = np.linalg.eigh(spread)[1]
+    axes[:, :, 2] *= np.sign(np.linalg.det(axes))[:, None]
+    ways = _TURNS[np.minimum((draws[:, 0] * len(_TURNS)).astype(int), len(_TURNS) - 1)]
+    tilts = Rotation.from_rotvec(_TILT * (2.0 * draws[:, 1:] - 1.0)).as_matrix()
+    return np.asarray(axes @ tilts @ ways)
+
+
+# ----------------------------------------------------------------
+# From places to grasps: touched, held by forces, clear of links, solved; and better ones nearby.
+
+_AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held
+_MORE = 1  # rounds after the first in which something is held, where all that is held only lies on fingers
+_SOLVED = 16  # grasps of each round that are solved
+_ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
+_JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
+_CHECKED, _RECHECKED = 8, 2  # of the best grasps, until one is held: at first, and in each round of refinement
+_LEAST = 0.5  # of the load, shared by the fingers: what each presses with at least
+_FIRM = 1.0  # [N] the load of an object that weighs less
+
+
+class Search:
+    """The search of one hand for one object. tried : how many places came how far. refused : the
+    grasps that one solve holds and the check does not, or not surely.
+
+    asked : what is passed on to `state.grasp`; without `squeeze` and `grip_force` each finger presses as planned.
+    """
+
+    def __init__(
+        self, hand: HandModel, tips: tuple[int, ...], obj: Object, asked: Mapping[str, Any], seed: int
+    ) -> None:
+        self._hand, self._tips, self._obj, self._asked, self._seed = hand, tips, obj, asked, seed
+        self._home = obj.moved_to(np.zeros(3))
+        self._links = Links(hand, tips)
+        self._size = size_of_object(obj)
+        self._limits: Asked | None = None
+        self.tried: Counter[str] = Counter(sampled=SAMPLES)
+        self.refused: list[Candidate] = []
+
+    def run(self, tries: int) -> list[Candidate]:
+        """The grasps that one solve holds, the best first; of these the first is held when checked. None is where none
+        of the best is.
+        """
+        places = guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
+        found: list[Candidate] = []
+        more = _MORE
+        while places and more and not (found and found[0].rank < 0.0):
+            more -= bool(found)
+            settled = self._checked(self._settled(places[:_AT_ONCE]), _CHECKED)
+            found = settled if settled and (not found or settled[0].rank < found[0].rank) else found
+            places = places[_AT_ONCE:]
+        rng = np.random.default_rng(self._seed)
+        for k in range(_ROUNDS if found else 0):
+            best = [self._place(candidate) for candidate in found[:_BEST]]
+            near = self._settled(self._nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
+            better = [one for one in near if one.rank < found[0].rank]
+            found = sorted([*self._checked(better, _RECHECKED), *found], key=lambda one: one.rank)
+        return found
+
+    def _checked(self, found: list[Candidate], most: int) -> list[Candidate]:
+        """Those from the first one on that the check is sure of; none where it is of none of the first so many."""
+        for k, candidate in enumerate(found[:most]):
+            self.tried["checked"] += 1
+            tick(f"checking grasp {self.tried['checked']}")
+            if candidate.sure:
+                return found[k:]
+            self.refused.append(candidate)
+        return []
+
+    def _settled(self, places: Iterable[Place]) -> list[Candidate]:
+        """The grasps that begin at these places and are held, the best first."""
+        ready: list[tuple[float, Touch, Array]] = []
+        for place in places:
+            self.tried["tried"] += 1
+            tick(f"{self.tried['tried']} placements tried")
+            touch = brought_together(self._hand, self._tips, self._links, self._home, place)
+            if touch is None:
+                continue
+            self.tried["touching"] += 1
+            forces = normal_forces(touch, touch.place.of(self._obj).center_of_mass, self._holding(touch))
+            if forces is None:
+                continue
+            self.tried["balanced"] += 1
+            ready.append((self._effort(touch, forces), touch, forces))
+        ready.sort(key=lambda one: one[0])
+        grasps: list[HandGrasp] = []
+        for _, touch, forces in ready:
+            if len(grasps) < _SOLVED and self._links.out_of_each_other(touch.place.q):
+                self.tried["clear"] += 1
+                grasps += self._grasp(touch, forces)
+        found = []
+        for grasp, solution in zip(grasps, solve_many(grasps, "cone", workers=1, proof=False), strict=True):
+            if solution.held:
+                found.append(candidate_of("pinch", grasp, solution))
+        self.tried["held"] += len(found)
+        return sorted(found, key=lambda one: one.rank)
+
+    def _grasp(self, touch: Touch, forces: Array) -> list[HandGrasp]:
+        """The grasp of a place, or none where no distance is confirmed there."""
+        asked = dict(self._asked)
+        if asked["squeeze"] is None and asked["grip_force"] is None:
+            asked["grip_force"] = forces
+        try:
+            return [HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **asked)]
+        except HandLCPError:
+            return []
+
+    def _holding(self, touch: Touch) -> Asked:
+        """What the contacts are to hold; read off the first grasp, which is made as any other."""
+        if self._limits is None:
+            bare = dict(self._asked, squeeze=None, grip_force=None)
+            grasp = HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **bare)
+            laws = [contact.friction for contact in grasp.spec.contacts]
+            mu, levers = np.array([[law.mu * min(law.scale), law.lever] for law in laws]).T
+            heavy = max(float(np.linalg.norm(grasp.spec.wrench[:3])), _FIRM)
+            self._limits = Asked(grasp.spec.wrench, mu, levers, self._size, _LEAST * heavy / len(mu))
+        return self._limits
+
+    def _effort(self, touch: Touch, forces: Array) -> float:
+        """What ranks places before they are solved: the largest share of a torque limit, or forces without limits."""
+        torque = abs(touch.levers.T @ forces) / self._hand.torque_limits
+        weakest = float(torque.max(initial=0.0))
+        return weakest if weakest > 0.0 else float(forces.sum())
+
+    def _place(self, candidate: Candidate) -> Place:
+        R, o = candidate.object.frame
+        return Place(np.array(candidate.q), np.array(R), np.array(o))
+
+    def _nearby(self, place: Place, rng: np.random.Generator, share: float) -> Place:
+        lower, upper = free_ranges(self._hand)
+        joints = share * _JOINTS * (upper - lower) * rng.standard_normal(len(lower))
+        twist = share * np.repeat([_SHIFT * self._size, _TURN], 3) * rng.standard_normal(6)
+        return place.moved(np.clip(place.q + joints, lower, upper) - place.q, twist)

@@ -1,0 +1,148 @@
+"""The search for power grasps: an object against the palm, and the whole hand closed round it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, Bools
+from handlcp.errors import InputError, NotReached, Unsupported
+from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.hand.asked.closing import closing_torques
+from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.clear import Links
+from handlcp.hand.find.palm import LAID, Laid, laid, settled
+from handlcp.hand.hand_grasp import HandGrasp
+from handlcp.hand.objects.inside import links_inside
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.sites.touchers import ALL, touchers
+from handlcp.hand.sites.wrap import bending
+from handlcp.hand.state import HandState
+from handlcp.progress import tick
+
+SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
+_AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
+_ENOUGH = 6  # grasps that are held, after which no further round is begun
+_CHECKED = 10
+_REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
+_DEEP = 1e-3  # [m] deeper in the object no link may be
+
+
+class PowerSearch:
+    """The search of one hand for one object; tried, refused : as of `Search` in `hand/find/find.py`.
+
+    asked : what is passed on to `state.grasp`, closing_torque included.
+    """
+
+    def __init__(self, hand: HandModel, obj: Object, asked: Mapping[str, Any], seed: int) -> None:
+        self._hand, self._obj, self._asked, self._seed = hand, obj, dict(asked), seed
+        self._links, self._among = Links(hand, ()), touchers(hand, ALL)
+        self.tried: Counter[str] = Counter(sampled=LAID)
+        self.refused: list[Candidate] = []
+
+    def run(self, tries: int) -> list[Candidate]:
+        """The grasps that one solve holds, the best first; of these the first is held when checked."""
+        open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed)
+        self.tried["laid"] = len(open_hands)
+        clear = (one for one in open_hands if one.score > 0.0 and self._clear(one))
+        found: list[Candidate] = []
+        for _ in range(0, min(tries, _SOLVED), _AT_ONCE):
+            some = list(islice(clear, min(tries, _AT_ONCE)))
+            found = sorted([*found, *self._held(some)], key=lambda one: one.rank)
+            if not some or sum(one.rank < 0.0 for one in found) >= _ENOUGH:
+                break
+        return self._checked(found)
+
+    def _clear(self, one: Laid) -> bool:
+        """Whether links keep out of each other in the open hand, and roughly in the closed one."""
+        return self._links.out_of_each_other(one.place.q) and self._links.out_of_each_other(one.closed)
+
+    def _checked(self, found: list[Candidate]) -> list[Candidate]:
+        """Those from the first one on that the check is sure of."""
+        for k, candidate in enumerate(found[:_CHECKED]):
+            self.tried["checked"] += 1
+            tick(f"checking grasp {self.tried['checked']}")
+            if candidate.sure:
+                return found[k:]
+            self.refused.append(candidate)
+        return []
+
+    def _held(self, some: list[Laid]) -> list[Candidate]:
+        """The grasps of these that are clear and held."""
+        grasps = list[HandGrasp]()
+        for one in some:
+            self.tried["tried"] += 1
+            tick(f"{self.tried['tried']} placements tried")
+            grasps += self._grasp(one)
+        found = list[Candidate]()
+        for grasp, solution in zip(grasps, solve_many(grasps, "cone", workers=1, proof=False), strict=True):
+            if solution.held:
+                found.append(candidate_of("power", grasp, solution))
+        self.tried["held"] += len(found)
+        return found
+
+    def _grasp(self, one: Laid) -> list[HandGrasp]:
+        """The grasp of an open hand, or none where it does not enclose the object, or links are in each other."""
+        try:
+            place = settled(self._hand, self._among, self._obj, one)
+            if place is None:
+                return []
+            self.tried["settled"] += 1
+            state, obj = HandState(self._hand, place.q), place.of(self._obj)
+            asked = self._asked | {"closing_torque": self._torque(state, obj, one.closing)}
+            grasp = state.grasp(obj, links=ALL, hold_object=True, max_gap=_REACH, **asked)
+        except (NotReached, Unsupported):
+            return []
+        except InputError as error:
+            if error.argument not in ("target", "links"):  # a link deep in the object, or too many that touch
+                raise
+            return []
+        if not encloses(self._hand, grasp):
+            return []
+        self.tried["enclosing"] += 1
+        closed = HandState(self._hand, grasp.state.q)
+        if not self._links.out_of_each_other(closed.q):
+            return []
+        if any(link.depth > _DEEP for link in links_inside(grasp.state, obj, grasp.state.hand.tips.every)):
+            return []
+        self.tried["clear"] += 1
+        return [grasp]
+
+    def _torque(self, state: HandState, obj: Object, closing: Bools) -> Array:
+        """(nv,) [N·m] of the joints that close (nv,), positive towards the object: as asked, or by their limits."""
+        way, asked = bending(self._hand, state.q, obj), self._asked["closing_torque"]
+        if asked is None:
+            return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
+        given = closing_torques(self._hand, state.q, obj, asked)
+        return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
+
+
+def closing_by_limit(hand: HandModel) -> Array:
+    """(nv,) [N·m] with which joints close where nothing else is said: a third of the limit, at most 0.3 N·m."""
+    return np.minimum(SHARE * hand.torque_limits, MOST)
+
+
+def encloses(hand: HandModel, grasp: HandGrasp) -> bool:
+    """Whether two links or more of fingers touch, and the palm, or links of two fingers or more on three sides."""
+    of = grasp.state.hand.links_of_sites or ()
+    by_name = {t.name: t for t in touchers(hand, ALL)}
+    C, shared = hand.kinematics.coupling, hand.moves.all(axis=0)
+    rows = {name: by_name[name].support[0] if C is None else by_name[name].support[0] @ abs(C) for name in set(of)}
+    of_fingers = {name for name, row in rows.items() if ((row > 0.0) & ~shared).any()}
+    if len(of_fingers) < 2:
+        return False
+    return len(of_fingers) < len(rows) or len(of_fingers) >= 3
+
+
+def _coefficient(friction: Any) -> float:
+    """Of a friction that was asked for, roughly."""
+    if friction is None:
+        return 0.6
+    if isinstance(friction, (int, float)):
+        return float(friction)
+    return float(getattr(friction, "mu", 0.6))

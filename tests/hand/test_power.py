@@ -1,0 +1,131 @@
+"""Power grasps that are found: the whole hand round an object against the palm, clear, held, and held in every way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+BALL = 0.0325
+
+
+@pytest.fixture(scope="module")
+def hand():
+    return hl.example_hand("three_finger", joint_stiffness=6.0)
+
+
+@pytest.fixture(scope="module")
+def found(hand):
+    return hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
+
+
+def test_the_best_is_held_by_the_full_check_and_the_open_hand_closes(found):
+    verdict = found[0].grasp.check()
+    assert verdict.word == "HELD"
+    assert found[0].kind == "power"
+    assert "until the hand has closed" in str(verdict)
+
+
+def test_two_links_of_fingers_or_more_touch_beside_the_palm(found):
+    for candidate in found:
+        names = {name for name in candidate.grasp.state.hand.links_of_sites}
+        fingers = {name for name in names if name.startswith("finger")}
+        assert len(fingers) >= 3 or (len(fingers) >= 2 and "palm" in names)
+
+
+def test_no_link_is_inside_the_ball(found):
+    """Points all over the surface of each link are outside the ball."""
+    for candidate in found:
+        hand, middle = candidate.state.hand, candidate.object.placement.translation
+        at, _ = hand.kinematics.frames_at(candidate.q, [link.frame for link in hand.link_surfaces])
+        for link, placement in zip(hand.link_surfaces, at, strict=True):
+            points, radii = link.net
+            away = np.linalg.norm(points @ placement[:3, :3].T + placement[:3, 3] - middle, axis=1) - radii
+            assert away.min() > BALL - 5e-5
+
+
+def test_forces_balance_the_weight(found):
+    """Newton's law, from positions and forces in world axes alone."""
+    for candidate in found:
+        forces = candidate.solution.forces_world
+        points = np.array([c.position for c in candidate.grasp.contacts])
+        np.testing.assert_allclose(forces.sum(axis=0), (0, 0, 0.2 * 9.81), atol=1e-6)
+        moment = np.cross(points - candidate.object.center_of_mass, forces).sum(axis=0)
+        np.testing.assert_allclose(moment, 0.0, atol=1e-6)
+
+
+def test_it_is_held_in_the_worst_direction_and_sorted_by_that(found):
+    """Every push that is said to be held is, within friction and the torque limits."""
+    assert found[0].held_force > 0.5
+    assert not found[0].cradled
+    assert [one.rank for one in found] == sorted(one.rank for one in found)
+    for way in np.vstack([np.eye(3), -np.eye(3)]):
+        pushed = found[0].grasp.replace(load=[*(found[0].held_force * way), 0, 0, 0]).solve(throw=False)
+        assert pushed.held
+        assert pushed.torque_check.utilisation.max() <= 1.0
+        x, y, z = pushed.forces.T
+        assert (np.hypot(x, y) <= 0.6 * z + 1e-6).all()
+
+
+def test_the_same_seed_finds_the_same_grasps(hand, found):
+    again = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2, placement=(1, 2, 3)), kind="power", tries=12)
+    assert [one.q.tolist() for one in again] == [one.q.tolist() for one in found]
+
+
+def test_another_seed_finds_other_grasps_that_are_held_too(hand, found):
+    other = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12, seed=1)
+    assert other[0].q.tolist() != found[0].q.tolist()
+    assert other[0].verdict.ok
+    assert other[0].held_force > 0.5
+
+
+def test_the_closing_torque_is_what_was_asked_for(hand):
+    weak = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.05), kind="power", tries=6, closing_torque=0.1)
+    command = weak[0].grasp.joint_offset * 6.0  # K δq
+    assert abs(command).max() == pytest.approx(0.1)
+
+
+def test_a_ball_that_only_lies_on_fingers_comes_last():
+    """Without friction nothing but its weight keeps a ball on three fingertips."""
+    hand = hl.example_hand("three_finger", joint_stiffness=5.0)
+    for one in hl.find_grasp(hand, hl.Sphere(0.03, mass=0.1), friction=hl.Frictionless(), tries=24, throw=False):
+        assert one.cradled
+        assert one.rank > 0.0
+
+
+@pytest.mark.parametrize("radius", [0.002, 0.3])
+def test_too_small_and_too_large_balls_are_not_found_and_the_error_says_so(hand, radius):
+    with pytest.raises(hl.NoGraspFound, match="by the whole hand"):
+        hl.find_grasp(hand, hl.Sphere(radius, mass=0.1), kind="power", tries=6)
+
+
+def test_a_mesh_that_is_not_convex_is_refused_with_what_to_do(hand):
+    trimesh = pytest.importorskip("trimesh")
+    ring = trimesh.creation.annulus(0.02, 0.03, 0.05)
+    with pytest.raises(hl.InputError, match=r"convex_hull"):
+        hl.find_grasp(hand, hl.Mesh(ring, mass=0.1), kind="power")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"kind": "hook"}, "kind"),
+        ({"kind": "power", "squeeze": 0.001}, "squeeze"),
+        ({"kind": "power", "grip_force": 1.0}, "grip_force"),
+        ({"kind": "power", "fingers": ["finger_1_tip"]}, "fingers"),
+        ({"kind": "pinch", "closing_torque": 0.1}, "closing_torque"),
+        ({"kind": "power", "closing_torque": -0.1}, "closing_torque"),
+    ],
+)
+def test_bad_input_is_refused(hand, wrong, said):
+    with pytest.raises(hl.InputError, match=said):
+        hl.find_grasp(hand, hl.Sphere(BALL), **wrong)
+
+
+def test_any_finds_both_kinds_the_best_first_and_held(hand, found):
+    both = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="any", tries=12)
+    assert {one.kind for one in both} == {"pinch", "power"}
+    assert [one.rank for one in both] == sorted(one.rank for one in both)
+    assert both[0].verdict.ok
+    assert both[0].held_force == pytest.approx(found[0].held_force)
