@@ -20,10 +20,10 @@ def payload(
         bool, typer.Option("--any", help="Look for the worst direction of gravity all around, too.")
     ] = False,
     acceleration: Annotated[
-        float, typer.Option(help="Of the hand, the worst of six ways beside gravity [m/s²].")
+        float, typer.Option(help="Of the hand, the worst of six ways beside gravity, in m/s².")
     ] = 0.0,
     motion: Annotated[
-        float | None, typer.Option(help="How far the mass may move the object [mm]; without: any distance.")
+        float | None, typer.Option(help="How far the mass may move the object, in mm; without: any distance.")
     ] = None,
     followed: Annotated[
         bool | None,

@@ -238,7 +238,7 @@ def test_replace_after_replace_keeps_both():
 
 
 def test_replace_checks_like_from_urdf():
-    hand = hl.example_hand("three_finger", pad_flexibility={"finger_1_tip": 1e-4})
+    hand = hl.example_hand("three_finger", tip_radius={"finger_1_tip": 8e-3})
     with pytest.raises(hl.InputError, match="joint_stiffness"):
         hand.replace(joint_stiffness=-1)
     with pytest.raises(hl.UnknownName, match="finger_1_tip"):

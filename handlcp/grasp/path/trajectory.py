@@ -21,6 +21,9 @@ from handlcp.words import distinct
 _NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 
 
+_TOUCHES = 1e-5  # [m] a contact no farther apart than this touches already
+
+
 @dataclass(frozen=True, eq=False)
 class Steps:
     """m steps, the state before anything is loaded first; arrays are made when asked for, and read-only.
@@ -97,9 +100,10 @@ class Steps:
         """(n, 2) of the object past each fingertip in all steps since they first touched, along the contact axes of the
         last step [m].
         """
-        touched = np.logical_or.accumulate([[kind != "separated" for kind in kinds] for kinds in self.contact_state])
+        touches = np.array([[kind != "separated" for kind in kinds] for kinds in self.contact_state])
+        touches[0] |= self.states[0].loads.base[:, 2] <= _TOUCHES  # nothing presses before the first step
         since = self.slip.copy()
-        since[1:] *= touched[:-1, :, None]
+        since[1:] *= np.logical_or.accumulate(touches)[:-1, :, None]
         world = np.einsum("mnij,mnj->ni", self.frames[..., :2], since)
         return read_only(np.einsum("nij,ni->nj", self.frames[-1][..., :2], world))
 

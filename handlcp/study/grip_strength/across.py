@@ -24,6 +24,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.model.contact import frame
 
 _ON = 1e-9  # of the cylinder's size, or of the circle: a contact that is as near to the split is on it
+_NO_FORCE = 1e-9  # of the largest contact force: less is rounding
 _ALIKE = 1e-6  # of the largest: forces that press alike all around have no direction of their own
 
 
@@ -96,7 +97,7 @@ class Around:
         x, y = frame(self.axis).T[:2]
         p = np.stack([self.positions @ x, self.positions @ y])
         ends = np.unique(np.round((np.arctan2(p[1], p[0]) + 0.5 * np.pi) % np.pi, 12))
-        found = []
+        found, least = list[tuple[float, Array]](), _NO_FORCE * float(abs(self.forces).max(initial=0.0))
         for a, b in zip(ends, np.append(ends[1:], ends[:1] + np.pi), strict=True):
             middle = 0.5 * (a + b)
             borne = self._borne(self._side(np.cos(middle) * x + np.sin(middle) * y))
@@ -104,7 +105,8 @@ class Around:
             best += 2.0 * np.pi * round((middle - best) / (2.0 * np.pi))
             for angle in (a, b, *([best] if a < best < b else [])):
                 n = np.cos(angle) * x + np.sin(angle) * y
-                found.append((float(borne @ n), _pointing(n)))
+                force = float(borne @ n)
+                found.append((0.0 if abs(force) <= least else force, _pointing(n)))
         return found
 
 

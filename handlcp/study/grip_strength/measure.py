@@ -10,7 +10,7 @@ import numpy as np
 from handlcp.check import array, number
 from handlcp.errors import HandLCPError, InputError, NoGraspFound
 from handlcp.grasp.cause.judge import UNDECIDED
-from handlcp.hand import Cylinder, Hand, HandGrasp, find_grasp
+from handlcp.hand import Cylinder, Hand, find_grasp
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
 from handlcp.study.grip_strength.full_torque import Closed, ask_for_limits, closed
@@ -34,7 +34,8 @@ def split_cylinder(
     normal : (3,) of the split, world axes; None: across which the contacts press most in all, from thumb or palm to
         the fingers. The forces across all other splits through the axis are in the answer, too.
     grasps : "power", "pinch", or both. fingers : names of those that pinch; None: all.
-    placement : of the cylinder in the power grasp, its axis along z; None: where it is pinched.
+    placement : of the cylinder in the power grasp, its axis along z, for the hand that closes from its neutral posture;
+        None: where `find_grasp` finds one.
 
     Pinch: the fingertips alone, where `find_grasp` places the cylinder. Of its best grasps, four at most, the one that
     presses hardest counts, of those that `check()` calls HELD if there are any. The grip, in the shares that it plans,
@@ -66,8 +67,8 @@ def split_cylinder(
 
     with told("closing the hand on a split cylinder"):
         pinch = made(PINCH, lambda: _pinched(hand, cylinder, friction, fingers)) if PINCH in grasps else None
-        there = cylinder if placement is not None or pinch is None else pinch.grasp.target
-        power = made(POWER, lambda: _wrapped(hand, there, friction)) if POWER in grasps else None
+        whole = placement is not None
+        power = made(POWER, lambda: _wrapped(hand, cylinder, friction, whole)) if POWER in grasps else None
     if power is None and pinch is None:
         raise NoGraspFound("; ".join([f"no {kind} grasp: {why}" for kind, why in missing.items()]), {})
     return SplitCylinder(wide, long, power, pinch, missing)
@@ -86,13 +87,17 @@ def _pinched(hand: Hand, cylinder: Cylinder, friction: Any, fingers: Sequence[st
     return max(tried, key=lambda one: (one.verdict.ok, _around(one).largest[0]))
 
 
-def _wrapped(hand: Any, cylinder: Any, friction: Any) -> Closed:
-    """All links that touch, every joint closing with its torque limit. Raises NotReached, NoSolutionFound."""
-    state = hand.at(hand.close_on(cylinder, wrap=True))
-    grasp: HandGrasp = state.grasp(
-        cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torque_limits
-    )
-    return Closed(grasp, grasp.follow(throw=True), (), "every joint closes with its torque limit")
+def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Closed:
+    """All links that touch, every joint that bends closing with its torque limit. Raises NotReached, NoGraspFound."""
+    if placed:
+        state = hand.at(hand.neutral)
+        grasp = state.grasp(cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torque_limits,
+                            hold_object=True)  # fmt: skip
+    else:
+        found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_WEIGHTLESS)
+        grasp = found[0].grasp.replace(closing_torque=hand.torque_limits)
+    path = grasp.follow(order=("squeeze",))
+    return Closed(grasp, path, (), "every joint closes with its torque limit")
 
 
 def _around(one: Closed) -> Around:
