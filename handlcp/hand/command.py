@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, array, number, per_name, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_offset import JointOffset, command_of
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.sites.sited import by_site
 from handlcp.hand.squeeze import by_tip, gripping, motions_of, squeezing
@@ -44,6 +45,7 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
     if squeeze is None and grip_force is None and joint_offset is None:
         return spec
     mechanism: Any = spec.mechanism  # a hand's
+    old = command_of(spec.effects)
     spec = spec.replace(effects=tuple([e for e in spec.effects if not isinstance(e, JointOffset)]))
     if joint_offset is not None:
         effect = JointOffset(read_joint_offset(joint_offset, mechanism.names))
@@ -56,6 +58,8 @@ def commanded(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any)
         E, stand_off = _of_fingers(spec, mechanism)
         command, reach = gripping(motions_of(mechanism, spec.planar), force, E, mechanism.root, stand_off)
         effect = JointOffset(read_only(command), reach if force.any() else None)
+    if old is not None:  # another command in the same closing
+        effect = replace(effect, opened=old.opened, keeps=old.keeps)
     says_something = effect.command.any() or effect.reach is not None
     return spec.replace(effects=(*spec.effects, effect)) if says_something else spec
 

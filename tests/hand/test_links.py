@@ -299,3 +299,14 @@ def test_a_picture_outlines_links_that_are_drawn_elsewhere():
     np.testing.assert_allclose(np.ptp(outlined.reshape(-1, 3), axis=0), [0.1, 0.1, 0.02], atol=1e-9)
     as_drawn = on_palm(CUBE)
     assert tip_shapes(as_drawn, hand_bodies(as_drawn.state)) == []
+
+
+def test_how_a_hand_closes_stays_where_only_its_command_changes():
+    """Eased, and where nobody knows any more what was asked."""
+    grasp = ball_in_five_fingers(hold_object=True)
+    unknown = type(grasp)(grasp.spec.replace(asked=None)).replace(friction=0.7)
+    eased = type(grasp)(grasp.mechanism.eased(grasp.spec, 0.5))
+    said, *others = (next(e for e in g.spec.effects if hasattr(e, "keeps")) for g in (grasp, unknown, eased))
+    for other in others:
+        assert other.keeps
+        np.testing.assert_array_equal(other.opened, said.opened)

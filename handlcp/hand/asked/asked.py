@@ -31,6 +31,7 @@ from handlcp.hand.objects.table import surrounding
 from handlcp.hand.robot.posture import GRAVITY, Posture
 from handlcp.hand.sites.sited import by_site, sited
 from handlcp.hand.sites.touchers import TIPS
+from handlcp.hand.sites.wrap import bending
 from handlcp.hand.squeeze import joint_by_joint, overlaps
 
 # ----------------------------------------------------------------
@@ -180,7 +181,8 @@ class HandAsked:
         if obj is None:
             expected = "None where contacts are given: joint_offset, or grip_force"
             raise InputError("closing_torque", expected, repr(self.closing_torque)[:80])
-        torque = closing_torques(self.state.hand, self.state.q, obj, self.closing_torque)
+        way = bending(self.state.hand, self.state.q, obj)
+        torque = closing_torques(self.state.hand, way, self.closing_torque)
         return Closed(self.state.q, None, pulled(self.state.hand, torque))
 
     def _on_links(self, obj: Object | None) -> HandAsked:

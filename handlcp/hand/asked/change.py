@@ -17,6 +17,7 @@ from handlcp.grasp.friction import laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.asked import HandAsked
+from handlcp.hand.asked.closing import Closed
 from handlcp.hand.asked.load import load_of, weight_of
 from handlcp.hand.command import COMMANDS
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
@@ -130,6 +131,8 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
         finger_weight=False if weight is None else True if weight.sags else "torques",
         plane=None if contacts[0].planar else spec.plane, environment=environment_of(spec),
         joint_offset=None if command is None else command.command,
+        hold_object=command is not None and command.keeps,
+        closed=None if command is None else Closed(mechanism.posture.q, command.opened, command.command),
         flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
         found=(contacts, mechanism.stand_off),
     )  # fmt: skip

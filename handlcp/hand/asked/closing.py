@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, per_name, read_only
+from handlcp.check import Array, Bools, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.effects.joint_offset import JointOffset, command_of
 from handlcp.grasp.model.spec import GraspSpec
@@ -25,6 +25,7 @@ from handlcp.hand.sites.sited import gaps_of
 from handlcp.hand.sites.touchers import ALL, touchers
 from handlcp.hand.sites.wrap import bending, wrap
 
+_TOUCHES = 1e-5  # [m] from a link to the object it touches, where a hand has closed
 _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
 
 
@@ -41,8 +42,9 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
     """The hand closed from a posture, by a joint offset or by torques of its joints. Raises NotReached, InputError."""
     hand, q = state.hand, state.q
     if closing_torque is not None:
-        torque = closing_torques(hand, q, obj, closing_torque)
-        rates, until, offset = np.sign(torque) * abs(bending(hand, q, obj)), np.inf, None
+        way = bending(hand, q, obj)
+        torque = closing_torques(hand, way, closing_torque)
+        rates, until, offset = np.sign(torque) * abs(way), np.inf, None
     else:
         torque, offset = np.zeros(hand.nv), read_joint_offset(joint_offset, hand.joint_names)
         rates, until = offset, 1.0
@@ -55,12 +57,11 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
     return Closed(found.q, opened, pulled(hand, np.where(carries(state, found.q, obj), torque, 0.0)))
 
 
-def closing_torques(hand: HandModel, q: Array, obj: Object, value: Any) -> Array:
+def closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
     """(nv,) [N·m], with the sign in which each joint turns: a number or (nv,) of the joints that bend, positive towards
     the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps its sign. Raises
-    InputError, UnknownName.
+    InputError, UnknownName. way (nv,) : how the joints bend towards the object, as `bending` has it.
     """
-    way = bending(hand, q, obj)
     if dimensions(value) == 0 and not isinstance(value, Mapping):
         return np.asarray(number("closing_torque", value, minimum=0.0) * np.sign(way))
     if isinstance(value, Mapping):
@@ -71,14 +72,11 @@ def closing_torques(hand: HandModel, q: Array, obj: Object, value: Any) -> Array
     return np.asarray(np.sign(way) * array("closing_torque", value, (hand.nv,)))
 
 
-def carries(state: Posture, q: Array, obj: Object) -> Array:
+def carries(state: Posture, q: Array, obj: Object) -> Bools:
     """(nv,) whether a joint carries a link that touches where the joints are at q."""
-    hand, found = state.hand, np.zeros(state.hand.nv, dtype=bool)
-    C = hand.kinematics.coupling
-    for link, gap in gaps_of(Posture(hand, q), touchers(hand, ALL), obj):
-        if gap <= 1e-5:
-            row = link.support[0]
-            found |= (row if C is None else row @ abs(C)) > 0.0
+    hand = state.hand
+    there = [link.support[0] for link, gap in gaps_of(Posture(hand, q), touchers(hand, ALL), obj) if gap <= _TOUCHES]
+    found = np.asarray(hand.kinematics.moved_by(np.array(there)).any(axis=0) if there else np.zeros(hand.nv, bool))
     if not found.any():
         raise NotReached("closing_torque", "a hand that closes on the object", {})
     return found
@@ -102,7 +100,7 @@ def begun_open(spec: GraspSpec, opened: Array | None, keeps: bool) -> GraspSpec:
     if old is None and keeps:
         expected = "False where nothing closes the hand: beside squeeze, grip_force, joint_offset or closing_torque"
         raise InputError("hold_object", expected, "True")
-    nothing = JointOffset(read_only(np.zeros_like(opened)))
-    new = replace(old or nothing, opened=opened, keeps=keeps)
+    command = JointOffset(read_only(np.zeros_like(opened))) if old is None else old
+    new = replace(command, opened=opened, keeps=keeps)
     others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
     return spec.replace(effects=(*others, new))

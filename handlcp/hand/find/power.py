@@ -118,7 +118,7 @@ class PowerSearch:
         way, asked = bending(self._hand, state.q, obj), self._asked["closing_torque"]
         if asked is None:
             return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
-        given = closing_torques(self._hand, state.q, obj, asked)
+        given = closing_torques(self._hand, way, asked)
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
 
 

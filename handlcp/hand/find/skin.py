@@ -28,9 +28,7 @@ class Skin:
     def __init__(self, hand: HandModel) -> None:
         self._hand = hand
         self.links: tuple[Toucher, ...] = touchers(hand, ALL)
-        rows = np.array([t.support[0] for t in self.links])
-        C = hand.kinematics.coupling
-        self.moves: Bools = (rows if C is None else rows @ abs(C)) > 0.0
+        self.moves: Bools = hand.kinematics.moved_by(np.array([t.support[0] for t in self.links]))
         shared = hand.moves.all(axis=0)
         inner = ~(self.moves & ~shared).any(axis=1)
         carried = self.moves.sum(axis=1)

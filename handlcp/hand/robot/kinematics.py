@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, per_name, read_only, sealed
+from handlcp.check import Array, Bools, array, per_name, read_only, sealed
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joints import JointFacts, couple, movable_joints, read_ranges
 from handlcp.lcp.kernels.dense import kernel
@@ -39,6 +39,10 @@ class Kinematics:
         self.neutral = read_only(np.clip(np.zeros(self.nv), self.lower, self.upper))
         self._zero = pin.neutral(model)
         self._local = threading.local()
+
+    def moved_by(self, support: Array) -> Bools:
+        """(n, nv) whether an independent joint moves each of n things; support (n, joints) : 1 on its way."""
+        return np.asarray((support if self.coupling is None else support @ abs(self.coupling)) > 0)
 
     def posture(self, argument: str, q: Any) -> Array:
         """(nv,) positions, read-only, from a vector or a mapping of all joints. Raises InputError, UnknownName."""

@@ -84,8 +84,7 @@ class HandModel:
     @property
     def moves(self) -> Any:
         """(n, nv) bool: which independent joint moves which fingertip."""
-        support, coupling = self.tips.support[:, 0, :], self.kinematics.coupling
-        return (support if coupling is None else support @ abs(coupling)) > 0
+        return self.kinematics.moved_by(self.tips.support[:, 0, :])
 
     @property
     def urdf_tree(self) -> tuple[Any, tuple[Path, ...]]:

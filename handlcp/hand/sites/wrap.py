@@ -129,9 +129,7 @@ class _Closing:
     ) -> None:
         self.hand, self.links, self.obj, self.q, self.speed, self.time = hand, links, obj, q.copy(), speed.copy(), 0.0
         self.until = until
-        C = hand.kinematics.coupling
-        rows = np.array([t.support[0] for t in links])
-        self.moves: Bools = (rows if C is None else rows @ abs(C)) > 0
+        self.moves: Bools = hand.kinematics.moved_by(np.array([t.support[0] for t in links]))
         self.sizes = [
             max(float(np.linalg.norm(s.translation)) + np.sqrt(3.0) * size_of(s.geometry) for s in t.shapes)
             for t in links

@@ -131,7 +131,7 @@ class Placer:
         found: list[Any] = []
         for e in self.spec.effects:
             if isinstance(e, JointOffset) and arrays.squeeze[k] != 1.0:
-                found.append(JointOffset(read_only(arrays.squeeze[k] * e.command)))
+                found.append(replace(e, command=read_only(arrays.squeeze[k] * e.command), reach=None))
             elif isinstance(e, FingerWeight) and arrays.joints is not None:
                 found.append(replace(e, torque=read_only(arrays.joints.weight[k].copy())))
             else:
