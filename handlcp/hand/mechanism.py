@@ -20,7 +20,8 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import command_of
-from handlcp.grasp.model.flexibility import MANY, Factor, Flexibility
+from handlcp.grasp.model.flexibility import Factor, Flexibility
+from handlcp.grasp.model.kind import MANY
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec

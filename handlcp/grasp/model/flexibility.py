@@ -18,7 +18,6 @@ from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.lazy import lazy
 
 T = TypeVar("T")
-MANY = 10  # contacts from which on a solve by elimination is the faster one
 
 
 class Factor(NamedTuple):

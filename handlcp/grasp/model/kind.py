@@ -45,6 +45,9 @@ def shifted(twist: Array, arm: Array) -> Array:
 # Where the contacts of a grasp are, and what moves them.
 
 
+MANY = 10  # contacts from which on a solve by elimination is the faster one
+
+
 @dataclass(frozen=True, eq=False)
 class Placement:
     """contacts (n,): of the fingers, then of the environment. positions (n, 3) [m]. frames (n, 3, 3): contact axes in
@@ -112,6 +115,11 @@ class Kind:
     def dof(self) -> int:
         """Unknown components of the object's motion: 6, or 3 in a plane."""
         return 3 if self.planar else 6
+
+    @property
+    def many(self) -> bool:
+        """Whether a solve that eliminates contact by contact (`lcp/kernels/contact_blocks.py`) is the faster one."""
+        return self.n >= MANY and not (self.planar or self.soft) and all(self.governed)
 
     @lazy
     def soft(self) -> tuple[int, ...]:

@@ -14,7 +14,8 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.model.kind import cross_rows, shifted
+from handlcp.grasp.model.flexibility import Flexibility, kept
+from handlcp.grasp.model.kind import MANY, block_diagonal, cross_rows, shifted
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.newton.numbers import Elastic
@@ -158,15 +159,19 @@ class FixedGeometry(Geometry):
     follows = False
 
     def __init__(self, spec: GraspSpec) -> None:
-        n, mechanism = spec.n, spec.mechanism
-        nv = 0 if mechanism is None else len(mechanism.names)
+        n, mechanism, E = spec.n, spec.mechanism, kept(spec)
         self.spec, self._arms = spec, spec.positions - spec.reference
-        J = np.zeros((3 * n, 0)) if mechanism is None else mechanism.jacobian
-        turning = np.zeros((n, 0)) if mechanism is None else _turning(mechanism, spec)
-        root = np.zeros((0, 0)) if mechanism is None else mechanism.root
+        J, root = np.zeros((3 * n, 0)), np.zeros((0, 0))
+        if mechanism is not None:
+            J, root = mechanism.jacobian, mechanism.root
+        elif isinstance(E, Flexibility) and n >= MANY:  # of joints that have no names
+            J, root = E.factor.rows, E.factor.root
+        factored = isinstance(E, Flexibility) and len(root) > 0
+        nv = len(root)
+        turning = np.zeros((n, nv)) if mechanism is None else _turning(mechanism, spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         weight = None if mechanism is None or not self.weighs else mechanism.weight()
-        P = spec.flexibility - joint_flexibility(J, root)
+        P = block_diagonal(E.factor.pads, n) if factored else spec.flexibility - joint_flexibility(J, root)
         P[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
         J, turning, root = J.copy(), turning.copy(), np.array(root, dtype=float, order="C")
         self._elastic = Elastic(P, J, turning, root, np.zeros(nv) if weight is None else weight.copy())

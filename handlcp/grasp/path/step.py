@@ -17,7 +17,9 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
-from handlcp.grasp.path.newton.iteration import Damping, Reached, one_iteration
+from handlcp.grasp.path.newton.by_contact import iteration_by_contact
+from handlcp.grasp.path.newton.iteration import Damping, Reached, Situation, one_iteration
+from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Loads, Read, flexibility_of
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws
@@ -65,13 +67,14 @@ class Stepper:
         self.slow = _SLOW
         self.first = geometry.iterate(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
-        self.laws = StepLaws(self.grasp, section)
+        self.laws = StepLaws(self.grasp, section, self.first)
         E = flexibility_of(self.first.elastic).diagonal()
         self.length = length_of(self.first.positions)
         self.stiffness = 1.0 / float(E.mean()) if E.any() else 1.0
         self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
         laws = [c.friction for c in spec.contacts]
         self.friction = self.laws.limits
+        self.iteration = iteration_by_contact if self.laws.by_contact else one_iteration
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
 
     def beginning(self, controls: Controls) -> State:
@@ -248,13 +251,14 @@ class Stepper:
         """One solve; friction : times what it is. cold : from contacts that all stick, not from the start."""
         laws, iterate = self.laws, asked.iterate
         extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
-        row = np.zeros(laws.answer.size)
-        one_iteration(
+        limits = laws.limits if friction == 1.0 else friction * laws.limits
+        situation = Situation(
             iterate.touch, iterate.frames, iterate.moving, iterate.elastic, loads, asked.slipped, iterate.radius,
-            asked.damping, extra,
-            laws.laws, laws.limits if friction == 1.0 else friction * laws.limits, giving, laws.yields, laws.pattern,
-            start, not cold, _SEED, asked.near, row,
+            asked.damping,
         )  # fmt: skip
+        rules = Rules(laws.laws, limits, extra, giving, laws.yields, laws.pattern)
+        row = np.zeros(laws.answer.size)
+        self.iteration(situation, rules, start, not cold, _SEED, asked.near, row)
         return Reached(row, laws.answer.parts) if row[0] else None
 
 

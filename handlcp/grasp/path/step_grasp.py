@@ -28,7 +28,7 @@ from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.kind import Placement
+from handlcp.grasp.model.kind import Placement, block_diagonal
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec, wrench_about
 from handlcp.grasp.path.geometry import Geometry, Iterate
@@ -45,10 +45,10 @@ from handlcp.grasp.solve.compiled_solve import ScenePattern
 class StepLaws:
     """Of one grasp and section. laws, limits (n,) of friction, pattern : as `one_iteration` reads them. given : how
     many limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first iterate. answer :
-    the layout of an answer's row.
+    the layout of an answer's row. by_contact : whether contacts are eliminated one by one.
     """
 
-    def __init__(self, grasp: StepGrasp, section: Section) -> None:
+    def __init__(self, grasp: StepGrasp, section: Section, first: Iterate) -> None:
         self.grasp, spec = grasp, grasp.spec
         scene = build(spec)
         asked = stamped(spec.effects)
@@ -75,9 +75,12 @@ class StepLaws:
         )  # fmt: skip
         self._none = Giving(np.zeros((0, scene.components)), np.zeros(0), 0, np.zeros(0))
         self._no_extra = np.zeros((0, 0))
-        nv = 0 if spec.mechanism is None else len(spec.mechanism.names)
+        nv = len(first.at.q)
         self.yields = np.zeros((nv, 0))
         self.answer = Answer(spec.n, nv, scene.components, self.given, kind.dof)
+        self.by_contact = (
+            kind.many and not grasp.general and bool((scale == 1.0).all()) and _pads_alone(first.elastic.P, spec.n)
+        )
 
     def added(self, iterate: Iterate, loads: Loads, gives: Array) -> tuple[Array, Giving, Loads]:
         """What effects add to an iterate: flexibility (c, c) in contact axes, empty for none; limits that give way;
@@ -115,8 +118,19 @@ class StepLaws:
         return Giving(np.ascontiguousarray(np.concatenate(rows)), np.concatenate(room), self._at, gives.copy())
 
 
+def _pads_alone(P: Array, n: int) -> bool:
+    """Whether each contact gives way by itself, and to its own force alone. P (3n, 3n)."""
+    rows = np.arange(n)
+    blocks = P.reshape(n, 3, n, 3)[rows, :, rows]
+    if (P != block_diagonal(blocks, n)).any():
+        return False
+    return bool((np.linalg.eigvalsh(blocks)[:, 0] > _RIGID * blocks.max()).all())
+
+
 # ----------------------------------------------------------------
 
+# Of the softest pad: what gives way by less is not eliminated by itself
+_RIGID = 1e-7
 # Of the contacts' distances from their centre: less is no preload; and fingertips no farther from the object than this,
 # or no deeper in it, just touch
 _NONE, _TOUCHES = 1e-7, 3e-5
@@ -207,6 +221,8 @@ class StepGrasp:
     def _made(self, iterate: Iterate, loads: Loads, effects: tuple[Effect, ...]) -> GraspSpec:
         spec = self.spec
         offset = loads.base + np.einsum("nji,nj->ni", iterate.frames, loads.give)
+        if spec.mechanism is None and len(loads.command):
+            offset -= (iterate.elastic.J @ loads.command).reshape(-1, 3)
         if len(self.soft):
             effects = (*effects, _Turned(loads.spin + loads.turn))
         mechanism = self.geometry.mechanism(iterate)

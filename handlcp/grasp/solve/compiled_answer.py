@@ -11,7 +11,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.flexibility import MANY, Flexibility, kept
+from handlcp.grasp.model.flexibility import Flexibility, kept
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
@@ -30,13 +30,12 @@ NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every
 class CompiledKind:
     """Scenes that differ in numbers alone: their effects and layout, the same for compiled code, widths of rows."""
 
-    __slots__ = ("answer_width", "by_contact", "design", "kind", "pattern", "scene_width")
+    __slots__ = ("answer_width", "design", "kind", "pattern", "scene_width")
 
     def __init__(self, scene: Scene, section: Section) -> None:
         kind, self.design = scene.kind, design(scene, section, ())
         where, roles = self.design.layout, self.design.pattern
         self.kind: Kind = kind
-        self.by_contact = kind.n >= MANY and not (kind.planar or kind.soft) and all(kind.governed)
         self.scene_width = width(scene)
         self.answer_width = HEAD + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
@@ -63,7 +62,7 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
     """The first stage's answer, certified or not; start as in `start_from`."""
     kind = compiled_kind(scene, section)
-    if kind.by_contact and isinstance(E := kept(scene), Flexibility):
+    if scene.kind.many and isinstance(E := kept(scene), Flexibility):
         row, limits = np.empty(kind.answer_width), scene.limits(section)
         parts = (
             scene.positions,

@@ -16,16 +16,12 @@ from handlcp.grasp.model.grasp_matrix import Given, Posed, placed
 from handlcp.grasp.solve.compiled_solve import HEAD, UNIQUE, UNKNOWN, ScenePattern, begin
 from handlcp.grasp.verify.contact_laws import Friction, examined, motions_of_factor
 from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States, find_states
-from handlcp.lcp.kernels.contact_blocks import Linked, determined_by, held_blocks, newton_blocks, proximal_blocks
+from handlcp.lcp.kernels.block_run import solved_blocks
+from handlcp.lcp.kernels.contact_blocks import Linked, determined_by
 from handlcp.lcp.kernels.contact_rows import Contacts
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
-
-# Newton's steps, and those on the ball in place of a polygon, as in `contact_run`
-_BALL_STEPS, _ON_BALL, _STEPS = 8, 1e-2, 12
-# Proximal steps before Newton's method is tried again: of 20 grasps that it fails on at first, ten were enough for 19.
-# Each is a linear solve as Newton's are, and they are counted as such.
-_NEARER, _WEIGHT = (10, 20, 70), 10.0
+_LEAST = 1e-9  # pivots below this share of the largest say that something may be free
 
 
 class Row(NamedTuple):
@@ -46,27 +42,12 @@ def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> boo
     B, softness = _columns(factor)
     posed = placed(g, softness)
     linked = _linked(g, factor.pads, B, posed, softness, limits, p)
-    r, z, newton, residual = np.zeros(3 * n), np.zeros(scene.columns + 6), 0, np.inf
-    if len(start) > 0:
+    r, z, begun = np.zeros(3 * n), np.zeros(scene.columns + 6), len(start) > 0
+    if begun:
         x = np.zeros(p.at[4])
         begin(x, start, p, g.freedom, posed)
-        _from_unknowns(x, p, linked, r, z)
-        newton, residual = _run(linked, r, z, False)
-    if not residual <= SOLVE:
-        apart = np.empty(n, np.bool_)
-        for i in range(n):
-            apart[i] = linked.d[3 * i] > 0.0
-        if not held_blocks(linked, apart, r, z):
-            return False
-        steps, residual = _run(linked, r, z, True)
-        newton += steps
-        copies, pull, k = np.zeros(3 * n), np.zeros(3 * n), 0
-        while not residual <= SOLVE and k < len(_NEARER):
-            proximal_blocks(linked, copies, pull, _NEARER[k], _WEIGHT, z)
-            r[:] = copies
-            steps, residual = _run(linked, r, z, False)
-            newton += _NEARER[k] + steps
-            k += 1
+        from_unknowns(x, p, linked, r, z)
+    newton, residual = solved_blocks(linked, r, z, begun)
     row[0], row[1], row[2] = 0.0, newton, residual
     if not residual <= SOLVE:
         return False
@@ -111,42 +92,74 @@ def _columns(E: Factor) -> tuple[Array, Array]:
 
 @kernel
 def _linked(g: Given, pads: Array, B: Array, posed: Posed, softness: Array, limits: Array, p: ScenePattern) -> Linked:
-    """The problem in natural units, each contact's normal first; B = J A."""
-    n, m = len(g.positions), B.shape[1]
-    units = posed.force / posed.motion
-    scale = np.sqrt(units)
-    P, W, d = np.empty((n, 3, 3)), np.zeros((3 * n, m + 6)), np.empty(3 * n)
-    S, w, rho, largest = np.zeros(m + 6), np.zeros(m + 6), np.empty(3 * n), 0.0
+    """The problem in natural units; B = J A."""
+    c, m = B.shape
+    W, S, w = np.empty((c, m + 6)), np.zeros((m + 6, m + 6)), np.zeros(m + 6)
+    for i in range(c):
+        for j in range(m):
+            W[i, j] = B[i, j]
+        for k in range(6):
+            W[i, m + k] = posed.grasp_matrix[k, i]
     for j in range(m):
-        S[j] = 1.0
+        S[j, j] = 1.0
     for k in range(6):
-        w[m + k] = posed.wrench[k] / (posed.force if k < 3 else posed.force * posed.length)
-    for i in range(n):
-        for a in range(3):
-            at, own = 3 * i + a, 3 * i + (a + 2) % 3
-            d[at] = g.offset[own] / posed.motion
-            for b in range(3):
-                P[i, a, b] = pads[i, (a + 2) % 3, (b + 2) % 3] * units
-            for j in range(m):
-                W[at, j] = B[own, j] * scale
-            for k in range(6):
-                W[at, m + k] = posed.grasp_matrix[k, own] / (1.0 if k < 3 else posed.length)
-            largest = max(largest, softness[own] * units)
+        w[m + k] = posed.wrench[k]
+    return in_natural_units(Linked(pads, W, W, g.offset, S, w, nothing(), _LEAST), posed, softness, limits, p)
+
+
+@kernel
+def nothing() -> Contacts:
+    """Stands for contacts until they are known."""
+    return Contacts(
+        np.empty((0, 0)), np.empty(0), np.empty(0, np.int64), np.empty(0), np.empty((0, 4), np.int64), np.empty(0), 0,
+        np.empty((0, 3)),
+    )  # fmt: skip
+
+
+@kernel
+def in_natural_units(si: Linked, posed: Posed, softness: Array, limits: Array, p: ScenePattern) -> Linked:
+    """The problem of arrays in SI, rows in contact axes, in natural units, each contact's normal first.
+
+    softness (3n,) : diagonal of the flexibility of all that gives way [m/N]. limits (n,) : of friction.
+    """
+    n, size = len(si.P), len(si.w)
+    m, units, largest = size - 6, posed.force / posed.motion, 0.0
+    unit = np.empty(size)  # of z: of the joints' √(force · motion), of the object's motion
+    for j in range(size):
+        unit[j] = np.sqrt(posed.force * posed.motion) if j < m else posed.motion
+        if j >= m + 3:
+            unit[j] /= posed.length
+    P, W, R, d = np.empty((n, 3, 3)), np.empty((3 * n, size)), np.empty((3 * n, size)), np.empty(3 * n)
+    S, w, rho = np.empty((size, size)), np.empty(size), np.empty(3 * n)
+    work = posed.force * posed.motion  # a row times its unknown
+    for j in range(size):
+        w[j] = si.w[j] * unit[j] / work
+        for k in range(size):
+            S[j, k] = si.S[j, k] * unit[j] * unit[k] / work
     for i in range(n):
         mean = (softness[3 * i] + softness[3 * i + 1] + softness[3 * i + 2]) * units / 3
         for a in range(3):
-            rho[3 * i + a] = 1.0 / max(mean, 1e-6 * largest)
+            at, own = 3 * i + a, 3 * i + (a + 2) % 3
+            d[at], rho[at] = si.d[own] / posed.motion, mean
+            for b in range(3):
+                P[i, a, b] = si.P[i, (a + 2) % 3, (b + 2) % 3] * units
+            for j in range(size):
+                W[at, j] = si.W[own, j] * (unit[j] / posed.motion)
+                R[at, j] = si.R[own, j] * (unit[j] / posed.motion)
+            largest = max(largest, softness[own] * units)
+    for i in range(3 * n):
+        rho[i] = 1.0 / max(rho[i], 1e-6 * largest)
     role, blocks = np.full(3 * n, 2), np.full((n, 4), -1)
     for i in range(n):
         role[3 * i] = 1
         for a in range(3):
             blocks[i, a] = 3 * i + a
     own_rows = Contacts(np.empty((0, 0)), np.empty(0), role, rho, blocks, limits.copy(), p.faces, p.normals)
-    return Linked(P, W, d, S, w, own_rows)
+    return Linked(P, W, R, d, S, w, own_rows, si.least)
 
 
 @kernel
-def _from_unknowns(x: Array, p: ScenePattern, linked: Linked, r: Array, z: Array) -> None:
+def from_unknowns(x: Array, p: ScenePattern, linked: Linked, r: Array, z: Array) -> None:
     """Write forces and shared motions from unknowns (N,) in the order of their layout."""
     normal, count, tangent, u, _ = p.at
     m = len(z) - 6
@@ -158,18 +171,7 @@ def _from_unknowns(x: Array, p: ScenePattern, linked: Linked, r: Array, z: Array
         z[m + k] = x[u + k]
     for k in range(len(r)):
         for j in range(m):
-            z[j] += linked.W[k, j] * r[k]
-
-
-@kernel
-def _run(p: Linked, r: Array, z: Array, cold: bool) -> tuple[int, float]:
-    """Newton's method in place; a polygon is approached from the answer on the ball, except from a good start."""
-    before, own = 0, p.own
-    if cold and own.faces > 2:
-        ball = Contacts(own.M, own.q, own.role, own.rho, own.blocks, own.limits, 0, own.normals)
-        before, _ = newton_blocks(Linked(p.P, p.W, p.d, p.S, p.w, ball), r, z, _BALL_STEPS, _ON_BALL)
-    steps, residual = newton_blocks(p, r, z, _STEPS, SOLVE * 1e-2)
-    return before + steps, residual
+            z[j] += linked.R[k, j] * r[k]
 
 
 @kernel

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.path.newton.linear_solve import Giving, Task, answered, linear_problem, met, solved
+from handlcp.grasp.path.newton.linear_solve import Rules, answered, linear_problem, met, solved
 from handlcp.grasp.path.newton.numbers import Elastic, Laws, Loads, end_of_step
 from handlcp.grasp.path.newton.tangent import (
     Condensed,
@@ -93,81 +93,140 @@ class Reached:
         return self._row[at].reshape(shape) if self._row[2] else np.zeros((0, 0))
 
 
+class Situation(NamedTuple):
+    """What a solve of a step sees: the contacts of an iterate, and what acts there. slipped (n, 3) : since the step
+    began. radius (n,) : as in `Iterate`.
+    """
+
+    touch: Touch
+    frames: Array
+    moving: Moving
+    elastic: Elastic
+    loads: Loads
+    slipped: Array
+    radius: Array
+    damping: Damping
+
+
+class Found(NamedTuple):
+    """An answer, SI. forces, motions (c,) : components. twist (6,) : of the object about the contacts' centre. kinds
+    (n,) : contact states. gives (k,) : of limits. change, torque (nv,) : of the joints.
+    """
+
+    forces: Array
+    motions: Array
+    twist: Array
+    kinds: Ints
+    gives: Array
+    change: Array
+    torque: Array
+
+
 @kernel
-def one_iteration(
-    t: Touch, frames: Array, m: Moving, el: Elastic, loads: Loads, slipped: Array, radius: Array, damping: Damping,
-    extra: Array, laws: Laws, limits: Array, giving: Giving, yields: Array, p: ScenePattern, start: Array, begun: bool,
-    seed: int, near: float, row: Array,
-) -> None:  # fmt: skip
+def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: int, near: float, row: Array) -> None:
     """Write the numbers of `Answer` into the row (of zeros): each array that compiled code makes for Python costs more
     than most of what is computed here.
 
-    slipped (n, 3) : since the step began. radius (n,) : as in `Iterate`. extra (c, c) : flexibility that effects add,
-    in contact axes; empty: none. limits (n,) : of friction. yields (nv, k) : how far limits that give way drive joints
-    back. start : forces in the laws' coordinates (c,), about which they turn, twist and centre; empty: no forces. begun
-    : whether the solve begins there, or else from contacts that all stick. near : what a push meets is measured where
-    the answer misses its iterate by no more.
+    start : forces in the laws' coordinates (c,), about which they turn, twist and centre; empty: no forces. begun :
+    whether the solve begins there, or else from contacts that all stick. near : what a push meets is measured where the
+    answer misses its iterate by no more.
     """
-    n, nv, soft, c = len(frames), el.J.shape[1], laws.soft, len(laws.scale)
-    n3 = 3 * n
-    still = len(t.turn) == 0
-    centre = np.zeros(3)
-    for i in range(n):
-        for a in range(3):
-            centre[a] += t.positions[i, a] / n
-    J, P, give, d = _by_component(el, loads, frames, laws, extra)
-    r = np.zeros(c)
-    if len(start) > 0:
-        for i in range(c):
-            r[i] = start[i] * laws.scale[i]
-    forces, torsion = _by_contact(r, n, soft)
+    t, el, loads, laws, damping = s.touch, s.elastic, s.loads, rules.laws, s.damping
+    n, nv, soft = len(s.frames), el.J.shape[1], laws.soft
+    n3, still = 3 * n, len(t.turn) == 0
+    centre = middle(t.positions)
+    J, P, give, d = _by_component(el, loads, s.frames, laws, rules.extra)
+    forces, torsion = _by_contact(begun_from(start, laws), n, soft)
     turned = Turned(np.zeros((6, 6 + nv + n3)), np.zeros((nv, 6 + nv + n3)), np.zeros((n3, 6 + nv + n3)))
     if not still:
-        turned = turned_forces(t, frames, m, centre, forces, torsion)
-    driven = Driven(_told(el, loads, laws), damping.lag, damping.slow)
-    lin = condensed(turned, still, Yielding(J, P, el.root, give, d, yields), driven)
+        turned = turned_forces(t, s.frames, s.moving, centre, forces, torsion)
+    driven = Driven(told(el, loads, laws), damping.lag, damping.slow)
+    lin = condensed(turned, still, Yielding(J, P, el.root, give, d, rules.yields), driven)
     if not lin.found:
         return
     for a in range(6):
         lin.w[a] -= damping.body[a] * damping.done[a]
         lin.B_u[a, a] -= damping.body[a]
-    force, moment = loads.load[:3] + loads.weight, loads.load[3:].copy()
-    _moment(moment, loads.reference, loads.load)
-    _moment(moment, loads.mass_at, loads.weight)
+    force, moment = loaded(loads)
     if not still:
-        _follows(lin.B_u, loads.load, loads.reference, centre)
-        _follows(lin.B_u, loads.weight, loads.mass_at, centre)
-    task = Task(laws, limits, lin, giving, p)
-    g, posed, problem, y = linear_problem(t.positions, frames, task, force, moment, start)
+        lin.B_u[:] += carried(loads, centre)
+    g, posed, problem, y = linear_problem(t.positions, s.frames, rules, lin, force, moment, start)
     residual = solved(problem, y, begun and len(start) > 0, seed)
-    passes, r, v, twist, kinds, gives = answered(g, posed, task, y, residual)
+    passes, r, v, twist, kinds, gives = answered(g, posed, rules, lin, y, residual)
     if not passes:
         return
-    forces, torsion = _by_contact(r, n, soft)
-    motion, spin = _by_contact(v, n, soft)
-    joints, torque = _reached(lin, turned, J, el, r, twist, gives, yields, soft, torsion)
-    pads, turns, slip_memory, miss = end_of_step(
-        motion, spin, joints, twist, centre, t.positions, frames, el.J, el.turning, loads.base, loads.give, loads.turn,
-        slipped, soft, radius,
-    )  # fmt: skip
-    row[0], row[1], at = 1.0, miss, 3
-    for part in (forces.reshape(-1), motion.reshape(-1), torsion, spin, torque, joints, twist, centre, gives):
-        at = _put(row, at, part)
-    for part in (pads.reshape(-1), turns, slip_memory.reshape(-1)):
-        at = _put(row, at, part)
-    for i in range(n):
-        row[at + i] = kinds[i]
-    for i in range(c):
-        row[at + n + i] = r[i] / laws.scale[i]
-    at = _put(row, _put(row, at + n + c, twist), centre)
-    if miss <= near:
-        found, push = met(problem, y, p)
-        _put(row, at, push.reshape(-1))
+    _, torsion = _by_contact(r, n, soft)
+    change, torque = _reached(lin, turned, J, el, r, twist, gives, rules.yields, soft, torsion)
+    written(s, laws, centre, Found(r, v, twist, kinds, gives, change, torque), row)
+    if row[1] <= near:
+        found, push = met(problem, y, rules.pattern)
+        put(row, len(row) - push.size, push.reshape(-1))
         row[0] = row[2] = 1.0 if found else 0.0
 
 
 @kernel
-def _put(row: Array, at: int, values: Array) -> int:
+def middle(positions: Array) -> Array:
+    """(3,) the contacts' centre."""
+    centre = np.zeros(3)
+    for i in range(len(positions)):
+        for a in range(3):
+            centre[a] += positions[i, a] / len(positions)
+    return centre
+
+
+@kernel
+def begun_from(start: Array, laws: Laws) -> Array:
+    """(c,) forces about which the tangent is taken."""
+    r = np.zeros(len(laws.scale))
+    if len(start) > 0:
+        for i in range(len(r)):
+            r[i] = start[i] * laws.scale[i]
+    return r
+
+
+@kernel
+def loaded(loads: Loads) -> tuple[Array, Array]:
+    """Force and moment (3,) of the load, about the world's origin."""
+    force, moment = loads.load[:3] + loads.weight, loads.load[3:].copy()
+    _moment(moment, loads.reference, loads.load)
+    _moment(moment, loads.mass_at, loads.weight)
+    return force, moment
+
+
+@kernel
+def carried(loads: Loads, centre: Array) -> Array:
+    """(6, 6) how the load's wrench about the contacts' centre changes as its points move with the object."""
+    change = np.zeros((6, 6))
+    _follows(change, loads.load, loads.reference, centre)
+    _follows(change, loads.weight, loads.mass_at, centre)
+    return change
+
+
+@kernel
+def written(s: Situation, laws: Laws, centre: Array, found: Found, row: Array) -> None:
+    """Write an answer into its row."""
+    n, loads, r, v, twist = len(s.frames), s.loads, found.forces, found.motions, found.twist
+    forces, torsion = _by_contact(r, n, laws.soft)
+    motion, spin = _by_contact(v, n, laws.soft)
+    pads, turns, slip_memory, miss = end_of_step(
+        motion, spin, found.change, twist, centre, s.touch.positions, s.frames, s.elastic.J, s.elastic.turning,
+        loads.base, loads.give, loads.turn, s.slipped, laws.soft, s.radius,
+    )  # fmt: skip
+    row[0], row[1], at = 1.0, miss, 3
+    for part in (forces.reshape(-1), motion.reshape(-1), torsion, spin, found.torque, found.change, twist, centre):
+        at = put(row, at, part)
+    for part in (found.gives, pads.reshape(-1), turns, slip_memory.reshape(-1)):
+        at = put(row, at, part)
+    for i in range(n):
+        row[at + i] = found.kinds[i]
+    at += n
+    for i in range(len(r)):
+        row[at + i] = r[i] / laws.scale[i]
+    put(row, put(row, at + len(r), twist), centre)
+
+
+@kernel
+def put(row: Array, at: int, values: Array) -> int:
     """Write an array into the row; returns where the next one goes."""
     for k in range(len(values)):
         row[at + k] = values[k]
@@ -175,7 +234,7 @@ def _put(row: Array, at: int, values: Array) -> int:
 
 
 @kernel
-def _told(el: Elastic, loads: Loads, laws: Laws) -> Array:
+def told(el: Elastic, loads: Loads, laws: Laws) -> Array:
     """(nv,) from where the joints stand to where they are commanded, and their fingers' weight pulls them."""
     command, root = loads.command.copy(), el.root
     if laws.sags == 0.0:

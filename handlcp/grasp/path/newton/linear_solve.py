@@ -16,14 +16,14 @@ from handlcp.grasp.model.grasp_matrix import Given, Posed, pose
 from handlcp.grasp.path.newton.numbers import Laws
 from handlcp.grasp.path.newton.tangent import Condensed
 from handlcp.grasp.solve.compiled_solve import ScenePattern, begin, stamped_rows
-from handlcp.grasp.verify.contact_laws import Friction, examine
+from handlcp.grasp.verify.contact_laws import Friction, Misses, examine
 from handlcp.grasp.verify.contact_states import find_states
 from handlcp.lcp.kernels.contact_rows import Contacts, in_order, rows, work
 from handlcp.lcp.kernels.contact_run import closed, hold, in_turns, jacobian, newton_first
 from handlcp.lcp.kernels.dense import kernel, multiply_add, product, solve_wide
 from handlcp.tolerances import ACTIVE, CERTIFY, SOLVE
 
-_ANY = 1e30  # times the load: a step without any is measured by the forces of the squeeze, however large
+ANY = 1e30  # times the load: a step without any is measured by the forces of the squeeze, however large
 _NOTHING = 1e-9  # of the natural unit of force: less is none
 
 
@@ -38,25 +38,28 @@ class Giving(NamedTuple):
     begun: Array
 
 
-class Task(NamedTuple):
-    """What one solve goes by. limits (n,) : of friction. tangent : about the iterate. pattern : of the problem."""
+class Rules(NamedTuple):
+    """What answers obey. limits (n,) : of friction. extra (c, c) : flexibility that effects add, in contact axes;
+    empty: none. yields (nv, k) : how far limits that give way drive joints back. pattern : of the problem.
+    """
 
     laws: Laws
     limits: Array
-    tangent: Condensed
+    extra: Array
     giving: Giving
+    yields: Array
     pattern: ScenePattern
 
 
 @kernel
 def linear_problem(
-    positions: Array, frames: Array, task: Task, force: Array, moment: Array, start: Array
+    positions: Array, frames: Array, rules: Rules, t: Condensed, force: Array, moment: Array, start: Array
 ) -> tuple[Given, Posed, Contacts, Array]:
-    """The grasp as it stands about the iterate, its natural units, its problem, and where the solve begins (N,).
+    """The grasp as it stands about the iterate, t being the tangent there, its natural units, its problem, and where the solve begins (N,).
 
     force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
     """
-    laws, t, giving, p = task.laws, task.tangent, task.giving, task.pattern
+    laws, giving, p = rules.laws, rules.giving, rules.pattern
     n, c, k, s = len(positions), len(laws.scale), len(giving.room), laws.scale
     m, soft = 3 * n, len(laws.soft)
     turned, spin, E = np.empty((n, 3, 3)), np.empty((3, soft)), np.empty((c, c))
@@ -114,18 +117,18 @@ def linear_problem(
         x[giving.at + b] = giving.begun[b] / posed.motion
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
-        own[b] = task.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
+        own[b] = rules.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
     return g, posed, in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals), x[p.order]
 
 
 @kernel
 def answered(
-    g: Given, posed: Posed, task: Task, y: Array, residual: float
+    g: Given, posed: Posed, rules: Rules, t: Condensed, y: Array, residual: float
 ) -> tuple[bool, Array, Array, Array, Ints, Array]:
     """(whether a solution y (N,) passes, forces (c,) and motions (c,) in contact axes, twist (6,) of the object about
     the contacts' centre, contact states (n,), motions (k,) of limits that give way).
     """
-    laws, t, giving, p = task.laws, task.tangent, task.giving, task.pattern
+    laws, giving, p = rules.laws, rules.giving, rules.pattern
     c, k, s, offset = len(laws.scale), len(giving.room), laws.scale, g.offset
     normal, count, tangent, u, size = p.at
     x = np.empty(size)
@@ -149,14 +152,20 @@ def answered(
             posed.wrench[j] += t.B_r[j, i] * forces[i]
         for i in range(6):
             posed.wrench[j] += t.B_u[j, i] * twist[i]
-    friction = Friction(task.limits, p.faces, p.normals)
-    v, misses = examine(g, posed, p.contacts, friction, offset, own, twist, _ANY)
-    worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
-    nothing = misses.force_size <= _NOTHING * posed.force  # what is left of forces that are zero has no relative miss
-    passes = bool((worst <= CERTIFY and (k == 0 or residual <= SOLVE)) or (nothing and residual <= SOLVE))
+    friction = Friction(rules.limits, p.faces, p.normals)
+    v, misses = examine(g, posed, p.contacts, friction, offset, own, twist, ANY)
+    passes = accepted(misses, posed, residual, k)
     slow = ACTIVE * max(misses.motion_size, posed.motion)
     states = find_states(p.contacts, friction, own, v, ACTIVE * misses.force_size, slow)
     return passes, forces, v / s, twist, states.kind, gives
+
+
+@kernel
+def accepted(misses: Misses, posed: Posed, residual: float, k: int) -> bool:
+    """Whether a solution is an answer; k : how many rows the misses do not see."""
+    worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
+    nothing = misses.force_size <= _NOTHING * posed.force  # what is left of forces that are zero has no relative miss
+    return bool((worst <= CERTIFY and (k == 0 or residual <= SOLVE)) or (nothing and residual <= SOLVE))
 
 
 @kernel
