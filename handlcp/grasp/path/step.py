@@ -37,6 +37,7 @@ _NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a s
 _MOST = 9  # iterates of one step, after which it counts as one that does not settle
 _CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any iterate
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
+_CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the one that continues it
 _LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
@@ -226,12 +227,15 @@ class Stepper:
             return self._pressed(asked._replace(near=-1.0)) or found
         if not len(begun) or (found is not None and names_of(found.kinds) == state.kinds):
             return found
+        c = len(self.laws.laws.scale)
+        size = _CLOSE * float(abs(start[:c]).max())
+        if found is not None and float(abs(found.start[:c] - start[:c]).max()) <= size:
+            return found
         other = self._solved(asked, begun, cold=True)
         if found is None or other is None:
             return found or other
         if names_of(other.kinds) == state.kinds:
             return other
-        c = len(self.laws.laws.scale)
         off = [float(abs(a.start[:c] - start[:c]).max()) for a in (found, other)]
         return found if off[0] <= off[1] else other
 
