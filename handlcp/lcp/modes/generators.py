@@ -3,6 +3,7 @@
     open     motion: the gap up, slip in any direction
     stuck    force: its whole friction cone
     slides   force: what encloses a patch of the cone's surface; slip: the cone of directions against that patch
+    touches  force: its whole friction cone; slip in any direction, no gap: stuck and slides together
     any      open and stuck together, which encloses every mode
 
 A patch is an end of the interval; a run of neighbouring faces and vertices of the polygon; an arc of the disc between
@@ -22,7 +23,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.dense import kernel
 
-ANY, OPEN, STUCK, SLIDES = 0, 1, 2, 3
+ANY, OPEN, STUCK, SLIDES, TOUCHES = 0, 1, 2, 3, 4
 # Columns of disc and ball lie this share outside, so that finitely many enclose them; those that enclose the right
 # directions only count where the true set still reaches further
 _OUTSIDE = 1e-5
@@ -135,6 +136,8 @@ def support(c: Cones, i: int, code: int, corners: Array, along: Array, of: Array
         force = _in_cone(d, mu, c.faces, along[0], of[0])
     if code != STUCK:  # any slip will do: the gap, or a tangent, whichever says more
         at, motion = 0, along[1, 0]
+        if code == TOUCHES:
+            at, motion = 1, -np.inf
         for a in range(1, 1 + d):
             if abs(along[1, a]) > motion:
                 at, motion = a, abs(along[1, a])

@@ -16,7 +16,18 @@ from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.projection import nearest
 from handlcp.lcp.modes.active_columns import Active, new_active
 from handlcp.lcp.modes.fit import fit, proves_none, put_parts
-from handlcp.lcp.modes.generators import ANY, OPEN, SLIDES, STUCK, Cones, first_patch, parts, patches, split
+from handlcp.lcp.modes.generators import (
+    ANY,
+    OPEN,
+    SLIDES,
+    STUCK,
+    TOUCHES,
+    Cones,
+    first_patch,
+    parts,
+    patches,
+    split,
+)
 
 EXHAUSTED, CANDIDATE, SPENT = 0, 1, 2  # why `advance` returned
 _MORE = 1.0 + 1e-6  # of two that miss it equally the first is taken, whatever rounding says
@@ -64,7 +75,7 @@ def new_tree(c: Cones) -> Tree:
     n, R = len(c.tangents), c.columns.shape[0]
     room = 2
     for i in range(n):
-        room += 2 + patches(c.tangents[i]) + (4 * _FINEST if c.tangents[i] > 1 else 0)
+        room += 3 + patches(c.tangents[i]) + (4 * _FINEST if c.tangents[i] > 1 else 0)
     tree = Tree(
         np.zeros((room, n), np.int64), np.zeros((room, n, 3, 3)), np.zeros((room, n), np.int64),
         np.full((room, R + 1, 6), -1.0), np.zeros(5, np.int64),
@@ -104,7 +115,7 @@ def advance(t: Tree, c: Cones, b: Array, normals: Array, claim: Claim, work: int
         if worst < 0:  # there may be another answer below
             worst = _undecided(c, node)
         else:
-            decided = codes[worst] != ANY and node.splits[worst] % 4 == 0 and bool(np.all(codes != ANY))
+            decided = node.splits[worst] % 4 == 0 and not bool(np.any((codes == ANY) | (codes == TOUCHES)))
         if worst >= 0:
             _branch(t, c, a, node, worst)
         else:
@@ -154,7 +165,7 @@ def _undecided(c: Cones, node: Node) -> int:
     found = -1
     for i in range(len(node.codes)):
         sliding = node.codes[i] == SLIDES and c.faces > 0 and parts(node.corners[i], c.tangents[i], c.faces) > 0
-        if node.codes[i] == ANY or sliding:
+        if node.codes[i] == ANY or node.codes[i] == TOUCHES or sliding:
             found = i
     return found
 
@@ -184,16 +195,20 @@ def _branch(t: Tree, c: Cones, a: Active, node: Node, i: int) -> None:
             split(corners[i], k, d, c.faces, t.corners[at, i])
             t.splits[at, i] += 1
         return
-    for k in range(patches(d)):
+    if codes[i] == TOUCHES:
+        for k in range(patches(d)):
+            at = _put(t, a, node, i)
+            t.codes[at, i] = SLIDES
+            first_patch(k, d, c.faces, t.corners[at, i])
         at = _put(t, a, node, i)
-        t.codes[at, i] = SLIDES
-        first_patch(k, d, c.faces, t.corners[at, i])
+        t.codes[at, i] = STUCK
+        return
     force, motion = 0.0, 0.0
     for q in range(4):
         force, motion = max(force, abs(x[i, q])), max(motion, abs(y[i, q]))
     for k in range(2):
         at = _put(t, a, node, i)
-        t.codes[at, i] = OPEN if (k == 0) == (force > motion) else STUCK
+        t.codes[at, i] = OPEN if (k == 0) == (force > motion) else STUCK if d == 0 else TOUCHES
 
 
 @kernel
