@@ -1,8 +1,7 @@
 """Every choice of modes of a contact problem at once: answers, or the proof that there is none.
 
-Pairs are open or closed; contacts with friction are open, stick, or slide somewhere. With N orthogonal to the columns
-of the free unknowns, M x + q = y becomes Nᵀ M x - Nᵀ y = -Nᵀ q in the others' forces x and motions y, and a tree of
-modes asks what fits (`kernels.mode_search`).
+Pairs are open or closed; contacts with friction are open, stick, or slide somewhere. A tree of modes (`tree.py`) asks
+what forces x and motions y fit M x + q = y, without what is free in it (`equations.py`).
 
 What is cut off is proven, each time, by signs that allow for rounding, within bounds on forces and motions that are far
 beyond any grasp. An answer is only a candidate: one that its caller refuses forbids the claim that there is none.
@@ -19,7 +18,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.lcp.compiler.when import soon
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.modes.generators import Cones
+from handlcp.lcp.modes.equations import Whole
 from handlcp.lcp.modes.tree import CANDIDATE, EXHAUSTED, Claim, advance, new_node, new_tree
 from handlcp.progress import tick
 from handlcp.tolerances import RANK
@@ -48,25 +47,19 @@ class ModeSearch:
         self._unit = np.ones(problem.n)
         self._unit[alone] = np.maximum(abs(problem.q[alone]), 1.0)
         self._M, self._q, most_y = problem.M / self._unit[:, None], problem.q / self._unit, most_y / self._unit
-        self._U, size, self._V = np.linalg.svd(self._M[:, self._free])
-        self._size = size[size > RANK * size.max(initial=0.0)]
-        N = self._U[:, len(self._size) :]
-        R, MN = N.shape[1], N.T @ self._M
-        columns = np.zeros((R, len(own), 2, 4))
+        row, columns = np.full((len(own), 4), -1), np.zeros((problem.n, len(own), 4))
         for i, places in enumerate(self._own):
-            columns[:, i, 0, : len(places)] = MN[:, places]
-            columns[:, i, 1, : len(places)] = -N[places].T
-        products = np.ascontiguousarray(np.einsum("rika,rikb->ikab", columns, columns))
+            row[i, : len(places)], columns[:, i, : len(places)] = places, self._M[:, places]
         tangents = np.array([len(places) - 1 for places in self._own], dtype=np.int64)
-        limits = np.array([mu for _, mu in own], dtype=float)
-        self._cones = Cones(columns.reshape(R, len(own), 8), products, tangents, limits, problem.faces)
+        limits, F = np.array([mu for _, mu in own], dtype=float), np.ascontiguousarray(self._M[:, self._free])
+        self._whole = Whole(columns, F, self._q, row, tangents, limits, problem.faces)
         first = np.array([places[0] for places in self._own], dtype=np.int64)
         most = np.column_stack([most_x[first], most_y[first]])
-        # What N leaves of the free unknowns' columns, by rounding, with unknowns as large as any bound
-        self._claim = Claim(most, RANK * float(size.max(initial=0.0) * most.max(initial=0.0)))
-        self._b, self._tree = -N.T @ self._q, new_tree(self._cones)
+        # What rounding leaves of the free unknowns' columns, with unknowns as large as any bound
+        size = np.linalg.norm(F, 2) if F.size else 0.0
+        self._claim = Claim(most, RANK * float(size * most.max(initial=0.0)))
+        self._tree, self._node = new_tree(self._whole), new_node(self._whole)
         self._early = 0
-        self._node = new_node(self._cones)
 
     @property
     def nodes(self) -> int:
@@ -91,8 +84,8 @@ class ModeSearch:
     @property
     def choices(self) -> float:
         """How many choices of modes there are; inf where friction is round, and contacts slide in any direction."""
-        faces = float(self._cones.faces) if self._cones.faces > 2 else math.inf
-        each = [2.0 if t == 0 else 4.0 if t == 1 else 2.0 + 2.0 * faces for t in self._cones.tangents.tolist()]
+        faces = float(self._whole.faces) if self._whole.faces > 2 else math.inf
+        each = [2.0 if t == 0 else 4.0 if t == 1 else 2.0 + 2.0 * faces for t in self._whole.tangents.tolist()]
         return math.prod(each)
 
     def candidates(self, work: float, end: float = math.inf) -> Iterator[Array]:
@@ -122,19 +115,16 @@ class ModeSearch:
             ended, budget = int(counts[2]), int(min(left, _PAUSE))
             with soon(work / _A_CALL):
                 what = advance(
-                    self._tree, self._cones, self._b, self.problem.sets.normals, self._claim, budget, self._node
+                    self._tree, self._whole, self.problem.sets.normals, self._claim, budget, self._node
                 )  # fmt: skip
             self.exhausted = what == EXHAUSTED
             if what == CANDIDATE:
                 yield bool(counts[2] > ended)
 
     def _unknowns(self) -> Array:
-        """All unknowns, from forces and motions of the contacts: the free ones fit M x + q = y best."""
-        p = self.problem
-        x, y = np.zeros(p.n), np.zeros(p.n)
+        """All unknowns, from forces of the contacts and the free ones that go with them."""
+        x = np.zeros(self.problem.n)
         for i, places in enumerate(self._own):
-            x[places], y[places] = self._node.x[i, : len(places)], self._node.y[i, : len(places)]
-        k = len(self._size)
-        with np.errstate(over="ignore", invalid="ignore"):  # the certifier refuses what is not finite
-            x[self._free] = self._V[:k].T @ ((self._U[:, :k].T @ (y - self._q - self._M @ x)) / self._size)
+            x[places] = self._node.x[i, : len(places)]
+        x[self._free] = self._node.u
         return x

@@ -1,6 +1,6 @@
 """All choices of contact modes at once: a tree, whose branches are cut off where no force and motion fits them.
 
-At each node some contacts have a mode, the others any. `mode_fit` asks whether anything fits; if not, a proof of that
+At each node some contacts have a mode, the others any. `fit` asks whether anything fits; if not, a proof of that
 is checked, and nothing below is visited. If so, the contact that misses its law by most is given each of its modes in
 turn, or its patch is split. Where all laws hold, there is an answer.
 """
@@ -15,6 +15,7 @@ from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.projection import nearest
 from handlcp.lcp.modes.active_columns import Active, new_active
+from handlcp.lcp.modes.equations import Whole, put_free, reduced
 from handlcp.lcp.modes.fit import fit, proves_none, put_parts
 from handlcp.lcp.modes.generators import (
     ANY,
@@ -52,7 +53,7 @@ class Tree(NamedTuple):
 
 class Node(NamedTuple):
     """One node, as it is visited: codes (n,), corners (n, 3, 3) and splits (n,) of the contacts; forces and motions
-    that fit it, x and y (n, 4), normal component first.
+    that fit it, x and y (n, 4), normal component first, and the free unknowns u (f,).
     """
 
     codes: Ints
@@ -60,6 +61,7 @@ class Node(NamedTuple):
     splits: Ints
     x: Array
     y: Array
+    u: Array
 
 
 class Claim(NamedTuple):
@@ -70,12 +72,12 @@ class Claim(NamedTuple):
 
 
 @kernel
-def new_tree(c: Cones) -> Tree:
+def new_tree(w: Whole) -> Tree:
     """The tree with its root: every contact may do anything."""
-    n, R = len(c.tangents), c.columns.shape[0]
+    n, R = len(w.tangents), len(w.q)
     room = 2
     for i in range(n):
-        room += 3 + patches(c.tangents[i]) + (4 * _FINEST if c.tangents[i] > 1 else 0)
+        room += 3 + patches(w.tangents[i]) + (4 * _FINEST if w.tangents[i] > 1 else 0)
     tree = Tree(
         np.zeros((room, n), np.int64), np.zeros((room, n, 3, 3)), np.zeros((room, n), np.int64),
         np.full((room, R + 1, 6), -1.0), np.zeros(5, np.int64),
@@ -85,32 +87,38 @@ def new_tree(c: Cones) -> Tree:
 
 
 @kernel
-def new_node(c: Cones) -> Node:
+def new_node(w: Whole) -> Node:
     """Arrays for one node."""
-    n = len(c.tangents)
-    return Node(np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64), np.zeros((n, 4)), np.zeros((n, 4)))
+    n = len(w.tangents)
+    return Node(
+        np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64), np.zeros((n, 4)), np.zeros((n, 4)),
+        np.zeros(w.F.shape[1]),
+    )  # fmt: skip
 
 
 @kernel
-def advance(t: Tree, c: Cones, b: Array, normals: Array, claim: Claim, work: int, node: Node) -> int:
-    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in the node's x and y.
+def advance(t: Tree, w: Whole, normals: Array, claim: Claim, work: int, node: Node) -> int:
+    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in the node's x, y, u.
 
-    b (R,) : what the equations ask for. normals : as in `ContactProblem`.
+    normals : as in `ContactProblem`.
     """
-    a, end = new_active(b), t.counts[4] + work
+    end = t.counts[4] + work
     codes, corners = node.codes, node.corners
     while t.counts[0] > 0:
         if t.counts[4] >= end:
             return SPENT
         at = t.counts[0] - 1
         codes[:], corners[:, :, :], node.splits[:] = t.codes[at], t.corners[at], t.splits[at]
+        asked = reduced(w, codes)
+        c, a = asked.cones, new_active(asked.b)
         _warm(t, at, a)
         t.counts[0], t.counts[1] = at, t.counts[1] + 1
         left, spent = fit(c, codes, corners, a)
-        t.counts[4] += spent
-        if left > 0.0 and proves_none(c, codes, corners, a.rest, b, claim.most, claim.slack):
+        t.counts[4] += spent + (2 * len(asked.taken) + 2) * (len(asked.b) + len(asked.taken)) * asked.top.shape[1]
+        if left > 0.0 and proves_none(c, codes, corners, a.rest, asked.b, claim.most, claim.slack):
             continue
         put_parts(a, node.x, node.y)
+        put_free(w, asked, codes, node.x, node.y, node.u)
         worst, decided = _worst(c, node, normals), True
         if worst < 0:  # there may be another answer below
             worst = _undecided(c, node)
@@ -129,8 +137,8 @@ def advance(t: Tree, c: Cones, b: Array, normals: Array, claim: Claim, work: int
 def _warm(t: Tree, at: int, a: Active) -> None:
     """Begin with the generators of the node above, but those of the contact that was branched on."""
     k = 0
-    for s in range(len(a.b)):
-        if t.warm[at, s, 0] >= 0.0:
+    for s in range(t.warm.shape[1]):
+        if t.warm[at, s, 0] >= 0.0 and k < len(a.b):
             a.owner[k], a.kind[k] = int(t.warm[at, s, 0]), int(t.warm[at, s, 1])
             a.of[k, :] = t.warm[at, s, 2:]
             k += 1
@@ -140,7 +148,7 @@ def _warm(t: Tree, at: int, a: Active) -> None:
 @kernel
 def _worst(c: Cones, node: Node, normals: Array) -> int:
     """The contact that misses its law by most among those that can be branched on; -1: none, or all laws hold."""
-    codes, corners, splits, x, y = node
+    codes, corners, splits, x, y, _ = node
     size = 1.0
     for i in range(len(codes)):
         for q in range(4):
@@ -187,7 +195,7 @@ def _miss(c: Cones, i: int, normals: Array, x: Array, y: Array) -> float:
 @kernel
 def _branch(t: Tree, c: Cones, a: Active, node: Node, i: int) -> None:
     """Put the nodes below this one, in which contact i has each of its modes or patches, the likeliest last."""
-    codes, corners, _, x, y = node
+    codes, corners, _, x, y, _ = node
     d = c.tangents[i]
     if codes[i] == SLIDES:
         for k in range(parts(corners[i], d, c.faces)):
