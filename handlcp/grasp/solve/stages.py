@@ -24,7 +24,7 @@ from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
 from handlcp.grasp.assembly.problem import AnyProblem, assemble
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.kind import shifted
+from handlcp.grasp.model.kind import MANY, shifted
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledAnswer, solve_scene
@@ -178,11 +178,16 @@ def _in_stages(
     # Each search goes on where the one before it stopped; then come so many of the stages that look for an answer
     for name, work, then in ((BRIEFLY, BRIEF, SOON), (LONGER, _LONG, None), (chain.search_stage, np.inf, 0)):
         begun = search.brief or name == chain.search_stage
-        if begun and run.searched(search, chain, min(work, chain.search_work), name):
+        if begun and run.searched(search, chain, min(work, chain.search_work * _larger(scene)), name):
             break
         if run.solved(itertools.islice(stages, then)):
             break
     return run.solution()
+
+
+def _larger(scene: Scene) -> float:
+    """How much more work a search may take with many contacts: one fit of all of them grows with their cube."""
+    return (scene.n / MANY) ** 3 if scene.kind.many else 1.0
 
 
 def certified(spec: GraspSpec, scene: Scene, section: Section, candidate: Candidate, name: str) -> GraspSolution:
