@@ -45,7 +45,9 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
 def certified(problem: LCP | ContactProblem, x: Array) -> tuple[Array, Status, Array, float]:
     """(z, status, w, residual) of a candidate x (n,) in natural units; z and w in the user's units."""
     if isinstance(problem, ContactProblem):
-        return product(x, problem.units.z), *certify_contact(problem, x)
+        status, y, residual = certify_contact(problem, x)
+        solved = status is Status.SOLVED  # what is no answer may overflow
+        return (x * problem.units.z if solved else product(x, problem.units.z)), status, y, residual
     units = problem.scaled.units
     z, w, residual = recompute_natural(problem.M, problem.q, problem.free, units.z, units.w, x, GROWTH)
     return z, (Status.SOLVED if residual <= CERTIFY else Status.UNDECIDED), w, residual

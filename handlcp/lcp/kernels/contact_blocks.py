@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows
+from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
 from handlcp.lcp.kernels.dense import kernel, solve_ranked
 
 _MEMORY = 8  # steps over which ‖F‖ may rise, as in `contact_run`
@@ -209,7 +209,7 @@ def _size(r: Array, z: Array, S: Array) -> float:
 def newton_blocks(p: Linked, r: Array, z: Array, steps: int, tolerance: float) -> tuple[int, float]:
     """`contact_newton` in place, each step by elimination. Returns (steps, ‖F‖ over the size of the unknowns)."""
     n3, m = len(r), len(z)
-    y, F, core, g = np.empty(n3), np.empty(n3), np.empty(m), _room(p)
+    y, F, core, g = np.empty(n3), np.empty(n3), np.empty(m), work(p.own)
     total = motions(p, r, z, y, core) + rows(p.own, r, y, F, g)
     relative = np.sqrt(total) / _size(r, z, p.S)
     if relative <= tolerance:
@@ -279,17 +279,12 @@ def proximal_blocks(p: Linked, copies: Array, pull: Array, steps: int, weight: f
 
 
 @kernel
-def _room(p: Linked) -> Subgradient:
-    return Subgradient(np.empty(len(p.d)), np.empty((len(p.P), 3, 4)))
-
-
-@kernel
 def determined_by(p: Linked, r: Array, z: Array, D: Array, pushes: Bools) -> bool:
     """Whether the laws, linearised about an answer, leave nothing free. Writes the derivatives of the projections
     into D (n, 3, 4), and which contacts push into pushes (n,).
     """
     n, m = len(p.P), len(z)
-    y, F, core, g = np.empty(3 * n), np.empty(3 * n), np.empty(m), _room(p)
+    y, F, core, g = np.empty(3 * n), np.empty(3 * n), np.empty(m), work(p.own)
     motions(p, r, z, y, core)
     rows(p.own, r, y, F, g)
     split = _Split(np.empty((n, 3, 3)), np.empty((n, 3, 3)))

@@ -21,12 +21,12 @@ from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.problem import LCP, Proposal
-from handlcp.lcp.solvers.base import ContactSolver, converged, measured_by_limits
+from handlcp.lcp.solvers.base import ContactSolver, converged, found_by, measured_by_limits
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
-from handlcp.tolerances import FINE
+from handlcp.tolerances import FINE, SOLVE
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
@@ -35,6 +35,7 @@ BRIEFLY, LONGER = "search, briefly", "search, longer"
 SOON = 2  # stages between these two
 _PLAIN = "NSNGRK"
 _ON_SET = ", on the friction set"  # ends the names of stages that work on an LCP's contact form
+_FIRST_ON_SET = FIRST_STAGE + _ON_SET
 _FACES = (16, 4)  # of pyramids whose answers are worth a start, besides the own or one of 8 faces
 _MANY = 16  # faces beyond which pivoting costs more than the other methods
 _TRIES = 30  # other starts: most that help are among the first ten
@@ -75,12 +76,14 @@ class Auto:
     def first(self, problem: LCP | ContactProblem, start: Array | None = None) -> tuple[str, Proposal]:
         """(method, candidate) of the first stage: most problems end here, before any list of stages is made."""
         if isinstance(problem, ContactProblem):
-            return FIRST_STAGE, _nsngrk(self.seed, problem.n).propose_contact(problem, start)
+            return FIRST_STAGE, Proposal(*self._newton_first(problem, start))
         if start is None and isinstance(problem, WithMultipliers):
-            contact = problem.contact
-            p = _nsngrk(self.seed, contact.n).propose_contact(contact)
-            return FIRST_STAGE + _ON_SET, Proposal(problem.lift(p.z), p.iterations, p.outcome)
+            x, steps, words = self._newton_first(problem.contact, None)
+            return _FIRST_ON_SET, Proposal(problem.lift(x), steps, words)
         return _PLAIN, _nsngrk(self.seed, 3 * problem.n).propose(problem.scaled, start)
+
+    def _newton_first(self, problem: ContactProblem, start: Array | None) -> tuple[Array, int, str]:
+        return found_by(problem, self.seed, problem.n, True, SOLVE, start)  # as `NSNGRK` with so many steps
 
     def others(self, problem: LCP | ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) of the stages after the first, each computed when asked for."""
@@ -124,7 +127,7 @@ class Auto:
         if not isinstance(problem, LCP):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
         if isinstance(problem, WithMultipliers):
-            first, later = FIRST_STAGE + _ON_SET, self._on_faces(problem)
+            first, later = _FIRST_ON_SET, self._on_faces(problem)
         else:
             first, later = _PLAIN, self._without_contacts(problem)
         return (first, *(name for name, _ in later), "Farkas vector", *search)

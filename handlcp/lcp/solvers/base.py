@@ -42,8 +42,15 @@ _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank toleran
 def run_contact(
     problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
 ) -> Proposal:
-    """Solve from `start` (n,), natural units; None: from the linear solution in which contacts with a gap are open and
-    all others stick.
+    """The candidate of `found_by`."""
+    return Proposal(*found_by(problem, seed, most, polish, tolerance, start))
+
+
+def found_by(
+    problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
+) -> tuple[Array, int, str]:
+    """(x, iterations, outcome) of a solve from `start` (n,), natural units; None: from the linear solution in which
+    contacts with a gap are open and all others stick.
 
     seed : of the row sampling. most : Kaczmarz steps at most; 0: Newton's alone, whose steps are then what counts as
     iterations. polish : Newton's method before and between them.
@@ -52,7 +59,7 @@ def run_contact(
     x = np.empty(problem.n) if start is None else np.array(start, dtype=float)
     aim = min(tolerance, SOLVE) * 1e-2 if polish else tolerance
     steps, newton, r = solve_packed(numbers, whole, x, start is None, seed, most, polish, aim)
-    return Proposal(x, steps if most else newton, outcome(r <= tolerance, steps, newton))
+    return x, steps if most else newton, outcome(r <= tolerance, steps, newton)
 
 
 def outcome(solved: bool, kaczmarz: int, newton: int) -> str:
