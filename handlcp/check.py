@@ -27,7 +27,7 @@ _NO_NUMBERS = (
 
 def read_only(a: Array) -> Array:
     """The same array with writing switched off."""
-    a.flags.writeable = False
+    a.setflags(write=False)
     return a
 
 

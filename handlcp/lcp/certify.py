@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.projection import recompute, recompute_contact
+from handlcp.lcp.kernels.projection import product, recompute, recompute_contact, recompute_natural
 from handlcp.lcp.problem import LCP, Status
 from handlcp.tolerances import CERTIFY, GROWTH
 
@@ -40,6 +40,17 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
     y, worst, size = recompute_contact(p.M, p.q, p.role, p.blocks, s.limits, s.faces, s.normals, x)
     residual = worst / min(size, GROWTH)
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
+
+
+def certified(problem: LCP | ContactProblem, x: Array) -> tuple[Array, Status, Array, float]:
+    """(z, status, w, residual) of a candidate x (n,) in natural units; z and w in the user's units."""
+    if isinstance(problem, ContactProblem):
+        status, y, residual = certify_contact(problem, x)
+        solved = status is Status.SOLVED  # what is no answer may overflow
+        return (x * problem.units.z if solved else product(x, problem.units.z)), status, y, residual
+    units = problem.scaled.units
+    z, w, residual = recompute_natural(problem.M, problem.q, problem.free, units.z, units.w, x, GROWTH)
+    return z, (Status.SOLVED if residual <= CERTIFY else Status.UNDECIDED), w, residual
 
 
 def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lazy import lazy
-from handlcp.lcp.kernels.contact_rows import Contacts, in_order
+from handlcp.lcp.kernels.contact_packed import packed
 from handlcp.lcp.scaling import Units
 
 NO_NORMALS = read_only(np.zeros((0, 3)))
@@ -89,10 +89,10 @@ class ContactProblem:
         return self._units if isinstance(self._units, Units) else self._units()
 
     @lazy
-    def prepared(self) -> Contacts:
-        """What kernels work on, the unknowns in the order of `pattern`."""
+    def prepared(self) -> tuple[Array, Ints]:
+        """What kernels work on: the problem as two rows of numbers, as in `contact_packed`."""
         s, p = self.sets, self.pattern
-        return in_order(self.M, self.q, p.role, p.blocks, p.order, s.limits, s.faces, s.normals)
+        return packed(self.M, self.q, p.role, p.blocks, p.order, s.limits, s.faces, s.normals)
 
     def varied(self, M: Array, q: Array, limits: Array) -> ContactProblem:
         """Another problem with the same pattern."""

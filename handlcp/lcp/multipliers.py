@@ -65,10 +65,11 @@ class WithMultipliers(LCP):
     def lift(self, x: Array) -> Array:
         """(n,) z of this problem from x of the contact problem, natural units: multipliers follow from the slip y_T."""
         contact, sets, at = self.contact, self._sets, self._multipliers.start
-        z, slip = lift_flat(contact.M, contact.q, x, self._place, contact.blocks, sets.faces, at, self._whole)
+        z = lift_flat(contact.M, contact.q, x, self._place, contact.blocks, sets.faces, at, self._whole)
         if len(sets.normals) and (contact.blocks[:, 3] >= 0).any():
             from scipy.optimize import nnls  # half a second of import that only soft contacts should pay
 
+            slip = contact.M @ x + contact.q
             for block, faces in zip(contact.blocks, self.faces, strict=True):
                 if block[3] >= 0:
                     z[at : at + faces] = nnls(sets.normals.T, -slip[block[1:]])[0]
@@ -113,12 +114,10 @@ def _rcond(F: Array) -> float:
 
 
 @kernel
-def lift_flat(
-    M: Array, q: Array, x: Array, place: Ints, blocks: Ints, faces: int, at: int, size: int
-) -> tuple[Array, Array]:
-    """(z, y) for x (n,): z (size,) has x at `place` (n,), and from `at` on λ ≥ 0 with Σ λ_j n_j = -y_T for the blocks
+def lift_flat(M: Array, q: Array, x: Array, place: Ints, blocks: Ints, faces: int, at: int, size: int) -> Array:
+    """(size,) z for x (n,). It has x at `place` (n,), and from `at` on λ ≥ 0 with Σ λ_j n_j = -y_T for the blocks
     before the first with three tangents: on an end of an interval, or on the two faces of a polygon whose normals
-    enclose the slip. y = M x + q.
+    enclose the slip y_T of y = M x + q.
     """
     z, slip, step = np.zeros(size), np.empty(len(q)), 2.0 * np.pi / max(faces, 1)
     multiply_add(M, x, q, slip)
@@ -140,4 +139,4 @@ def lift_flat(
         z[at + first % faces] = length * max(np.sin(step - rest), 0.0)
         z[at + (first + 1) % faces] += length * max(np.sin(rest), 0.0)
         at += faces
-    return z, slip
+    return z

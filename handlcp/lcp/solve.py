@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, NoSolutionFound, Unsupported
-from handlcp.lcp.certify import certify, certify_contact, farkas_vector
+from handlcp.lcp.certify import certified, certify, farkas_vector
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.projection import product
 from handlcp.lcp.problem import LCP, LCPSolution, Proposal, Status, stage_line
 from handlcp.lcp.search import search
 from handlcp.lcp.solvers.auto import Auto, as_chain
@@ -48,9 +48,13 @@ def _solve(problem: LCP | ContactProblem, solver: AnySolver, start: Array | None
         start = array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
     best: tuple[Array, Array, Status, float, Proposal] | None = None
-    for name, p in proposals(problem, solver, start):
-        z = product(p.z, units.z)
-        status, w, residual = certify(problem, z) if isinstance(problem, LCP) else certify_contact(problem, p.z)
+    chain = as_chain(solver)
+    if chain is None:
+        found = proposals(problem, solver, start)
+    else:
+        found = itertools.chain((chain.first(problem, start),), chain.others(problem, start))
+    for name, p in found:
+        z, status, w, residual = certified(problem, p.z)
         trace.append(stage_line(name, p.outcome, p.iterations, residual))
         if best is None or residual < best[3]:
             best = read_only(z), read_only(w), status, residual, p

@@ -17,6 +17,7 @@ from handlcp.lcp.kernels import (
     kaczmarz as _kaczmarz,
     lemke as _lemke,
 )
+from handlcp.lcp.kernels.contact_packed import opened as _opened
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import nearest as _nearest
 from handlcp.lcp.modes import generators as _modes
@@ -126,7 +127,7 @@ def contact_rows(problem: Any, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(F, J): the laws of a problem with friction as a set as equations at x (n,), and a subgradient (n, n) of them;
     both, and x, in the order in which the solvers have the unknowns.
     """
-    p, n = problem.prepared, problem.n
+    p, n = _opened(*problem.prepared), problem.n
     F, g, y, J = np.empty(n), _contact_rows.work(p), np.empty(n), np.empty((n, n))
     multiply_add(p.M, x, p.q, y)
     _contact_rows.rows(p, x, y, F, g)

@@ -7,13 +7,14 @@ palm, which no joint moves.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 import handlcp as hl
 from handlcp.check import Array
 
-__all__ = ["STRONG", "WEAK", "PowerGrasp", "power_grasp"]
+__all__ = ["STRONG", "WEAK", "PowerGrasp", "factor_of", "power_grasp"]
 
 FINGERS, JOINTS = 4, 4
 _FLEXION = np.deg2rad((-60.0, 5.0, 60.0, 110.0))  # where around the object phalanges begin, and the last one ends
@@ -47,11 +48,25 @@ class PowerGrasp:
         """The grasp, with E as one matrix."""
         return hl.Grasp(self.contacts, self.wrench, flexibility=self.flexibility, offset=self.offset)
 
+    def as_matrix(self) -> hl.Grasp:
+        """The same, solved with the matrix even where a factor could be found in it."""
+        grasp = self.dense()
+        grasp.scene.__dict__["factor"] = None
+        return grasp
+
     def factored(self) -> hl.Grasp:
         """The same grasp, with E as a factor."""
         pads = self.pads[:, None, None] * np.eye(3)
         E = hl.Flexibility(self.jacobian, np.diag(1.0 / np.sqrt(self.stiffness)), pads)
         return hl.Grasp(self.contacts, self.wrench, flexibility=E, offset=self.offset)
+
+
+def factor_of(E: Array) -> Any:
+    """(J, A, P) that a grasp with this E (3n, 3n) finds in it; None: none."""
+    n = len(E) // 3
+    ring = [(np.cos(t), np.sin(t), 0.0) for t in np.linspace(0.0, 6.0, n)]
+    grasp = hl.Grasp([hl.Contact(p, (-p[0], -p[1], 0.0), 0.5) for p in ring], flexibility=E)
+    return None if grasp.scene.factor is None else grasp.scene.factor.factor
 
 
 def power_grasp(n: int, seed: int, friction: float | None = None, loaded: bool = True) -> PowerGrasp:

@@ -10,7 +10,8 @@ import numpy as np
 
 from handlcp.check import Array, Bools, read_only, sealed
 from handlcp.grasp.friction import Section, limit_set
-from handlcp.grasp.model.flexibility import flexible
+from handlcp.grasp.model.factoring import MANY_AS_MATRIX, found_in
+from handlcp.grasp.model.flexibility import Flexibility, flexible, kept
 from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
 from handlcp.grasp.model.kind import Kind, cross_rows
 from handlcp.grasp.model.mechanism import Mechanism
@@ -127,6 +128,14 @@ class Scene:
         out = np.zeros(self.n)
         out[list(self.soft)] = torsional
         return read_only(out)
+
+    @lazy
+    def factor(self) -> Flexibility | None:
+        """The flexibility as a factor: as it was given, or found in a matrix of many contacts; None: it is none."""
+        E = kept(self)
+        if isinstance(E, Flexibility):
+            return E
+        return None if self.scale is not None or self.soft or self.n < MANY_AS_MATRIX else found_in(E)
 
     # ---- geometry and natural units
     @lazy

@@ -11,7 +11,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.assembly.contact_form import design, outward
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.flexibility import Flexibility, kept
+from handlcp.grasp.model.flexibility import kept, matrix_of
 from handlcp.grasp.model.kind import Kind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
@@ -24,6 +24,7 @@ from handlcp.lcp import Proposal
 from handlcp.lcp.solvers.base import outcome
 from handlcp.tolerances import CERTIFY, SOLVE
 
+_NO_MATRIX = read_only(np.empty((0, 0)))
 NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
 
 
@@ -62,20 +63,13 @@ def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
     """The first stage's answer, certified or not; start as in `start_from`."""
     kind = compiled_kind(scene, section)
-    if scene.kind.many and isinstance(E := kept(scene), Flexibility):
-        row, limits = np.empty(kind.answer_width), scene.limits(section)
-        parts = (
-            scene.positions,
-            scene.frames,
-            scene.offset,
-            scene.force,
-            scene.moment,
-            scene.freedom,
-            *E.factor,
-            limits,
-        )
-        numbers = read_only(np.concatenate(parts, axis=None))
-        if solve_factored(Row(numbers, *E.factor.root.shape), kind.pattern, start, row):
+    if scene.kind.many and (E := scene.factor) is not None:
+        row, given = np.empty(kind.answer_width), kept(scene)
+        loads = (scene.offset, scene.force, scene.moment, scene.freedom)
+        parts = (scene.positions, scene.frames, *loads, *E.factor, scene.limits(section))
+        numbers, (joints, columns) = read_only(np.concatenate(parts, axis=None)), E.factor.root.shape
+        matrix = _NO_MATRIX if given is E else matrix_of(given)
+        if solve_factored(Row(numbers, joints, columns, matrix), kind.pattern, start, row):
             return CompiledAnswer(kind, row)
     numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
     write_row(scene, section, numbers[0])

@@ -14,7 +14,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.flexibility import Factor
 from handlcp.grasp.model.grasp_matrix import Given, Posed, placed
 from handlcp.grasp.solve.compiled_solve import HEAD, UNIQUE, UNKNOWN, ScenePattern, begin
-from handlcp.grasp.verify.contact_laws import Friction, examined, motions_of_factor
+from handlcp.grasp.verify.contact_laws import Friction, examine, examined, motions_of_factor
 from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States, find_states
 from handlcp.lcp.kernels.block_run import solved_blocks
 from handlcp.lcp.kernels.contact_blocks import Linked, determined_by
@@ -26,12 +26,14 @@ _LEAST = 1e-9  # pivots below this share of the largest say that something may b
 
 class Row(NamedTuple):
     """A scene's numbers, one after the other, and how many joints and columns of their root there are: positions (3n),
-    frames (9n), offset (3n), force, moment (3), freedom (36), J (3n nv), A (nv m), P (9n), limits (n).
+    frames (9n), offset (3n), force, moment (3), freedom (36), J (3n nv), A (nv m), P (9n), limits (n). matrix :
+    (3n, 3n) E where it was given as one, which answers are judged by; else (0, 0).
     """
 
     numbers: Array
     joints: int
     columns: int
+    matrix: Array
 
 
 @kernel
@@ -58,7 +60,7 @@ def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> boo
 
 @kernel
 def _read(scene: Row, n: int) -> tuple[Given, Factor, Array]:
-    """The arrays of a scene, as views of its row; E is left to the factor."""
+    """The arrays of a scene, as views of its row."""
     s, nv, m = scene.numbers, scene.joints, scene.columns
     a, b = 3 * n, 12 * n
     c = b + 3 * n
@@ -67,7 +69,7 @@ def _read(scene: Row, n: int) -> tuple[Given, Factor, Array]:
     h = f + nv * m
     factor = Factor(s[e:f].reshape(3 * n, nv), s[f:h].reshape(nv, m), s[h : h + 9 * n].reshape(n, 3, 3))
     g = Given(
-        s[:a].reshape(n, 3), s[a:b].reshape(n, 3, 3), s[:0].reshape(0, 0), s[b:c], s[:0], s[:0].reshape(3, 0),
+        s[:a].reshape(n, 3), s[a:b].reshape(n, 3, 3), scene.matrix, s[b:c], s[:0], s[:0].reshape(3, 0),
         s[c : c + 3], s[c + 3 : c + 6], s[c + 6 : e].reshape(6, 6),
     )  # fmt: skip
     return g, factor, s[h + 9 * n :]
@@ -187,8 +189,11 @@ def _write(
             forces[3 * i + a] = r[3 * i + (a + 1) % 3] * posed.force
     for k in range(6):
         twist[k] = z[m + k] * posed.motion / (1.0 if k < 3 else posed.length)
-    moved = motions_of_factor(posed.grasp_matrix, E, g.offset, forces, twist)
-    miss = examined(g, posed, p.contacts, friction, g.offset, forces, moved, GROWTH)
+    if len(g.flexibility) > 0:
+        v, miss = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+    else:
+        moved = motions_of_factor(posed.grasp_matrix, E, g.offset, forces, twist)
+        v, miss = moved.v, examined(g, posed, p.contacts, friction, g.offset, forces, moved, GROWTH)
     row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = miss
     if not max(miss.balance, miss.normal, miss.cone, miss.slip) <= CERTIFY:
         return False
@@ -197,10 +202,10 @@ def _write(
     row[at + 3 * n : at + 3 * n + 6] = twist
     row[at + 3 * n + 6 : at + 3 * n + 9] = posed.centre
     at += 3 * n + 9
-    row[at : at + 3 * n] = moved.v
+    row[at : at + 3 * n] = v
     at += 3 * n
     slow = ACTIVE * max(miss.motion_size, posed.motion)
-    states = find_states(p.contacts, friction, forces, moved.v, ACTIVE * miss.force_size, slow)
+    states = find_states(p.contacts, friction, forces, v, ACTIVE * miss.force_size, slow)
     for i in range(n):
         row[at + i] = states.kind[i]
     at += n

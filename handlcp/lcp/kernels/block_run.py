@@ -1,13 +1,12 @@
-"""Newton's method contact by contact, and what leads to where it converges: contacts that all stick, then proximal steps.
-"""
+"""Newton's method contact by contact, and what leads to where it converges: contacts that stick, then proximal steps."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.lcp.kernels.contact_blocks import Linked, Split, eliminated, motions, room, split_rows
-from handlcp.lcp.kernels.contact_rows import Contacts, rows
+from handlcp.lcp.kernels.contact_blocks import Linked, Split, eliminated, motions, split_rows
+from handlcp.lcp.kernels.contact_rows import Contacts, rows, work
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import SOLVE
 
@@ -97,7 +96,7 @@ def _size(r: Array, z: Array) -> float:
 def newton_blocks(p: Linked, r: Array, z: Array, steps: int, tolerance: float) -> tuple[int, float]:
     """`contact_newton` in place, each step by elimination. Returns (steps, ‖F‖ over the size of the unknowns)."""
     n3, m = len(r), len(z)
-    y, F, core, g = np.empty(n3), np.empty(n3), np.empty(m), room(p)
+    y, F, core, g = np.empty(n3), np.empty(n3), np.empty(m), work(p.own)
     total = motions(p, r, z, y, core) + rows(p.own, r, y, F, g)
     relative = np.sqrt(total) / _size(r, z)
     if relative <= tolerance:

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows
+from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
 from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
 
 
@@ -195,16 +195,10 @@ def split_rows(p: Linked, g: Subgradient, out: Split) -> None:
 
 
 @kernel
-def room(p: Linked) -> Subgradient:
-    """For `rows`."""
-    return Subgradient(np.empty(len(p.d)), np.empty((len(p.P), 3, 4)))
-
-
-@kernel
 def _linearised(p: Linked, r: Array, z: Array) -> tuple[Subgradient, Split, Array, Array]:
     """(subgradients, their A and C, F (3n,), core (m,)) about an answer."""
     n, m = len(p.P), len(z)
-    y, F, core, g = np.empty(3 * n), np.empty(3 * n), np.empty(m), room(p)
+    y, F, core, g = np.empty(3 * n), np.empty(3 * n), np.empty(m), work(p.own)
     motions(p, r, z, y, core)
     rows(p.own, r, y, F, g)
     split = Split(np.empty((n, 3, 3)), np.empty((n, 3, 3)))

@@ -43,11 +43,13 @@ class Contacts(NamedTuple):
 
 class Subgradient(NamedTuple):
     """Of free rows and pairs: scale[i] M_i where scale (n,) is positive, else e_i. D (k, 3, 4): the derivative of each
-    block's projection, as in `nearest`.
+    block's projection, as in `nearest`. s, P (3,) : room for a point and its projection.
     """
 
     scale: Array
     D: Array
+    s: Array
+    P: Array
 
 
 @kernel
@@ -95,7 +97,7 @@ def in_order(
 @kernel
 def work(p: Contacts) -> Subgradient:
     """Room for the subgradients of all rows."""
-    return Subgradient(np.empty(len(p.q)), np.empty((len(p.blocks), 3, 4)))
+    return Subgradient(np.empty(len(p.rho)), np.empty((len(p.blocks), 3, 4)), np.empty(3), np.empty(3))
 
 
 @kernel
@@ -114,7 +116,7 @@ def rows(p: Contacts, x: Array, y: Array, F: Array, g: Subgradient) -> float:
         else:
             F[i], scale[i] = x[i], 0.0
         total += F[i] * F[i]
-    s, P, D = np.empty(3), np.empty(3), g.D
+    s, P, D = g.s, g.P, g.D
     for k in range(len(blocks)):
         n, tangents = blocks[k, 0], 0
         while tangents < 3 and blocks[k, tangents + 1] >= 0:

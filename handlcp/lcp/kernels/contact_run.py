@@ -156,11 +156,11 @@ def _newton(p: Contacts, scale: float, x: Array, tolerance: float) -> tuple[int,
     """Newton's method in place, with ρ times `scale`. A polygon or polyhedron is approached from the answer on the ball
     in its place, which names the faces: from there it takes two or three steps, whatever their number.
     """
-    before = 0
+    before, rho = 0, p.rho if scale == 1.0 else p.rho * scale
     if p.faces > 2:
-        ball = Contacts(p.M, p.q, p.role, p.rho * scale, p.blocks, p.limits, 0, p.normals)
+        ball = Contacts(p.M, p.q, p.role, rho, p.blocks, p.limits, 0, p.normals)
         before, _ = contact_newton(ball, x, _BALL_STEPS, _ON_BALL)
-    own = Contacts(p.M, p.q, p.role, p.rho * scale, p.blocks, p.limits, p.faces, p.normals)
+    own = Contacts(p.M, p.q, p.role, rho, p.blocks, p.limits, p.faces, p.normals)
     steps, r = contact_newton(own, x, _STEPS, tolerance)
     return before + steps, r
 

@@ -233,6 +233,16 @@ def recompute(
 
 
 @kernel
+def recompute_natural(
+    M: Array, q: Array, free: Bools, z_unit: Array, w_unit: Array, x: Array, growth: float
+) -> tuple[Array, Array, float]:
+    """(z, w, residual): the same for z = x in units of z."""
+    z = product(x, z_unit)
+    w, residual = recompute(M, q, free, z_unit, w_unit, z, growth)
+    return z, w, residual
+
+
+@kernel
 def recompute_contact(
     M: Array, q: Array, role: Ints, blocks: Ints, limits: Array, faces: int, normals: Array, x: Array
 ) -> tuple[Array, float, float]:

@@ -21,12 +21,12 @@ from handlcp.errors import InputError
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.problem import LCP, Proposal
-from handlcp.lcp.solvers.base import ContactSolver, converged, measured_by_limits
+from handlcp.lcp.solvers.base import ContactSolver, converged, found_by, measured_by_limits
 from handlcp.lcp.solvers.lemke import Lemke
 from handlcp.lcp.solvers.newton import SemismoothNewton
 from handlcp.lcp.solvers.nsngrk import NSNGRK
 from handlcp.lcp.solvers.starts import OtherStarts
-from handlcp.tolerances import FINE
+from handlcp.tolerances import FINE, SOLVE
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
@@ -35,6 +35,7 @@ BRIEFLY, LONGER = "search, briefly", "search, longer"
 SOON = 2  # stages between these two
 _PLAIN = "NSNGRK"
 _ON_SET = ", on the friction set"  # ends the names of stages that work on an LCP's contact form
+_FIRST_ON_SET = FIRST_STAGE + _ON_SET
 _FACES = (16, 4)  # of pyramids whose answers are worth a start, besides the own or one of 8 faces
 _MANY = 16  # faces beyond which pivoting costs more than the other methods
 _TRIES = 30  # other starts: most that help are among the first ten
@@ -72,19 +73,41 @@ class Auto:
         if self.search_seconds is not math.inf:
             number("search_seconds", self.search_seconds, minimum=0.0, finite=False)
 
-    def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
-        """(method, candidate) for a plain LCP, each computed when asked for."""
-        for name, run in self._on_lcp(problem, start):
+    def first(self, problem: LCP | ContactProblem, start: Array | None = None) -> tuple[str, Proposal]:
+        """(method, candidate) of the first stage: most problems end here, before any list of stages is made."""
+        if isinstance(problem, ContactProblem):
+            return FIRST_STAGE, Proposal(*self._newton_first(problem, start))
+        if start is None and isinstance(problem, WithMultipliers):
+            x, steps, words = self._newton_first(problem.contact, None)
+            return _FIRST_ON_SET, Proposal(problem.lift(x), steps, words)
+        return _PLAIN, _nsngrk(self.seed, 3 * problem.n).propose(problem.scaled, start)
+
+    def _newton_first(self, problem: ContactProblem, start: Array | None) -> tuple[Array, int, str]:
+        return found_by(problem, self.seed, problem.n, True, SOLVE, start)  # as `NSNGRK` with so many steps
+
+    def others(self, problem: LCP | ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
+        """(method, candidate) of the stages after the first, each computed when asked for."""
+        if isinstance(problem, ContactProblem):
+            later = self._on_contacts(problem)
+        elif start is None and isinstance(problem, WithMultipliers):
+            later = self._on_faces(problem)
+        else:
+            later = self._without_contacts(problem)
+        for name, run in later:
             if (p := run()) is not None:
                 yield name, p
+
+    def stages(self, problem: LCP, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
+        """(method, candidate) for a plain LCP, each computed when asked for."""
+        yield self.first(problem, start)
+        yield from self.others(problem, start)
 
     def contact_stages(
         self, problem: ContactProblem, start: Array | None = None, first: Proposal | None = None
     ) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) for a contact problem, each computed when asked for; `first` where it is known."""
-        for name, run in self._on_contacts(problem, start, first):
-            if (p := run()) is not None:
-                yield name, p
+        yield (FIRST_STAGE, first) if first else self.first(problem, start)
+        yield from self.others(problem, start)
 
     def plan(self, problem: LCP | ContactProblem) -> tuple[str, ...]:
         """What would run on this problem, in order, until one answer is certified; `Grasp.plan` says it of a grasp.
@@ -95,15 +118,19 @@ class Auto:
         """
         search = (self.search_stage,) if self.searches else ()
         if isinstance(problem, ContactProblem):
-            first, *rest = (name for name, _ in self._on_contacts(problem, None, None))
+            rest = [name for name, _ in self._on_contacts(problem)]
             if not hasattr(problem, "scene"):
-                return (first, *rest)
+                return (FIRST_STAGE, *rest)
             if not search:
-                return (first, "holdability", *rest)
-            return (first, "holdability", BRIEFLY, *rest[:SOON], LONGER, *rest[SOON:], *search)
+                return (FIRST_STAGE, "holdability", *rest)
+            return (FIRST_STAGE, "holdability", BRIEFLY, *rest[:SOON], LONGER, *rest[SOON:], *search)
         if not isinstance(problem, LCP):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
-        return (*(name for name, _ in self._on_lcp(problem, None)), "Farkas vector", *search)
+        if isinstance(problem, WithMultipliers):
+            first, later = _FIRST_ON_SET, self._on_faces(problem)
+        else:
+            first, later = _PLAIN, self._without_contacts(problem)
+        return (first, *(name for name, _ in later), "Farkas vector", *search)
 
     @property
     def search_stage(self) -> str:
@@ -120,26 +147,18 @@ class Auto:
         """When a search that begins now has to end, of `time.monotonic`."""
         return time.monotonic() + self.search_seconds
 
-    def _on_lcp(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
-        if start is None and isinstance(problem, WithMultipliers):
-            return self._on_faces(problem)
-        return self._without_contacts(problem, start)
-
     def _on_faces(self, problem: WithMultipliers) -> Iterator[Stage]:
         def lifted(run: Callable[[], Proposal | None]) -> Proposal | None:
             p = run()
             return p if p is None else Proposal(problem.lift(p.z), p.iterations, p.outcome, p.history)
 
-        on_set = self._on_contacts(problem.contact, None, None)
-        name, first = next(on_set)
-        yield name + _ON_SET, lambda: lifted(first)
         yield "Lemke", lambda: Lemke(seed=self.seed).propose(problem.scaled)
-        for name, run in on_set:
+        for name, run in self._on_contacts(problem.contact):
             if name != "Lemke":  # the same as on this problem itself
                 yield name + _ON_SET, partial(lifted, run)
         yield self._coverings(problem)
 
-    def _without_contacts(self, problem: LCP, start: Array | None) -> Iterator[Stage]:
+    def _without_contacts(self, problem: LCP) -> Iterator[Stage]:
         n, seed = problem.n, self.seed
 
         @cache
@@ -151,7 +170,6 @@ class Auto:
             where = pivoted().z if k == 1 and np.isfinite(pivoted().z).all() else None
             return _nsngrk(seed + k, 200 * n).propose(problem.scaled, where)
 
-        yield _PLAIN, lambda: _nsngrk(seed, 3 * n).propose(problem.scaled, start)
         yield "Lemke", pivoted
         yield self._coverings(problem)
         yield "Newton from other starts", lambda: OtherStarts(seed=seed).propose(problem.scaled)
@@ -162,10 +180,8 @@ class Auto:
         again = Lemke(coverings=30, seed=self.seed + 1)
         return "Lemke, other covering vectors", lambda: again.propose(problem.scaled)
 
-    def _on_contacts(self, problem: ContactProblem, start: Array | None, first: Proposal | None) -> Iterator[Stage]:
+    def _on_contacts(self, problem: ContactProblem) -> Iterator[Stage]:
         seed, m = self.seed, problem.faces
-        # Most problems end here, sooner than the list of what else there is could be made
-        yield FIRST_STAGE, lambda: first or _nsngrk(seed, problem.n).propose_contact(problem, start)
 
         @cache
         def pivoted(faces: int) -> Proposal:

@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools
 from handlcp.lcp.contact import ContactProblem
-from handlcp.lcp.kernels.contact_run import contact_run, hold
+from handlcp.lcp.kernels.contact_packed import hold_packed, solve_packed
 from handlcp.lcp.problem import Proposal, Scaled
 from handlcp.tolerances import SOLVE
 
@@ -42,19 +42,24 @@ _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank toleran
 def run_contact(
     problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
 ) -> Proposal:
-    """Solve from `start` (n,), natural units; None: from the linear solution in which contacts with a gap are open and
-    all others stick.
+    """The candidate of `found_by`."""
+    return Proposal(*found_by(problem, seed, most, polish, tolerance, start))
+
+
+def found_by(
+    problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
+) -> tuple[Array, int, str]:
+    """(x, iterations, outcome) of a solve from `start` (n,), natural units; None: from the linear solution in which
+    contacts with a gap are open and all others stick.
 
     seed : of the row sampling. most : Kaczmarz steps at most; 0: Newton's alone, whose steps are then what counts as
     iterations. polish : Newton's method before and between them.
     """
-    order = problem.pattern.order
-    x = np.zeros(problem.n) if start is None else np.array(start, dtype=float)[order]
+    numbers, whole = problem.prepared
+    x = np.empty(problem.n) if start is None else np.array(start, dtype=float)
     aim = min(tolerance, SOLVE) * 1e-2 if polish else tolerance
-    steps, newton, r = contact_run(problem.prepared, x, start is None, seed, most, polish, aim)
-    z = np.empty(problem.n)
-    z[order] = x
-    return Proposal(z, steps if most else newton, outcome(r <= tolerance, steps, newton))
+    steps, newton, r = solve_packed(numbers, whole, x, start is None, seed, most, polish, aim)
+    return x, steps if most else newton, outcome(r <= tolerance, steps, newton)
 
 
 def outcome(solved: bool, kaczmarz: int, newton: int) -> str:
@@ -74,10 +79,10 @@ def held(problem: ContactProblem, apart: Bools, slippery: Bools) -> Array:
     """(n,) solution of the linear problem in which pairs stay at x_i = 0 where `apart` (n,), blocks carry no tangential
     force where `slippery` (k,), and every other contact sticks.
     """
-    order, x, z = problem.pattern.order, np.empty(problem.n), np.empty(problem.n)
-    hold(problem.prepared, apart[order], slippery, x)
-    z[order] = x
-    return z
+    numbers, whole = problem.prepared
+    x = np.empty(problem.n)
+    hold_packed(numbers, whole, apart, slippery, x)
+    return x
 
 
 def measured_by_limits(problem: ContactProblem) -> tuple[ContactProblem, Array]:
