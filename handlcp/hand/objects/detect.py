@@ -51,11 +51,11 @@ _MOVES = 1e-5, 1e-4, 1e-3  # of the smaller shape's size: how far touching shape
 _LEAST = 5e-7  # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
 
 
-def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[str, str]) -> Distance:
+def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[Any, Any]) -> Distance:
     """(gap [m], nearest point (3,) of the first shape and of the second, normal (3,) from the first into the second),
     world axes; overlapping, the deepest points.
 
-    first, second : coal's shapes, convex. at, there : where they are. names : of both, for messages.
+    first, second : coal's shapes, convex. at, there : where they are. names : of both, for messages, by `str`.
     Raises Unsupported where no distance can be confirmed.
     """
     if not (known(first) and known(second)):
@@ -188,6 +188,18 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
     return min(found, key=lambda one: one.gap)
 
 
+def nearest_beside(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
+    """As `nearest`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
+    the object is convex, that is not confirmed any further.
+    """
+    if shape.radius is None and shape.face is None and obj.triangles is None:
+        at = R @ shape.rotation, p + R @ shape.translation
+        found, on_tip, on_object, normal = _by_coal(shape.geometry, at, obj.geometry, obj.frame)
+        if abs(found - gap) <= about and abs(float(normal @ normal) - 1.0) < 1e-9:
+            return Proximity(found, on_object, on_tip, normal)
+    return nearest((shape,), p, R, obj)
+
+
 def touching(
     state: Posture, tips: tuple[int, ...], obj: Object, laws: Sequence[FrictionLaw], max_gap: float
 ) -> tuple[tuple[Contact, ...], Array]:
@@ -213,7 +225,7 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
     elif obj.triangles is not None and not available():
         expected = "spherical fingertips for an object that is not convex (or its convex parts: handlcp[convex])"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
-    names = f"{shape.name} ({type(shape.geometry).__name__})", repr(obj)
+    names = f"{shape.name} ({type(shape.geometry).__name__})", obj
     found = [distance(shape.geometry, (R, p), part, obj.frame, names) for part in obj.parts]
     gap, on_tip, on_object, normal = min(found, key=lambda one: one[0])
     return Proximity(gap, on_object, on_tip, normal)
