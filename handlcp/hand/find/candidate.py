@@ -39,7 +39,7 @@ class Candidate(Record):
     torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
     held_force : the largest force that is held beside the load in the worst of six directions, along the world's axes
         [N]. Of fingertips each push was solved in this posture, with all of the load at once. Of a power grasp each was
-        followed, while the hand closes, is loaded and then pushed.
+        followed, while the hand closes, is loaded and then pushed; of one that is cradled, against its load alone.
     cradled : the object is held by its weight, which presses it onto fingers: turned round, the weight is not held.
     kind : "pinch" or "power".
     gives_out : what gives out first under that force, in words; "" of fingertips, where it is not known.
@@ -152,10 +152,13 @@ def candidate_of(kind: str, grasp: HandGrasp, solution: GraspSolution) -> Candid
     return Candidate(grasp, solution, *reserves(grasp, solution), held.force, held.cradled, kind)
 
 
-def followed_through(one: Candidate, least: float) -> Candidate | None:
-    """With what it holds when it is followed; None where that is not even the load, or no more than `least` [N]."""
+def followed_through(one: Candidate, least: float, finer: float) -> Candidate | None:
+    """With what it holds when it is followed; None where that is not even the load, or no more than `least` [N].
+
+    finer : how many times as many steps as usual.
+    """
     try:
-        held = followed(one.grasp, least)
+        held = followed(one.grasp, least, finer)
     except Unsupported:
         return None
     if held is None:

@@ -28,7 +28,6 @@ from handlcp.hand.hand_grasp import HandGrasp
 
 _PUSHES = read_only(np.hstack([AXES, np.zeros((6, 3))]))
 _NOTHING = 1e-12  # of the load: no more is what rounding leaves of a load beside the weight
-_COARSER = 0.5  # times as many steps as a limit that is asked for: what ranks grasps need not be as exact
 _FIRST, _DOUBLED, _FINER = 0.01, 9, 2.0 ** (0.25 * np.arange(1, 4))  # of the size of the forces; how often
 
 
@@ -36,6 +35,8 @@ class Held(NamedTuple):
     """force : the largest [N] that is held beside the load in each of six directions; 0 where the load is not. cradled
     : whether it is the load that holds the object: turned round, it is not held. A grasp without load is not. gives_out
     : what gives out first under that force, in words; "" where that is not known.
+
+    Of a cradle that was followed the force is the one against the load alone.
     """
 
     force: float
@@ -49,18 +50,19 @@ def solved(grasp: HandGrasp, solution: GraspSolution) -> Held:
     return Held(_force(grasp, solution), bool(load.any()) and not _all_held(grasp, -2.0 * load[None]))
 
 
-def followed(grasp: HandGrasp, least: float = 0.0) -> Held | None:
-    """As paths say it, in about half as many steps as limits take; None: the load alone is not held, or in some
-    direction no more than `least` [N]. Raises Unsupported for what cannot be followed.
+def followed(grasp: HandGrasp, least: float = 0.0, finer: float = 1.0) -> Held | None:
+    """As paths say it, in `finer` times as many steps as usual; None: the load alone is not held, or in some direction
+    no more than `least` [N]. Raises Unsupported for what cannot be followed.
     """
     spec, section = grasp.spec, as_section("cone", planar=False)
     load = spec.wrench
     beside = load - grasp.mechanism.weight_of_object(spec.reference)
     beside = beside if abs(beside).max() > _NOTHING * abs(load).max() else STILL
-    before = Before(spec, section, (np.inf, np.inf), finer=_COARSER, beside=beside)
+    before = Before(spec, section, (np.inf, np.inf), finer=finer, beside=beside)
     if not before.held:
         return None
-    cradled = bool(load.any()) and before.limit(-2.0 * load, until=1.0).factor < 1.0
+    if load.any() and (turned := before.limit(-2.0 * load, until=1.0)).factor < 1.0:
+        return Held(2.0 * turned.factor * float(np.linalg.norm(load[:3])), True, said(turned.binds, spec))
     force, gives_out = np.inf, ""
     for push in _weakest_first(grasp):  # what holds more than another one already does not matter
         limit = before.limit(push, until=force)
@@ -68,7 +70,7 @@ def followed(grasp: HandGrasp, least: float = 0.0) -> Held | None:
             force, gives_out = limit.factor, said(limit.binds, spec)
         if force <= least:
             return None
-    return Held(force, cradled, gives_out)
+    return Held(force, False, gives_out)
 
 
 def _weakest_first(grasp: HandGrasp) -> Array:

@@ -27,9 +27,10 @@ from handlcp.progress import tick
 
 SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
-_FOLLOWED = 4  # grasps of a round that are followed
-_WORTH = 0.25  # of the best: what holds no more is not followed any further
-_ENOUGH = 3  # grasps that hold in every direction when followed, after which no further round is begun
+_FOLLOWED = 3  # grasps of a round that are followed
+_COARSER, _EXACT = 0.5, 1  # times as many steps as usual; how many of the best are followed again in usual ones
+_WORTH = 0.5  # of the best: what holds no more is not followed any further
+_FIRM = 1.0  # times the load: what holds it in every direction ends the first round, what holds anything a later one
 _REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 
@@ -48,35 +49,37 @@ class PowerSearch:
 
     def run(self, tries: int) -> list[Candidate]:
         """The grasps that hold when they are followed, the best first; of these the first is held when checked."""
-        open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed)
+        clear = self._links.out_of_each_other
+        open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed, clear)
         self.tried["laid"] = len(open_hands)
-        clear = (one for one in open_hands if one.score > 0.0 and self._clear(one))
+        enclosing = (one for one in open_hands if one.score > 0.0 and clear(one.closed))
         waiting, found = list[Candidate](), list[Candidate]()
-        for _ in range(0, min(tries, _SOLVED), _AT_ONCE):
-            some = list(islice(clear, min(tries, _AT_ONCE)))
+        for tried in range(0, min(tries, _SOLVED), _AT_ONCE):
+            some = list(islice(enclosing, min(tries, _AT_ONCE)))
             waiting = sorted([*waiting, *self._held(some)], key=lambda one: one.rank)
-            self._follow(waiting[:_FOLLOWED], found)
+            found = sorted([*found, *self._followed(waiting[:_FOLLOWED], found)], key=lambda one: one.rank)
             waiting = waiting[_FOLLOWED:]
-            if not some or sum(one.rank < 0.0 for one in found) >= _ENOUGH:
+            firm = _FIRM * float(np.linalg.norm(found[0].grasp.spec.wrench[:3])) if found and tried == 0 else 0.0
+            if not some or _best(found) > firm:
                 break
-        return checked(sorted(found, key=lambda one: one.rank), len(found), self.tried, self.refused)
+        best = [exact for one in found[:_EXACT] if (exact := followed_through(one, 0.0, 1.0)) is not None]
+        found = sorted([*best, *found[_EXACT:]], key=lambda one: one.rank)
+        return checked(found, len(found), self.tried, self.refused)
 
-    def _follow(self, some: Iterable[Candidate], found: list[Candidate]) -> None:
-        """Add to `found` those of some that hold when they are followed, with what they hold then. What holds far less
-        than the best is left out.
+    def _followed(self, some: Iterable[Candidate], before: list[Candidate]) -> list[Candidate]:
+        """Those of some that hold when they are followed, with what they hold then. What holds far less than the best,
+        of `before`, too, is left out.
         """
+        found = list[Candidate]()
         for one in some:
             self.tried["followed"] += 1
             tick(f"following grasp {self.tried['followed']}")
-            best = max([0.0, *[other.held_force for other in found if other.rank < 0.0]])
-            if (held := followed_through(one, _WORTH * best)) is not None:
+            best = _best([*before, *found])
+            if (held := followed_through(one, _WORTH * best, _COARSER)) is not None:
                 found.append(held)
-            elif not found:
+            elif not best:
                 self.refused.append(one)
-
-    def _clear(self, one: Laid) -> bool:
-        """Whether links keep out of each other in the open hand, and roughly in the closed one."""
-        return self._links.out_of_each_other(one.place.q) and self._links.out_of_each_other(one.closed)
+        return found
 
     def _held(self, some: list[Laid]) -> list[Candidate]:
         """The grasps of these that are clear and held."""
@@ -126,6 +129,11 @@ class PowerSearch:
             return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
         given = closing_torques(self._hand, way, asked)
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
+
+
+def _best(found: Iterable[Candidate]) -> float:
+    """The largest force of those that are held in every direction [N]; 0 without any."""
+    return max((one.held_force for one in found if one.rank < 0.0), default=0.0)
 
 
 def closing_by_limit(hand: HandModel) -> Array:

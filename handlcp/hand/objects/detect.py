@@ -5,7 +5,7 @@ Those of spherical fingertips are closed forms of the object; those of others ar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -18,7 +18,7 @@ from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.object import Object, on_surface
-from handlcp.hand.objects.overlap import apart, beyond, known, overlap, size_of, support
+from handlcp.hand.objects.overlap import apart, beyond, box_of, known, overlap, size_of, support
 from handlcp.hand.objects.swept import nearest_station
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.posture import Posture
@@ -226,9 +226,27 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
         expected = "spherical fingertips for an object that is not convex (or its convex parts: handlcp[convex])"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
     names = f"{shape.name} ({type(shape.geometry).__name__})", obj
-    found = [distance(shape.geometry, (R, p), part, obj.frame, names) for part in obj.parts]
-    gap, on_tip, on_object, normal = min(found, key=lambda one: one[0])
+    found: Distance | None = None
+    for part, least in _nearest_first(shape.geometry, p, obj):
+        if found is not None and found[0] < least:
+            break
+        one = distance(shape.geometry, (R, p), part, obj.frame, names)
+        found = one if found is None or one[0] < found[0] else found
+    assert found is not None  # an object has a part
+    gap, on_tip, on_object, normal = found
     return Proximity(gap, on_object, on_tip, normal)
+
+
+def _nearest_first(geometry: Any, p: Array, obj: Object) -> Iterable[tuple[Any, float]]:
+    """The object's parts, and how near each is at least to a shape at p (3,) [m], by a ball and a box around them."""
+    parts = obj.parts
+    if len(parts) == 1:
+        return ((parts[0], -np.inf),)
+    (R, o), low, high = obj.frame, *np.array([box_of(part) for part in parts]).transpose(1, 0, 2)
+    x = (p - o) @ R
+    away = np.maximum(np.maximum(low - x, x - high), 0.0)
+    least = np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * size_of(geometry)
+    return [(parts[k], float(least[k])) for k in np.argsort(least, kind="stable")]
 
 
 def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]) -> tuple[Contact, ...]:

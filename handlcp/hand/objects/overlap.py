@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import coal
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.robot.link_surface import planes
 
@@ -91,7 +91,13 @@ def beyond(geometry: Any, x: Array) -> float:
             return float((normals @ x - offsets).max())
 
 
-@lru_cache(maxsize=1024)  # shapes of a hand and of what it holds: all of them are asked for at every distance
+@lru_cache(maxsize=1024)  # shapes of a hand and of what it holds: they are asked for at every distance
+def box_of(geometry: Any) -> tuple[Array, Array]:
+    """(3,) and (3,) the lowest and the highest corner of the box that holds the shape, along its own axes [m]."""
+    return read_only(np.diag(support(geometry, -np.eye(3)))), read_only(np.diag(support(geometry, np.eye(3))))
+
+
+@lru_cache(maxsize=1024)
 def size_of(geometry: Any) -> float:
     """A length of the shape [m]: the largest distance of its surface from the origin of its axes, along an axis."""
     axes = np.concatenate([np.eye(3), -np.eye(3)])
