@@ -152,13 +152,10 @@ def candidate_of(kind: str, grasp: HandGrasp, solution: GraspSolution) -> Candid
     return Candidate(grasp, solution, *reserves(grasp, solution), held.force, held.cradled, kind)
 
 
-def followed_through(one: Candidate, least: float, finer: float) -> Candidate | None:
-    """With what it holds when it is followed; None where that is not even the load, or no more than `least` [N].
-
-    finer : how many times as many steps as usual.
-    """
+def followed_through(one: Candidate, least: float) -> Candidate | None:
+    """With what it holds when it is followed; None where that is not even the load, or no more than `least` [N]."""
     try:
-        held = followed(one.grasp, least, finer)
+        held = followed(one.grasp, least)
     except Unsupported:
         return None
     if held is None:

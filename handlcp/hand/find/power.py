@@ -27,8 +27,7 @@ from handlcp.progress import tick
 
 SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
-_FOLLOWED = 3  # grasps of a round that are followed
-_COARSER, _EXACT = 0.5, 1  # times as many steps as usual; how many of the best are followed again in usual ones
+_FOLLOWED = 2  # grasps of a round that are followed
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
 _FIRM = 1.0  # times the load: what holds it in every direction ends the first round, what holds anything a later one
 _REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
@@ -62,8 +61,6 @@ class PowerSearch:
             firm = _FIRM * float(np.linalg.norm(found[0].grasp.spec.wrench[:3])) if found and tried == 0 else 0.0
             if not some or _best(found) > firm:
                 break
-        best = [exact for one in found[:_EXACT] if (exact := followed_through(one, 0.0, 1.0)) is not None]
-        found = sorted([*best, *found[_EXACT:]], key=lambda one: one.rank)
         return checked(found, len(found), self.tried, self.refused)
 
     def _followed(self, some: Iterable[Candidate], before: list[Candidate]) -> list[Candidate]:
@@ -75,7 +72,7 @@ class PowerSearch:
             self.tried["followed"] += 1
             tick(f"following grasp {self.tried['followed']}")
             best = _best([*before, *found])
-            if (held := followed_through(one, _WORTH * best, _COARSER)) is not None:
+            if (held := followed_through(one, _WORTH * best)) is not None:
                 found.append(held)
             elif not best:
                 self.refused.append(one)
