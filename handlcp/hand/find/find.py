@@ -51,9 +51,11 @@ def find_grasp(
         `state.grasp(obj, links="all", closing_torque=…, hold_object=True)` from the open hand. "any": both.
 
     Grasps are sorted by the force that they hold beside the load in the worst of six directions, `held_force` of
-    `Candidate`. Those in which the object only lies on fingers, held by its own weight, come last. The first grasp of
-    the result is HELD by `grasp.check()`, which follows it while the hand closes and is loaded; its object does not
-    snap elsewhere on the way. The margin of a grasp is the smaller of its friction reserve and its torque reserve.
+    `Candidate`. Of power grasps the best few that one solve holds are followed, while the hand closes, is loaded and
+    pushed, and the others left out. Those in which the object only lies on fingers, held by its own weight, come last
+    and are called cradled. The first grasp of the result is HELD by `grasp.check()`, which follows it while the hand
+    closes and is loaded; its object does not snap elsewhere on the way. The margin of a grasp is the smaller of its
+    friction reserve and its torque reserve.
 
     obj : its shape and mass count, its placement does not. For a power grasp of a mesh
         that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).
