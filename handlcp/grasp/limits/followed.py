@@ -60,19 +60,12 @@ class Before:
         self, spec: GraspSpec, section: Section, most: tuple[float, float], geometry: str = "followed",
         finer: float = 1.0, beside: Array = STILL,
     ) -> None:  # fmt: skip
-        body = geometry_of(spec, geometry)
+        self._body, self._most = geometry_of(spec, geometry), most
         self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
         path = np.stack([beside, beside]) if beside.any() else STILL
-        first, self._goals, self._stepper = begun(spec, section, body, TOLERANCE, _ORDER, path)
-        self._watch, count = watch_of(spec, body), max(int(np.ceil(finer * _STEPS)), 1)
+        first, self._goals, self._stepper = begun(spec, section, self._body, TOLERANCE, _ORDER, path)
+        self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
         self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count)
-        start = self._run.states[-1]
-        self._at = self._stepper.geometry.displacement(start.where.pose)
-        nominal = start.where.q if body.follows else None
-        self._limits = limits_of(spec, motion=most, ranges=body.follows, nominal=nominal)
-
-        # What is at its limit already before the load comes ends the path only where it goes beyond the limit
-        self._stands_at = _used(self._stepper, self._limits, self._at, start) > 1.0 - OVER
 
     @property
     def held(self) -> bool:
@@ -81,24 +74,29 @@ class Before:
 
     def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
-        spec, before, stepper = self._spec, self._run, self._stepper
+        spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
         if before.outcome is not Outcome.END:
-            loading = loading_of(before, self._goals[:-1], stepper, self._section)
+            loading = loading_of(before, self._goals[:-1], stepper, section)
             return _nothing(spec, wrench, before, self._geometry, loading)
-        start, finer = before.states[-1], self._finer
-        size, run = _as_large(stepper, start, wrench), Run([start], [0], [0.0])
+        start, finer, follows = before.states[-1], self._finer, self._body.follows
+        size = _as_large(stepper, start, wrench)
+        at = stepper.geometry.displacement(start.where.pose)
+        limits = limits_of(spec, motion=self._most, ranges=follows, nominal=start.where.q if follows else None)
+
+        # What is at its limit already before the load comes ends the path only where it goes beyond the limit
+        stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
+
+        def beyond(state: State) -> float:
+            share = _used(stepper, limits, at, state) - 1.0
+            return float(np.nanmax(np.where(stands_at & (share <= OVER), -1.0, share), initial=-1.0))
+
+        run = Run([start], [0], [0.0])
         goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
-        grows = Open(_FIRST * size / finer, min(_RAY * size, until), self._beyond, 1.0 / finer)
+        grows = Open(_FIRST * size / finer, min(_RAY * size, until), beyond, 1.0 / finer)
         leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows)
         leg.through(pause=True)
         slid = None if before.slides is None else (before.slides.share, _kinds_near(before, before.slides.number))
-        return _answer(
-            _Followed(spec, self._section, wrench, run, leg, stepper, self._limits, self._at, self._geometry, slid)
-        )
-
-    def _beyond(self, state: State) -> float:
-        share = _used(self._stepper, self._limits, self._at, state) - 1.0
-        return float(np.nanmax(np.where(self._stands_at & (share <= OVER), -1.0, share), initial=-1.0))
+        return _answer(_Followed(spec, section, wrench, run, leg, stepper, limits, at, self._geometry, slid))
 
 
 def accurate_limit(
