@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import handlcp as hl
 
 HANDS = "five_finger", "three_finger", "allegro", "leap", "barrett", "schunk", "shadow"
-FORMAT = "{:13} {:7} {:>6} {:>7} {:>5} {:>6} {:>8} {:>9}  {}"
+FORMAT = "{:13} {:7} {:>6} {:>7} {:>10} {:>6} {:>8} {:>9}  {:10}  {}"
 
 
 def objects() -> Iterator[tuple[str, hl.Object]]:
@@ -35,24 +35,25 @@ def main() -> None:
     parser.add_argument("hands", nargs="*", default=HANDS)
     parser.add_argument("--stiffness", type=float, default=6.0, help="of all joints [N·m/rad]")
     asked = parser.parse_args()
-    print(FORMAT.format("hand", "object", "found", "tried", "held", "sites", "worst N", "seconds", "why"))
+    print(
+        FORMAT.format(
+            "hand", "object", "found", "tried", "followed", "sites", "worst N", "seconds", "", "gives out first"
+        )
+    )
     for name in asked.hands:
         hand = hl.example_hand(name, joint_stiffness=asked.stiffness)
         for thing, obj in objects():
             begun = time.process_time()
             found = hl.find_grasp(hand, obj, kind="power", throw=False)
             took = f"{time.process_time() - begun:.1f}"
-            row = [name, thing, len(found), found.tried["tried"], found.tried.get("held", 0)]
+            row = [name, thing, len(found), found.tried["tried"], found.tried.get("followed", 0)]
             if found:
                 best = found[0]
-                row += [
-                    best.pressing,
-                    f"{best.held_force:.2f}",
-                    took,
-                    "lies there" if best.cradled else best.verdict.word,
-                ]
+                word = "lies there" if best.cradled else best.verdict.word
+                row += [best.pressing, f"{best.held_force:.2f}", took, word, best.gives_out[:90]]
             else:
-                row += ["", "", took, found.why.partition("the best of these: ")[2][:90] or "none held"]
+                why = found.why.partition("the best of these: ")[2][:90] or "none held"
+                row += ["", "", took, "not found", why]
             print(FORMAT.format(*row), flush=True)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.support.hand import find_module
 
 BALL = 0.0325
 
@@ -56,16 +57,14 @@ def test_forces_balance_the_weight(found):
 
 
 def test_it_is_held_in_the_worst_direction_and_sorted_by_that(found):
-    """Every push that is said to be held is, within friction and the torque limits."""
-    assert found[0].held_force > 0.5
-    assert not found[0].cradled
+    """The load limit in that direction, followed on its own, is what is said to be held; all others hold as much."""
+    best = found[0]
+    assert best.held_force > 0.5
+    assert not best.cradled
+    assert best.gives_out
     assert [one.rank for one in found] == sorted(one.rank for one in found)
-    for way in np.vstack([np.eye(3), -np.eye(3)]):
-        pushed = found[0].grasp.replace(load=[*(found[0].held_force * way), 0, 0, 0]).solve(throw=False)
-        assert pushed.held
-        assert pushed.torque_check.utilisation.max() <= 1.0
-        x, y, z = pushed.forces.T
-        assert (np.hypot(x, y) <= 0.6 * z + 1e-6).all()
+    limits = [best.grasp.load_limit([*way, 0, 0, 0]).factor for way in np.vstack([np.eye(3), -np.eye(3)])]
+    assert min(limits) == pytest.approx(best.held_force, rel=0.02)
 
 
 def test_the_same_seed_finds_the_same_grasps(hand, found):
@@ -100,11 +99,24 @@ def test_too_small_and_too_large_balls_are_not_found_and_the_error_says_so(hand,
         hl.find_grasp(hand, hl.Sphere(radius, mass=0.1), kind="power", tries=6)
 
 
-def test_a_mesh_that_is_not_convex_is_refused_with_what_to_do(hand):
+@pytest.fixture(scope="module")
+def ring():
+    """A mesh that is not convex."""
     trimesh = pytest.importorskip("trimesh")
-    ring = trimesh.creation.annulus(0.02, 0.03, 0.05)
-    with pytest.raises(hl.InputError, match=r"convex_hull"):
-        hl.find_grasp(hand, hl.Mesh(ring, mass=0.1), kind="power")
+    return hl.Mesh(trimesh.creation.annulus(0.01, 0.03, 0.1, sections=12), mass=0.1)
+
+
+def test_a_mesh_that_is_not_convex_is_refused_without_its_parts_and_the_error_says_what_to_do(hand, ring, monkeypatch):
+    monkeypatch.setattr(find_module, "available", lambda: False)
+    with pytest.raises(hl.InputError, match=r"handlcp\[convex\].*convex_hull"):
+        hl.find_grasp(hand, ring, kind="power")
+
+
+def test_a_mesh_that_is_not_convex_is_held_by_its_parts(hand, ring):
+    pytest.importorskip("coacd")
+    held = hl.find_grasp(hand, ring, kind="power", tries=4)[0]
+    assert held.verdict.ok
+    assert not held.cradled
 
 
 @pytest.mark.parametrize(

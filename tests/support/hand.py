@@ -9,6 +9,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
+from handlcp.hand.find import find as find_module
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import distance, nearest
 from handlcp.hand.objects.inside import links_inside
@@ -30,6 +31,7 @@ __all__ = [
     "distance",
     "effort",
     "elastic_flexibility",
+    "find_module",
     "full_positions",
     "gaps",
     "is_one_spring_a_joint",

@@ -29,7 +29,7 @@ from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit,
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import Leg, Open, advance
 from handlcp.grasp.path.follow import TOLERANCE, Loading, begun, geometry_of, loading_of, solution_of
-from handlcp.grasp.path.state import Outcome, Run, Stage, State
+from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import margins, watch_of
 from handlcp.tolerances import OVER
@@ -48,30 +48,55 @@ def followed_limit(
     finer: float = 1.0,
 ) -> LoadLimit:  # fmt: skip
     """Most : motion [m] and turn [rad] of the object that are allowed. finer : how many times as many steps."""
-    body = geometry_of(spec, geometry)
-    first, goals, stepper = begun(spec, section, body, TOLERANCE, _ORDER, wrench)
-    watch, count = watch_of(spec, body), max(int(np.ceil(finer * _STEPS)), 1)
-    before = advance(stepper, watch, first, goals[:-1], count)
-    if before.outcome is not Outcome.END:
-        return _nothing(spec, wrench, before, geometry, loading_of(before, goals[:-1], stepper, section))
-    start = before.states[-1]
-    size = _as_large(stepper, start, wrench)
-    at = stepper.geometry.displacement(start.where.pose)
-    nominal = start.where.q if body.follows else None
-    limits = limits_of(spec, motion=most, ranges=body.follows, nominal=nominal)
+    return Before(spec, section, most, geometry, finer).limit(wrench)
 
-    # What is at its limit already before the load comes ends the path only where it goes beyond the limit
-    stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
 
-    def beyond(state: State) -> float:
-        share = _used(stepper, limits, at, state) - 1.0
-        return float(np.nanmax(np.where(stands_at & (share <= OVER), -1.0, share), initial=-1.0))
+class Before:
+    """What comes before a load grows, followed once: squeeze, weight, and `beside` (6,), a load that is there already
+    besides the weight. Other arguments as in `followed_limit`.
+    """
 
-    run = Run([start], [0], [0.0])
-    leg = Leg(stepper, watch, run, 0, goals[-1], 1.0, Open(_FIRST * size / finer, _RAY * size, beyond, 1.0 / finer))
-    leg.through(pause=True)
-    slid = None if before.slides is None else (before.slides.share, _kinds_near(before, before.slides.number))
-    return _answer(_Followed(spec, section, wrench, run, leg, stepper, limits, at, geometry, slid))
+    def __init__(
+        self, spec: GraspSpec, section: Section, most: tuple[float, float], geometry: str = "followed",
+        finer: float = 1.0, beside: Array = STILL,
+    ) -> None:  # fmt: skip
+        self._body, self._most = geometry_of(spec, geometry), most
+        self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
+        path = np.stack([beside, beside]) if beside.any() else STILL
+        first, self._goals, self._stepper = begun(spec, section, self._body, TOLERANCE, _ORDER, path)
+        self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
+        self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count)
+
+    @property
+    def held(self) -> bool:
+        """Whether the object is held by then, and has not begun to slide through."""
+        return self._run.outcome is Outcome.END and self._run.slides is None
+
+    def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
+        """Of a load (6,) that grows, up to this factor: none is found that is larger."""
+        spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
+        if before.outcome is not Outcome.END:
+            loading = loading_of(before, self._goals[:-1], stepper, section)
+            return _nothing(spec, wrench, before, self._geometry, loading)
+        start, finer, follows = before.states[-1], self._finer, self._body.follows
+        size = _as_large(stepper, start, wrench)
+        at = stepper.geometry.displacement(start.where.pose)
+        limits = limits_of(spec, motion=self._most, ranges=follows, nominal=start.where.q if follows else None)
+
+        # What is at its limit already before the load comes ends the path only where it goes beyond the limit
+        stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
+
+        def beyond(state: State) -> float:
+            share = _used(stepper, limits, at, state) - 1.0
+            return float(np.nanmax(np.where(stands_at & (share <= OVER), -1.0, share), initial=-1.0))
+
+        run = Run([start], [0], [0.0])
+        goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
+        grows = Open(_FIRST * size / finer, min(_RAY * size, until), beyond, 1.0 / finer)
+        leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows)
+        leg.through(pause=True)
+        slid = None if before.slides is None else (before.slides.share, _kinds_near(before, before.slides.number))
+        return _answer(_Followed(spec, section, wrench, run, leg, stepper, limits, at, self._geometry, slid))
 
 
 def accurate_limit(

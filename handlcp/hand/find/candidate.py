@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, overload
 
 import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.errors import Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.verdict.check import judged
-from handlcp.hand.find.held import held_force, lies_there
+from handlcp.hand.find.held import followed, solved
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.lazy import lazy
+from handlcp.progress import tick
 from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
 
@@ -35,15 +38,17 @@ class Candidate(Record):
         that slides has used up its own, and the others still hold.
     torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
     held_force : the largest force that is held beside the load in the worst of six directions, along the world's axes
-        [N]; each push was solved in this posture, with all of the load at once.
+        [N]. Of fingertips each push was solved in this posture, with all of the load at once. Of a power grasp each was
+        followed, while the hand closes, is loaded and then pushed; of one that is cradled, against its load alone.
     cradled : the object is held by its weight, which presses it onto fingers: turned round, the weight is not held.
     kind : "pinch" or "power".
+    gives_out : what gives out first under that force, in words; "" of fingertips, where it is not known.
     """
 
     entries = (
         "kind", "q (nv,)", "object = _object", "object_position_m (3,) = object.frame.1",
         "object_rotation (3, 3) = object.frame.0", "held_force_N", "cradled", "margin", "friction_reserve",
-        "torque_reserve", "pressing", "normal_force_N",
+        "torque_reserve", "pressing", "normal_force_N", "gives_out",
     )  # fmt: skip
 
     grasp: HandGrasp
@@ -53,6 +58,7 @@ class Candidate(Record):
     held_force: float
     cradled: bool
     kind: str = "pinch"
+    gives_out: str = ""
 
     @property
     def margin(self) -> float:
@@ -128,9 +134,10 @@ class Candidate(Record):
 
     def __str__(self) -> str:
         forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
-        only = ", lies there" if self.cradled else ""
+        then = f", where {self.gives_out}" if self.gives_out else ""
+        only = ", cradled: the object only lies there" if self.cradled else ""
         return (
-            f"{self.kind}: {words.force(self.held_force)} in the worst direction{only}; margin "
+            f"{self.kind}: {words.force(self.held_force)} in the worst direction{then}{only}; margin "
             f"{100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
             f"torque {100 * self.torque_reserve:.0f} %), forces {forces} N"
         )
@@ -140,9 +147,33 @@ class Candidate(Record):
 
 
 def candidate_of(kind: str, grasp: HandGrasp, solution: GraspSolution) -> Candidate:
-    """With its reserves, and what it holds."""
-    held, lies = held_force(grasp, solution), lies_there(grasp)
-    return Candidate(grasp, solution, *reserves(grasp, solution), held, lies, kind)
+    """With its reserves, and what it holds in this posture."""
+    held = solved(grasp, solution)
+    return Candidate(grasp, solution, *reserves(grasp, solution), held.force, held.cradled, kind)
+
+
+def followed_through(one: Candidate, least: float) -> Candidate | None:
+    """With what it holds when it is followed; None where that is not even the load, or no more than `least` [N]."""
+    try:
+        held = followed(one.grasp, least)
+    except Unsupported:
+        return None
+    if held is None:
+        return None
+    return replace(one, held_force=held.force, cradled=held.cradled, gives_out=held.gives_out)
+
+
+def checked(found: Sequence[Candidate], most: int, tried: Counter[str], refused: list[Candidate]) -> list[Candidate]:
+    """Those from the first one on that the check is sure of; none where it is of none of the first so many. The ones
+    before go to `refused`.
+    """
+    for k, candidate in enumerate(found[:most]):
+        tried["checked"] += 1
+        tick(f"checking grasp {tried['checked']}")
+        if candidate.sure:
+            return list(found[k:])
+        refused.append(candidate)
+    return []
 
 
 def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
@@ -168,7 +199,7 @@ _STEPS = {
     "laid": "against the palm", "tried": "placements tried",
     "touching": "touched by all fingers, without a link inside", "enclosing": "closed round the object",
     "balanced": "where forces within friction hold the object", "clear": "without links in each other, solved",
-    "held": "held by one solve", "checked": "checked",
+    "held": "held by one solve", "followed": "followed in all directions", "checked": "checked",
 }  # fmt: skip
 
 
@@ -177,7 +208,7 @@ class Found(Record, Sequence[Candidate]):
     at most 80 columns, with the warnings of that verdict.
 
     tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked"; of
-        power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", "held", "checked".
+        power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", "held", "followed", "checked".
     why : what became of the search in one sentence.
     """
 

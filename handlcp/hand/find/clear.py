@@ -126,9 +126,13 @@ class Links:
             for joint in model.supports[link.joint]:
                 if joint and model.joints[joint].nv:
                     row[model.joints[joint].idx_v] = 1.0
+        balls = [_ball(link) for link in self._links]
+        self._middles = np.array([middle for middle, _ in balls]).reshape(-1, 3)
+        self._sizes = np.array([size for _, size in balls])
+        self._parts = [_balls(link) for link in self._links]
         every = [(i, j) for i, j in combinations(range(len(self._links)), 2) if self._apart(model, i, j)]
         at = hand.kinematics.frames_at(hand.neutral, self._frames)[0]
-        self._pairs = [pair for pair in every if not self._meet(at, *pair)]
+        self._pairs = np.array([pair for pair in every if not self._meet(at, *pair)], dtype=int).reshape(-1, 2)
 
     @property
     def middles(self) -> tuple[list[int], Array]:
@@ -168,7 +172,11 @@ class Links:
     def out_of_each_other(self, q: Array) -> bool:
         """Whether no two links of different fingers, and no finger and the palm, meet."""
         at, _ = self._hand.kinematics.frames_at(q, self._frames)
-        return not any(self._meet(at, i, j) for i, j in self._pairs)
+        middles = np.einsum("kxy,ky->kx", at[:, :3, :3], self._middles) + at[:, :3, 3]
+        one, two = self._pairs.T
+        apart = middles[one] - middles[two]
+        near = (apart * apart).sum(axis=1) <= (self._sizes[one] + self._sizes[two]) ** 2
+        return not any(self._meet(at, i, j) for i, j in self._pairs[near].tolist())
 
     def _apart(self, model: Any, i: int, j: int) -> bool:
         """Whether more than two joints lie between two links."""
@@ -176,17 +184,31 @@ class Links:
         return len(one ^ two) > 2
 
     def _meet(self, at: Array, i: int, j: int) -> bool:
-        one, two = self._links[i], self._links[j]
-        if float(np.linalg.norm(at[i, :3, 3] - at[j, :3, 3])) > one.reach + two.reach:
-            return False
+        (x, r), (y, s) = self._parts[i], self._parts[j]
+        x, y = x @ at[i, :3, :3].T + at[i, :3, 3], y @ at[j, :3, :3].T + at[j, :3, 3]
+        near = ((x[:, None] - y) ** 2).sum(axis=2) <= (r[:, None] + s) ** 2
         request, result = coal.CollisionRequest(), coal.CollisionResult()
-        for a, R, p in one.parts:
-            for b, Q, o in two.parts:
-                first = coal.Transform3s(at[i, :3, :3] @ R, at[i, :3, :3] @ p + at[i, :3, 3])
-                second = coal.Transform3s(at[j, :3, :3] @ Q, at[j, :3, :3] @ o + at[j, :3, 3])
-                if coal.collide(a, first, b, second, request, result):
-                    return True
+        for m, n in np.argwhere(near).tolist():
+            (a, R, p), (b, Q, o) = self._links[i].parts[m], self._links[j].parts[n]
+            first = coal.Transform3s(at[i, :3, :3] @ R, at[i, :3, :3] @ p + at[i, :3, 3])
+            second = coal.Transform3s(at[j, :3, :3] @ Q, at[j, :3, :3] @ o + at[j, :3, 3])
+            if coal.collide(a, first, b, second, request, result):
+                return True
         return False
+
+
+def _ball(link: LinkSurface) -> tuple[Array, float]:
+    """Middle (3,) in the link's frame, and radius, of a ball that holds it [m]."""
+    points, radii = link.net
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return middle, float((np.linalg.norm(points - middle, axis=1) + radii).max()) + _DEPTH
+
+
+def _balls(link: LinkSurface) -> tuple[Array, Array]:
+    """Middles (m, 3) in the link's frame, and radii (m,), of balls that hold its parts [m]."""
+    boxes = [box_around(shape) for shape, _, _ in link.parts]
+    middles = [R @ (0.5 * (low + high)) + p for (low, high), (_, R, p) in zip(boxes, link.parts, strict=True)]
+    return np.array(middles), np.array([0.5 * float(np.linalg.norm(high - low)) for low, high in boxes])
 
 
 def _allowed(hand: HandModel, link: LinkSurface, tip: int | None) -> float:

@@ -14,6 +14,7 @@ from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Mesh, ask_for_metres
+from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.progress import told as counted
@@ -50,11 +51,14 @@ def find_grasp(
         `state.grasp(obj, links="all", closing_torque=…, hold_object=True)` from the open hand. "any": both.
 
     Grasps are sorted by the force that they hold beside the load in the worst of six directions, `held_force` of
-    `Candidate`. Those in which the object only lies on fingers, held by its own weight, come last. The first grasp of
-    the result is HELD by `grasp.check()`, which follows it while the hand closes and is loaded; its object does not
-    snap elsewhere on the way. The margin of a grasp is the smaller of its friction reserve and its torque reserve.
+    `Candidate`. Of power grasps the best few that one solve holds are followed, while the hand closes, is loaded and
+    pushed, and the others left out. Those in which the object only lies on fingers, held by its own weight, come last
+    and are called cradled. The first grasp of the result is HELD by `grasp.check()`, which follows it while the hand
+    closes and is loaded; its object does not snap elsewhere on the way. The margin of a grasp is the smaller of its
+    friction reserve and its torque reserve.
 
-    obj : its shape and mass count, its placement does not. For a power grasp it is convex.
+    obj : its shape and mass count, its placement does not. For a power grasp of a mesh
+        that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).
     friction, wrench, gravity, squeeze, grip_force, closing_torque : as in `state.grasp`. With neither squeeze nor
         grip_force each fingertip presses with the normal force that balance needs, planned with 60 % of the friction.
         A power grasp is closed by torque; None: by a third of each joint's limit, at most 0.3 N·m.
@@ -82,9 +86,10 @@ def find_grasp(
         for name, value in (("squeeze", squeeze), ("grip_force", grip_force), ("fingers", fingers)):
             if value is not None:
                 raise InputError(name, "None for a power grasp, which closing_torque closes", repr(value)[:80])
-    if kind != PINCH and isinstance(obj, Mesh) and not obj.convex:
-        expected = "a convex object for a power grasp, such as the convex hull of the mesh (trimesh: mesh.convex_hull)"
-        raise InputError("obj", expected, f"{obj!r}, which is not convex")
+    if kind != PINCH and isinstance(obj, Mesh) and not obj.convex and not available():
+        expected = "a convex object for a power grasp, or coacd for its convex parts (pip install handlcp[convex])"
+        came = f"{obj!r}, which is not convex; its convex hull would be (trimesh: mesh.convex_hull)"
+        raise InputError("obj", expected, came)
     load = {"friction": friction, "wrench": wrench, "gravity": gravity}
     named = [hand.fingertips[i] for i in tips]
     searches = list[Search | PowerSearch]()

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -59,8 +60,10 @@ class Laid:
     score: float
 
 
-def laid(hand: HandModel, obj: Object, friction: float, seed: int) -> list[Laid]:
-    """Placements, those that the hand encloses best first; alike for a seed. friction : a coefficient, roughly."""
+def laid(hand: HandModel, obj: Object, friction: float, seed: int, clear: Callable[[Array], bool]) -> list[Laid]:
+    """Placements, those that the hand encloses best first; alike for a seed. friction : a coefficient, roughly.
+    clear : whether links keep out of each other in a posture (nv,); those of open hands do.
+    """
     from scipy.stats import qmc  # a second of import that only a search should pay
 
     skin, home = Skin(hand), obj.moved_to(np.zeros(3))
@@ -78,8 +81,8 @@ def laid(hand: HandModel, obj: Object, friction: float, seed: int) -> list[Laid]
     starts = aims + ways * (reach + middle.size)
     positions = starts - rotations @ centre
     positions, resting = _come(skin, qs, home, (rotations, positions, ways), reach + middle.size)
-    order = np.argsort(resting, kind="stable")[:CLOSED]
-    order = order[np.isfinite(resting[order])]
+    nearest_first = (k for k in np.argsort(resting, kind="stable").tolist() if np.isfinite(resting[k]))
+    order = np.array(list(islice((k for k in nearest_first if clear(qs[k])), CLOSED)), dtype=int)
     places = [Place(qs[k], rotations[k], positions[k]) for k in order]
     closed = _closed(hand, skin, home, places, ~bent[order], friction)
     found = [Laid(*one) for one in zip(places, ways[order], ~bent[order], *closed, strict=True)]

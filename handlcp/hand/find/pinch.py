@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp.batch.solve_many import solve_many
-from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.candidate import Candidate, candidate_of, checked
 from handlcp.hand.find.clear import Links, Place, box_around, end_of, free_ranges, size_of_object
 from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand_grasp import HandGrasp
@@ -127,7 +127,7 @@ class Search:
         more = _MORE
         while places and more and not (found and found[0].rank < 0.0):
             more -= bool(found)
-            settled = self._checked(self._settled(places[:_AT_ONCE]), _CHECKED)
+            settled = checked(self._settled(places[:_AT_ONCE]), _CHECKED, self.tried, self.refused)
             found = settled if settled and (not found or settled[0].rank < found[0].rank) else found
             places = places[_AT_ONCE:]
         rng = np.random.default_rng(self._seed)
@@ -135,18 +135,9 @@ class Search:
             best = [self._place(candidate) for candidate in found[:_BEST]]
             near = self._settled(self._nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
             better = [one for one in near if one.rank < found[0].rank]
-            found = sorted([*self._checked(better, _RECHECKED), *found], key=lambda one: one.rank)
+            better = checked(better, _RECHECKED, self.tried, self.refused)
+            found = sorted([*better, *found], key=lambda one: one.rank)
         return found
-
-    def _checked(self, found: list[Candidate], most: int) -> list[Candidate]:
-        """Those from the first one on that the check is sure of; none where it is of none of the first so many."""
-        for k, candidate in enumerate(found[:most]):
-            self.tried["checked"] += 1
-            tick(f"checking grasp {self.tried['checked']}")
-            if candidate.sure:
-                return found[k:]
-            self.refused.append(candidate)
-        return []
 
     def _settled(self, places: Iterable[Place]) -> list[Candidate]:
         """The grasps that begin at these places and are held, the best first."""

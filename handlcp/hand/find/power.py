@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import Any
 
@@ -13,7 +13,7 @@ from handlcp.check import Array, Bools
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.asked.closing import closing_torques
-from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.candidate import Candidate, candidate_of, checked, followed_through
 from handlcp.hand.find.clear import Links
 from handlcp.hand.find.palm import LAID, Laid, laid, settled
 from handlcp.hand.hand_grasp import HandGrasp
@@ -27,8 +27,9 @@ from handlcp.progress import tick
 
 SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
-_ENOUGH = 6  # grasps that are held, after which no further round is begun
-_CHECKED = 10
+_FOLLOWED = 2  # grasps of a round that are followed
+_WORTH = 0.5  # of the best: what holds no more is not followed any further
+_FIRM = 1.0  # times the load: what holds it in every direction ends the first round, what holds anything a later one
 _REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 
@@ -46,31 +47,36 @@ class PowerSearch:
         self.refused: list[Candidate] = []
 
     def run(self, tries: int) -> list[Candidate]:
-        """The grasps that one solve holds, the best first; of these the first is held when checked."""
-        open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed)
+        """The grasps that hold when they are followed, the best first; of these the first is held when checked."""
+        clear = self._links.out_of_each_other
+        open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed, clear)
         self.tried["laid"] = len(open_hands)
-        clear = (one for one in open_hands if one.score > 0.0 and self._clear(one))
-        found: list[Candidate] = []
-        for _ in range(0, min(tries, _SOLVED), _AT_ONCE):
-            some = list(islice(clear, min(tries, _AT_ONCE)))
-            found = sorted([*found, *self._held(some)], key=lambda one: one.rank)
-            if not some or sum(one.rank < 0.0 for one in found) >= _ENOUGH:
+        enclosing = (one for one in open_hands if one.score > 0.0 and clear(one.closed))
+        waiting, found = list[Candidate](), list[Candidate]()
+        for tried in range(0, min(tries, _SOLVED), _AT_ONCE):
+            some = list(islice(enclosing, min(tries, _AT_ONCE)))
+            waiting = sorted([*waiting, *self._held(some)], key=lambda one: one.rank)
+            found = sorted([*found, *self._followed(waiting[:_FOLLOWED], found)], key=lambda one: one.rank)
+            waiting = waiting[_FOLLOWED:]
+            firm = _FIRM * float(np.linalg.norm(found[0].grasp.spec.wrench[:3])) if found and tried == 0 else 0.0
+            if not some or _best(found) > firm:
                 break
-        return self._checked(found)
+        return checked(found, len(found), self.tried, self.refused)
 
-    def _clear(self, one: Laid) -> bool:
-        """Whether links keep out of each other in the open hand, and roughly in the closed one."""
-        return self._links.out_of_each_other(one.place.q) and self._links.out_of_each_other(one.closed)
-
-    def _checked(self, found: list[Candidate]) -> list[Candidate]:
-        """Those from the first one on that the check is sure of."""
-        for k, candidate in enumerate(found[:_CHECKED]):
-            self.tried["checked"] += 1
-            tick(f"checking grasp {self.tried['checked']}")
-            if candidate.sure:
-                return found[k:]
-            self.refused.append(candidate)
-        return []
+    def _followed(self, some: Iterable[Candidate], before: list[Candidate]) -> list[Candidate]:
+        """Those of some that hold when they are followed, with what they hold then. What holds far less than the best,
+        of `before`, too, is left out.
+        """
+        found = list[Candidate]()
+        for one in some:
+            self.tried["followed"] += 1
+            tick(f"following grasp {self.tried['followed']}")
+            best = _best([*before, *found])
+            if (held := followed_through(one, _WORTH * best)) is not None:
+                found.append(held)
+            elif not best:
+                self.refused.append(one)
+        return found
 
     def _held(self, some: list[Laid]) -> list[Candidate]:
         """The grasps of these that are clear and held."""
@@ -120,6 +126,11 @@ class PowerSearch:
             return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
         given = closing_torques(self._hand, way, asked)
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
+
+
+def _best(found: Iterable[Candidate]) -> float:
+    """The largest force of those that are held in every direction [N]; 0 without any."""
+    return max((one.held_force for one in found if one.rank < 0.0), default=0.0)
 
 
 def closing_by_limit(hand: HandModel) -> Array:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, Bools
+from handlcp.hand.find.clear import box_around
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Mesh
@@ -15,6 +17,8 @@ from handlcp.hand.robot.model import HandModel
 from handlcp.hand.sites.touchers import ALL, Toucher, touchers
 
 _POINTS, _OF_PALM = 28, 60  # of a link, and of all links that no finger's joint moves
+_AT_ONCE = 1024  # points that are measured together: what they take stays in the processor's cache
+_CELLS, _AROUND = 64, 0.01  # points of a grid along each edge; [m] how far it goes beyond the object
 _FACES, _ALIKE = 80, 0.98  # planes of a mesh, at most; cosine from which two are one
 
 
@@ -70,11 +74,20 @@ def _spread(points: Array, most: int) -> Array:
     return np.asarray(points[chosen])
 
 
-def rough_distances(obj: Object) -> Callable[[Array], Array]:
-    """Of points (…, 3) in the object's frame [m]: as `distances`; of a convex mesh by its largest faces alone."""
+Measure = Callable[[Array], Array]  # of points (…, 3) in the object's frame, signed distances (…) [m]
+
+
+def rough_distances(obj: Object) -> Measure:
+    """As `distances`; of a mesh by the largest faces of its convex parts alone."""
     if not isinstance(obj, Mesh):
         return lambda x: distances(x.reshape(-1, 3), obj).reshape(x.shape[:-1])
-    triangles, normals, offsets = planes(obj.geometry)
+    parts = [_beyond_faces(part) for part in obj.parts]
+    return parts[0] if len(parts) == 1 else _on_grid(parts, *box_around(obj.geometry))
+
+
+def _beyond_faces(hull: Any) -> Measure:
+    """How far points are beyond the face of a hull that they are furthest beyond."""
+    triangles, normals, offsets = planes(hull)
     a, b, c = triangles.transpose(1, 0, 2)
     largest = np.argsort(-np.linalg.norm(np.cross(b - a, c - a), axis=1), kind="stable")
     kept = list[int]()
@@ -82,4 +95,31 @@ def rough_distances(obj: Object) -> Callable[[Array], Array]:
         if len(kept) < _FACES and (not kept or (normals[kept] @ normals[k]).max() < _ALIKE):
             kept.append(int(k))
     n, d = normals[kept], offsets[kept]
-    return lambda x: np.asarray((x @ n.T - d).max(axis=-1))
+
+    def beyond(x: Array) -> Array:
+        points = x.reshape(-1, 3)
+        out = np.empty(len(points))
+        for k in range(0, len(points), _AT_ONCE):
+            out[k : k + _AT_ONCE] = (points[k : k + _AT_ONCE] @ n.T - d).max(axis=1)
+        return out.reshape(x.shape[:-1])
+
+    return beyond
+
+
+def _on_grid(parts: Sequence[Measure], low: Array, high: Array) -> Measure:
+    """The least of what parts within this box measure, between the points of a grid: as quick for many as for one."""
+    from scipy.ndimage import map_coordinates  # a tenth of a second that few searches should pay
+
+    low, high = low - _AROUND, high + _AROUND
+    step = (high - low) / (_CELLS - 1)
+    ticks = low + step * np.arange(_CELLS)[:, None]
+    points = np.stack(np.meshgrid(*ticks.T, indexing="ij"), axis=-1)
+    known = np.min([part(points) for part in parts], axis=0)
+
+    def between(x: Array) -> Array:
+        points = x.reshape(-1, 3)
+        within = np.clip(points, low, high)
+        away = np.linalg.norm(points - within, axis=1)
+        return np.asarray(map_coordinates(known, ((within - low) / step).T, order=1) + away).reshape(x.shape[:-1])
+
+    return between

@@ -10,10 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
-from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.detect import Proximity, nearest, nearest_beside
 from handlcp.hand.objects.object import Object, on_surface, put_contact
 from handlcp.hand.objects.swept import nearest_station, station_moves
 from handlcp.lcp.kernels.dense import kernel, product
@@ -236,7 +237,7 @@ class _Detected:
             known = self.known.get(i)
             if known is None or self._far(at, own, known) > self.step:
                 near = nearest(tip, at, own, self.obj)
-                known = self.known[i] = _Seen(at, own, near, *self._differences(tip, at, own))
+                known = self.known[i] = _Seen(at, own, near, *self._differences(tip, at, own, near))
             by, near = np.concatenate([at - known.at, pin.log3(own @ known.own.T)]), known.near
             normal, arm = near.normal + known.turn @ by, near.position - known.at
             positions[i], normals[i] = R @ (near.position + known.shift @ by) + t, R @ (normal / np.linalg.norm(normal))
@@ -248,22 +249,24 @@ class _Detected:
         """How far a fingertip has moved [m]."""
         return float(np.linalg.norm(at - known.at) + self.size * np.linalg.norm(own - known.own))
 
-    def _differences(self, tip: Any, at: Array, own: Array) -> tuple[Array, Array]:
-        """Turn and shift (3, 6), in the object's axes."""
+    def _differences(self, tip: Any, at: Array, own: Array, near: Proximity) -> tuple[Array, Array]:
+        """Turn and shift (3, 6), in the object's axes, of a fingertip that is so near where it is."""
         turn, shift = np.empty((3, 6)), np.empty((3, 6))
         for a in range(6):
             step = self.step / (1.0 if a < 3 else self.size)
             by = np.zeros(3)
             by[a % 3] = step
-            some, other = (self._moved(tip, at, own, by * sign, a >= 3) for sign in (1.0, -1.0))
+            some, other = (self._moved(tip, at, own, near, by * sign, a >= 3) for sign in (1.0, -1.0))
             turn[:, a] = (some.normal - other.normal) / (2.0 * step)
             shift[:, a] = (some.position - other.position) / (2.0 * step)
         return turn, shift
 
-    def _moved(self, tip: Any, at: Array, own: Array, by: Array, turns: bool) -> Proximity:
-        if turns:
-            return nearest(tip, at, pin.exp3(by) @ own, self.obj)
-        return nearest(tip, at + by, own, self.obj)
+    def _moved(self, tip: Any, at: Array, own: Array, near: Proximity, by: Array, turns: bool) -> Proximity:
+        moved = cross_rows(by, near.tip_point - at) if turns else by
+        at, own = (at, pin.exp3(by) @ own) if turns else (at + by, own)
+        if len(tip) > 1:
+            return nearest(tip, at, own, self.obj)
+        return nearest_beside(tip[0], at, own, self.obj, near.gap - float(near.normal @ moved), self.step)
 
 
 class _Given:

@@ -5,7 +5,7 @@ Those of spherical fingertips are closed forms of the object; those of others ar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -18,7 +18,7 @@ from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.object import Object, on_surface
-from handlcp.hand.objects.overlap import apart, beyond, known, overlap, size_of, support
+from handlcp.hand.objects.overlap import apart, beyond, box_of, known, overlap, size_of, support
 from handlcp.hand.objects.swept import nearest_station
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.posture import Posture
@@ -51,11 +51,11 @@ _MOVES = 1e-5, 1e-4, 1e-3  # of the smaller shape's size: how far touching shape
 _LEAST = 5e-7  # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
 
 
-def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[str, str]) -> Distance:
+def distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[Any, Any]) -> Distance:
     """(gap [m], nearest point (3,) of the first shape and of the second, normal (3,) from the first into the second),
     world axes; overlapping, the deepest points.
 
-    first, second : coal's shapes, convex. at, there : where they are. names : of both, for messages.
+    first, second : coal's shapes, convex. at, there : where they are. names : of both, for messages, by `str`.
     Raises Unsupported where no distance can be confirmed.
     """
     if not (known(first) and known(second)):
@@ -188,6 +188,18 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
     return min(found, key=lambda one: one.gap)
 
 
+def nearest_beside(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
+    """As `nearest`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
+    the object is convex, that is not confirmed any further.
+    """
+    if shape.radius is None and shape.face is None and obj.triangles is None:
+        at = R @ shape.rotation, p + R @ shape.translation
+        found, on_tip, on_object, normal = _by_coal(shape.geometry, at, obj.geometry, obj.frame)
+        if abs(found - gap) <= about and abs(float(normal @ normal) - 1.0) < 1e-9:
+            return Proximity(found, on_object, on_tip, normal)
+    return nearest((shape,), p, R, obj)
+
+
 def touching(
     state: Posture, tips: tuple[int, ...], obj: Object, laws: Sequence[FrictionLaw], max_gap: float
 ) -> tuple[tuple[Contact, ...], Array]:
@@ -213,10 +225,28 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
     elif obj.triangles is not None and not available():
         expected = "spherical fingertips for an object that is not convex (or its convex parts: handlcp[convex])"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
-    names = f"{shape.name} ({type(shape.geometry).__name__})", repr(obj)
-    found = [distance(shape.geometry, (R, p), part, obj.frame, names) for part in obj.parts]
-    gap, on_tip, on_object, normal = min(found, key=lambda one: one[0])
+    names = f"{shape.name} ({type(shape.geometry).__name__})", obj
+    found: Distance | None = None
+    for part, least in _nearest_first(shape.geometry, p, obj):
+        if found is not None and found[0] < least:
+            break
+        one = distance(shape.geometry, (R, p), part, obj.frame, names)
+        found = one if found is None or one[0] < found[0] else found
+    assert found is not None  # an object has a part
+    gap, on_tip, on_object, normal = found
     return Proximity(gap, on_object, on_tip, normal)
+
+
+def _nearest_first(geometry: Any, p: Array, obj: Object) -> Iterable[tuple[Any, float]]:
+    """The object's parts, and how near each is at least to a shape at p (3,) [m], by a ball and a box around them."""
+    parts = obj.parts
+    if len(parts) == 1:
+        return ((parts[0], -np.inf),)
+    (R, o), low, high = obj.frame, *np.array([box_of(part) for part in parts]).transpose(1, 0, 2)
+    x = (p - o) @ R
+    away = np.maximum(np.maximum(low - x, x - high), 0.0)
+    least = np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * size_of(geometry)
+    return [(parts[k], float(least[k])) for k in np.argsort(least, kind="stable")]
 
 
 def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]) -> tuple[Contact, ...]:

@@ -17,12 +17,14 @@ here with all points kept and the nearest one by non-negative least squares).
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import coal
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.robot.link_surface import planes
 
 # ----------------------------------------------------------------
@@ -50,10 +52,9 @@ def support(geometry: Any, n: Array) -> Array:
         case coal.Capsule():
             return np.asarray(geometry.radius * n + _ends(geometry, n))
         case coal.Cylinder():
-            across = n * (1.0, 1.0, 0.0)
-            length = np.linalg.norm(across, axis=1, keepdims=True)
-            rim = np.divide(geometry.radius * across, length, out=np.zeros_like(across), where=length > 0.0)
-            return np.asarray(rim + _ends(geometry, n))
+            rim = _ends(geometry, n)
+            rim[:, :2] = n[:, :2] * (geometry.radius / np.maximum(np.hypot(n[:, 0], n[:, 1]), 1e-300))[:, None]
+            return rim
         case coal.Ellipsoid():
             stretched = geometry.radii * n
             return np.asarray(geometry.radii * stretched / np.linalg.norm(stretched, axis=1, keepdims=True))
@@ -90,6 +91,13 @@ def beyond(geometry: Any, x: Array) -> float:
             return float((normals @ x - offsets).max())
 
 
+@lru_cache(maxsize=1024)  # shapes of a hand and of what it holds: they are asked for at every distance
+def box_of(geometry: Any) -> tuple[Array, Array]:
+    """(3,) and (3,) the lowest and the highest corner of the box that holds the shape, along its own axes [m]."""
+    return read_only(np.diag(support(geometry, -np.eye(3)))), read_only(np.diag(support(geometry, np.eye(3))))
+
+
+@lru_cache(maxsize=1024)
 def size_of(geometry: Any) -> float:
     """A length of the shape [m]: the largest distance of its surface from the origin of its axes, along an axis."""
     axes = np.concatenate([np.eye(3), -np.eye(3)])
@@ -100,9 +108,11 @@ def size_of(geometry: Any) -> float:
 
 Pairs = Callable[[Array], tuple[Array, Array]]
 
-_GRID, _MOST, _AT_ONCE = 60, 60, 6  # directions to begin with, steps, and faces looked at in each
+_GRID, _FEW = 60, 12  # directions to begin with, and where a depth is only to be proven
+_MOST, _AT_ONCE = 60, 6  # steps, and faces looked at in each
 _SAME = 1e-9  # normals this near to each other are one
 _TILTS = (1e-4, 1e-2)  # [rad] of those around the normal that is known
+_RING = np.array([(np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(3) / 3])
 
 
 class Overlap(NamedTuple):
@@ -122,11 +132,11 @@ def overlap(furthest: Pairs, near: Array, close: float, enough: float = np.inf) 
 
     furthest : from directions (k, 3), unit, the furthest points (k, 3) of the first shape along them, and of the second
     against them. near (3,) : a unit normal to begin with, beside those of a grid. enough [m] : a depth which, proven to
-    be the least, ends the search.
+    be the least, ends the search; the points are then only those that are furthest along the normal.
     """
     from scipy.spatial import ConvexHull  # a tenth of a second that few contacts should pay
 
-    n = np.concatenate([_around(near), evenly(_GRID)])
+    n = np.concatenate([_around(near), evenly(_GRID if np.isinf(enough) else _FEW)])
     first, second = furthest(n)
     h = np.einsum("ij,ij->i", n, first - second)
     for step in range(_MOST):
@@ -138,7 +148,9 @@ def overlap(furthest: Pairs, near: Array, close: float, enough: float = np.inf) 
         n = hull.equations[order[:_AT_ONCE], :3]
         a, b = furthest(n)
         h, least = np.einsum("ij,ij->i", n, a - b), float(inside[order[0]])
-        if h[0] - least <= close or least >= enough or step == _MOST - 1:
+        if least >= enough:
+            return Overlap(least, float(h[0]), n[0], a[0], b[0])
+        if h[0] - least <= close or step == _MOST - 1:
             # Where several faces lie in the nearest plane, the origin's foot lies in one of them
             same = (inside <= least + close) & (hull.equations[:, :3] @ n[0] > 1.0 - _SAME)
             faces = hull.simplices[same]
@@ -204,8 +216,7 @@ def _around(n: Array) -> Array:
     """(1 + 3 k, 3) a direction and some close to it, which bound the depth from below where it is right."""
     x = np.eye(3)[int(np.argmin(abs(n)))]
     x = x - n * (n @ x)
-    x /= np.linalg.norm(x)
-    y, turn = np.cross(n, x), 2 * np.pi * np.arange(3) / 3
-    ring = np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y
+    x /= np.sqrt(x @ x)
+    ring = _RING @ np.stack([x, cross_rows(n, x)])
     every = np.concatenate([n[None], *[n + tilt * ring for tilt in _TILTS]])
-    return np.asarray(every / np.linalg.norm(every, axis=1, keepdims=True))
+    return np.asarray(every / np.sqrt((every * every).sum(axis=1, keepdims=True)))

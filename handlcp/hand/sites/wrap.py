@@ -20,10 +20,12 @@ import numpy as np
 from handlcp.check import Array, Bools, number, per_name, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.overlap import size_of
 from handlcp.hand.objects.shapes import ask_for_metres
+from handlcp.hand.robot.kinematics import contact_jacobian
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.sites.sited import placed
@@ -115,10 +117,26 @@ def bending(hand: HandModel, q: Array, obj: Object) -> Array:
     return speed
 
 
+def _balls(link: Toucher) -> tuple[Array, Array]:
+    """Middles (m, 3) in the link's frame and radii (m,) of balls that hold its shapes [m]."""
+    radii = [np.sqrt(3.0) * size_of(shape.geometry) for shape in link.shapes]
+    return np.array([shape.translation for shape in link.shapes]), np.array(radii)
+
+
 def _toward(obj: Object, p: Array) -> Array:
     """(3,) direction from a point to the object's middle."""
     way = obj.center_of_mass - p
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-12))
+
+
+class _Look(NamedTuple):
+    """A link where it is: near, how fast it nears the object [m per unit of time], and the earliest time at which it
+    could touch.
+    """
+
+    near: Proximity
+    nears: float
+    due: float
 
 
 class _Closing:
@@ -130,16 +148,15 @@ class _Closing:
         self.hand, self.links, self.obj, self.q, self.speed, self.time = hand, links, obj, q.copy(), speed.copy(), 0.0
         self.until = until
         self.moves: Bools = hand.kinematics.moved_by(np.array([t.support[0] for t in links]))
-        self.sizes = [
-            max(float(np.linalg.norm(s.translation)) + np.sqrt(3.0) * size_of(s.geometry) for s in t.shapes)
-            for t in links
-        ]
-        self.stopped = np.zeros(len(links), dtype=bool)
+        self.balls = [_balls(t) for t in links]
+        self.sizes = [float((np.linalg.norm(middles, axis=1) + radii).max()) for middles, radii in self.balls]
+        C = hand.kinematics.coupling
+        self.coupling = np.empty((0, 0)) if C is None else np.array(C)
 
     def run(self) -> list[Touched]:
         """Until nothing moves."""
         found = list[Touched]()
-        due = np.array([self._due(k) for k in range(len(self.links))])
+        due = np.array([self._look(k).due for k in range(len(self.links))])
         for _ in range(_STEPS):
             self._stop_at_ends()
             moving = (self.moves & (self.speed != 0.0)).any(axis=1)
@@ -152,21 +169,18 @@ class _Closing:
                 continue
             before = self.time
             self._go(max(float(due[k]), self.time + _LEAST))
-            near, nears = self._near(k)
+            near, nears, due[k] = self._look(k)
             if near.gap <= _TOUCHES and nears > 0.0:
                 if near.gap < -_TOUCHES:
                     self._back(k, before)
                 found.append(Touched(self.links[k].name, self.time))
                 self.speed[self.moves[k]] = 0.0
-                due = np.array([self._due(m) for m in range(len(self.links))])
-            else:
-                due[k] = self._due(k)
+                due = np.array([self._look(m).due for m in range(len(self.links))])
         raise NotReached("obj", f"a hand that closes within {_STEPS} steps", {})
 
     def final(self) -> list[tuple[Toucher, Proximity]]:
         """Each link and how near it is."""
-        state = Posture(self.hand, self.q)
-        return [(t, nearest(t.shapes, p, R, self.obj)) for t, R, p in placed(state, self.links)]
+        return [(t, self._near(k, *self._frame(k))) for k, t in enumerate(self.links)]
 
     def _go(self, time: float) -> None:
         self.q = self.q + (time - self.time) * self.speed
@@ -177,40 +191,55 @@ class _Closing:
         low, high = before, self.time
         while high - low > 1e-3 * _TOUCHES:
             self._go(0.5 * (low + high))
-            near, _ = self._near(k)
+            near = self._near(k, *self._frame(k))
             if abs(near.gap) <= _TOUCHES:
                 return
             low, high = (self.time, high) if near.gap > 0.0 else (low, self.time)
 
-    def _near(self, k: int) -> tuple[Proximity, float]:
-        """Where a link is nearest, and how fast it nears [m per unit of time]."""
-        state, link = Posture(self.hand, self.q), self.links[k]
-        ((_, R, p),) = placed(state, (link,))
-        near = nearest(link.shapes, p, R, self.obj)
-        J = self._jacobian(state, link, near.tip_point)
-        return near, float(near.normal @ (J @ self.speed))
+    def _frame(self, k: int) -> tuple[Array, Array]:
+        """Rotation and position of a link's frame."""
+        ((_, R, p),) = placed(Posture(self.hand, self.q), (self.links[k],))
+        return R, p
 
-    def _jacobian(self, state: Posture, link: Toucher, point: Array) -> Array:
-        """(3, nv) of a point of a link, world axes."""
-        columns = self.hand.kinematics.frames_at(state.q, ())[1].reshape(6, -1)  # of one joint it is a row
-        J = (columns[:3] + np.cross(columns[3:].T, point).T) * link.support[0]
-        C = self.hand.kinematics.coupling
-        return np.asarray(J if C is None else J @ C)
+    def _near(self, k: int, R: Array, p: Array) -> Proximity:
+        """Where a link is nearest. Its shapes are measured in the order of balls around them, as long as these come
+        nearer than what was found.
+        """
+        shapes = self.links[k].shapes
+        if len(shapes) == 1:
+            return nearest(shapes, p, R, self.obj)
+        (middles, radii), (Q, o) = self.balls[k], self.obj.frame
+        away = distances((middles @ R.T + p - o) @ Q, self.obj)
+        least = np.where(away > 0.0, away - radii, -np.inf)
+        found: Proximity | None = None
+        for i in np.argsort(least, kind="stable").tolist():
+            if found is not None and found.gap < least[i]:
+                break
+            near = nearest(shapes[i : i + 1], p, R, self.obj)
+            found = near if found is None or near.gap < found.gap else found
+        assert found is not None  # a link has a shape
+        return found
 
-    def _due(self, k: int) -> float:
-        """The earliest time at which a link could touch."""
-        active = self.moves[k] & (self.speed != 0.0)
+    def _look(self, k: int) -> _Look:
+        """See there; a link that no joint moves now could touch never."""
+        R, p = self._frame(k)
+        near, active = self._near(k, R, p), self.moves[k] & (self.speed != 0.0)
+        at_point, at_frame = self._jacobian(k, np.array([near.tip_point, p]))
+        nears = float(near.normal @ (at_point @ self.speed))
         if not active.any():
-            return np.inf
-        state, link = Posture(self.hand, self.q), self.links[k]
-        ((_, R, p),) = placed(state, (link,))
-        near = nearest(link.shapes, p, R, self.obj)
+            return _Look(near, nears, np.inf)
         if near.gap <= _TOUCHES:
-            nears = float(near.normal @ (self._jacobian(state, link, near.tip_point) @ self.speed))
-            return self.time if nears > 0.0 else self.time + 1e-3
-        levers = np.linalg.norm(self._jacobian(state, link, p), axis=0) + self.sizes[k]
+            return _Look(near, nears, self.time if nears > 0.0 else self.time + 1e-3)
+        levers = np.linalg.norm(at_frame, axis=0) + self.sizes[k]
         fastest = _MARGIN * float(levers[active] @ abs(self.speed[active]))
-        return self.time + near.gap / fastest
+        return _Look(near, nears, self.time + near.gap / fastest)
+
+    def _jacobian(self, k: int, points: Array) -> Array:
+        """(m, 3, nv) of points (m, 3) of a link, world axes."""
+        columns = self.hand.kinematics.frames_at(self.q, ())[1].reshape(6, -1)  # of one joint it is a row
+        m = len(points)
+        support, axes = np.repeat(self.links[k].support, m, axis=0), np.tile(np.eye(3), (m, 1, 1))
+        return contact_jacobian(columns.T, support, self.coupling, points, axes).reshape(m, 3, -1)
 
     def _first_end(self) -> float:
         """When the next joint comes to the end of its range."""

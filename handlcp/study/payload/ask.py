@@ -26,6 +26,7 @@ from handlcp.grasp.assembly.asked import again
 from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.model.contact import frame
 from handlcp.grasp.path.follow import geometry_of
@@ -37,7 +38,6 @@ from handlcp.study.envelope.grid import circle, sphere
 from handlcp.study.payload.result import Orientation, Payload
 
 ANY, SIX = "any", 6
-_AXES = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)
 _IN_PLANE = 1e-9
 
 
@@ -89,8 +89,8 @@ def _axes_of(plane: Array | None) -> Array:
     plane where those of the base do not lie in it.
     """
     if plane is None:
-        return _AXES
-    flat = _AXES[abs(_AXES @ plane) < _IN_PLANE]
+        return AXES
+    flat = AXES[abs(AXES @ plane) < _IN_PLANE]
     if len(flat) == 4:
         return flat
     x, y = frame(plane).T[:2]
