@@ -100,6 +100,7 @@ class Stepper:
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
         last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
+        pads = 0.0 if h == self.slow else 1.0 / h  # else one that buckles, as at an edge, has no answer however short h
         if controls.kept:
             damper = _KEPT * self._damper
         for count in range(1, _MOST + 1):
@@ -108,7 +109,8 @@ class Stepper:
                 slipped -= past
             loads = self.grasp.loads(iterate, slipped, under)
             done = self.between(state.where.pose, iterate.at.pose)
-            damping = Damping(1.0 / h, damper, done, state.where.q - iterate.at.q)
+            was, now = state.where, iterate.at
+            damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
             reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most), start, state)
             if reached is None:
                 return Failure("no answer")
