@@ -273,9 +273,7 @@ def summary(found: list[Compared]) -> int:
     for part, missed in count.items():
         print(f"{part}: {len(found) - missed} of {len(found)} as they have to be")
     forces = [max(c.squeeze, 0.0 if np.isnan(c.half) else c.half) for c in found]
-    print(
-        f"forces by link: {100 * np.median(forces):.2f} % of the largest in the median, {100 * max(forces):.2f} % at most"
-    )
+    print(f"forces by link: {100 * np.median(forces):.2f} % apart in the median, {100 * max(forces):.2f} % at most")
     open_ = sum(not np.isnan(c.row.slow) and np.ptp(np.minimum(c.row.losses, c.row.truth.most)) > 0.0 for c in found)
     print(f"loads whose loss hangs on damping in MuJoCo: {open_}")
     inside = power_pads.summary(grasps)
