@@ -89,10 +89,11 @@ class Stepper:
 
     def step(
         self, state: State, controls: Controls, guess: Guess | None = None, h: float | None = None, rough: float = 1.0,
-        past: Array | None = None,
+        past: Array | None = None, slow_pads: bool = False,
     ) -> State | Failure:  # fmt: skip
         """The state under other controls. guess : what is expected of it. h : of the damper, less for a viscous step.
         rough : times the tolerance. past (n, 3) : slip that is left out of what friction opposes; None: none.
+        slow_pads : whether pads are damped as joints are, or follow at once.
         """
         h = self.slow if h is None else h
         guess = guess or state.same
@@ -100,7 +101,7 @@ class Stepper:
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
         last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
-        pads = 0.0 if h == self.slow else 1.0 / h  # else one that buckles, as at an edge, has no answer however short h
+        pads = 1.0 / h if slow_pads else 0.0
         if controls.kept:
             damper = _KEPT * self._damper
         for count in range(1, _MOST + 1):
