@@ -110,11 +110,12 @@ def test_a_stored_row_says_the_same_as_handlcp(title):
 )
 def test_forces_of_other_pads_are_within_bounds(name):
     grasp, forces = made(GRASPS[name]), np.array(power_pads.stored()[name])
-    out, moved, _ = power_pads.outside(grasp, forces)
-    assert out <= power_pads.NOISE
-    assert moved > 5 * power_pads.NOISE  # they are not those of the grasp's own pads
+    found = power_pads.outside(grasp, forces)
+    assert found.out <= power_pads.NOISE
+    assert found.moved > 5 * power_pads.NOISE  # they are not those of the grasp's own pads
 
 
 def test_forces_outside_of_bounds_are_found():
     grasp, forces = made(GRASPS["three_finger, box 1"]), np.array(power_pads.stored()["three_finger, box 1"])
-    assert power_pads.outside(grasp, 3.0 * forces)[0] > power_pads.NOISE
+    found = power_pads.outside(grasp, forces * [1.0, 1.0, 3.0])
+    assert found.out > power_pads.NOISE
