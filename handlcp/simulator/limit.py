@@ -6,7 +6,7 @@ comes to rest again is held, and the load goes on growing; one that does not has
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -103,6 +103,7 @@ def moved(before: Array, after: Array) -> Array:
 
 _BEFORE = 2.0  # [s] of each stage before the load grows, at most
 _DRAG = 0.0025  # of the load: what damping of the object may take up while it grows
+_STANDS = 1e-4  # [rad, m] as near to the end of its range a joint stands there
 _REST_AFTER = 0.5  # [s] that an object has to stay under the largest factor
 _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact slides; of the largest force, below
 # which it is gone
@@ -162,7 +163,13 @@ class _Growing:
 
     def __init__(self, run: Run, squeezed: Array) -> None:
         self.run, self.squeezed = run, squeezed
-        self.limits = limits_of(run.grasp.spec)
+        # As in `load_limit`: the end of a range at which a joint stands before the load grows does not end it
+        limits, q = limits_of(run.grasp.spec), run.track.readings[-1].q
+        self.limits = replace(
+            limits,
+            lower=np.where(q < limits.lower + _STANDS, -np.inf, limits.lower),
+            upper=np.where(q > limits.upper - _STANDS, np.inf, limits.upper),
+        )
         self.first, self.first_at = "", np.inf
         self.tracking = Tracking(run.track.readings[-1].motion)
 

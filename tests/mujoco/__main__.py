@@ -4,7 +4,8 @@
 step: how far its forces, and the load at which it loses the object, change.
 
 `python -m tests.mujoco limits [word ...]` compares load limits: see `tests.mujoco.limits`; `power [word ...]` power
-grasps: see `tests.mujoco.power`; `closing` the order in which links touch: see `tests.mujoco.closing`.
+grasps: see `tests.mujoco.power`; `power pads` their forces with other pads: see `tests.mujoco.power_pads`; `closing`
+the order in which links touch: see `tests.mujoco.closing`.
 
 HANDLCP_KERNELS=compiled is set, as in the tests: the times are those of compiled kernels.
 """

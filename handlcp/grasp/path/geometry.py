@@ -166,12 +166,14 @@ class FixedGeometry(Geometry):
             J, root = mechanism.jacobian, mechanism.root
         elif isinstance(E, Flexibility) and n >= MANY:  # of joints that have no names
             J, root = E.factor.rows, E.factor.root
-        factored = isinstance(E, Flexibility) and len(root) > 0
         nv = len(root)
         turning = np.zeros((n, nv)) if mechanism is None else _turning(mechanism, spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         weight = None if mechanism is None or not self.weighs else mechanism.weight()
-        P = block_diagonal(E.factor.pads, n) if factored else spec.flexibility - joint_flexibility(J, root)
+        if isinstance(E, Flexibility) and nv:
+            P = block_diagonal(E.factor.pads, n)
+        else:
+            P = spec.flexibility - joint_flexibility(J, root)
         P[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
         J, turning, root = J.copy(), turning.copy(), np.array(root, dtype=float, order="C")
         self._elastic = Elastic(P, J, turning, root, np.zeros(nv) if weight is None else weight.copy())

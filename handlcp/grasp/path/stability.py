@@ -17,6 +17,9 @@ from handlcp.progress import tick
 # Numer. Anal. 35, 1998): short where the motion is fast, longer and longer towards rest. As h grows the damper
 # vanishes, and what is left is a static state. With a viscosity that goes to zero this is the jump of a
 # balanced-viscosity solution of a rate-independent system (Mielke, Rossi & Savaré).
+#
+# Pads are stiff and follow at once, but for one that buckles: where a contact comes to an edge its normal turns by
+# more than its pad can follow, and no step has an answer, however short. From there on pads are damped, too.
 
 REST, GONE, CREEPS, MOVES = "rest", "gone", "creeps", "moves"
 _FIRST, _LEAST = 1.0, 1e-4  # h
@@ -36,21 +39,23 @@ def flow(
     away (GONE), or it neither rests nor goes on (CREEPS). push (6,) : a wrench besides, in the first steps. most : of
     the contacts' distances; an object that has moved farther is not followed on (MOVES).
     """
-    h, start, speed = _FIRST, state, 0.0
+    h, start, speed, buckles = _FIRST, state, 0.0, False
     reach = (
         float(np.sqrt(((state.iterate.positions - state.iterate.reference) ** 2).sum(axis=1)).max()) / stepper.length
     )
     for count in range(_MOST):
         tick("the object moves on to another place")
         under = controls if push is None or count >= _PUSHED else controls._replace(load=controls.load + push)
-        found = stepper.step(state, under, None, h, _ROUGH)
+        found = stepper.step(state, under, None, h, _ROUGH, None, buckles)
         if isinstance(found, Failure) or stepper.far(state.where.pose, found.where.pose) > _STEP:
             h /= 4.0
             if h < _LEAST:
                 rest = stepper.sought(state, controls) if under is controls else None
                 if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _STEP:
                     return rest, REST
-                return state, CREEPS
+                if buckles or not stepper.geometry.follows:
+                    return state, CREEPS
+                h, buckles = _FIRST, True
             continue
         off, before = stepper.resisted(state, found, h), speed
         speed, state = stepper.far(state.where.pose, found.where.pose) / h, found

@@ -93,10 +93,11 @@ class Stepper:
 
     def step(
         self, state: State, controls: Controls, guess: Guess | None = None, h: float | None = None, rough: float = 1.0,
-        past: Array | None = None,
+        past: Array | None = None, slow_pads: bool = False,
     ) -> State | Failure:  # fmt: skip
         """The state under other controls. guess : what is expected of it. h : of the damper, less for a viscous step.
         rough : times the tolerance. past (n, 3) : slip that is left out of what friction opposes; None: none.
+        slow_pads : whether pads are damped as joints are, or follow at once.
         """
         h = self.slow if h is None else h
         guess = guess or state.same
@@ -104,6 +105,7 @@ class Stepper:
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
         last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
+        pads = 1.0 / h if slow_pads else 0.0
         if controls.kept:
             damper = _KEPT * self._damper
         for count in range(1, _MOST + 1):
@@ -112,7 +114,8 @@ class Stepper:
                 slipped -= past
             loads = self.grasp.loads(iterate, slipped, under)
             done = self.between(state.where.pose, iterate.at.pose)
-            damping = Damping(1.0 / h, damper, done, state.where.q - iterate.at.q)
+            was, now = state.where, iterate.at
+            damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
             reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most), start, state)
             if reached is None:
                 return Failure("no answer")

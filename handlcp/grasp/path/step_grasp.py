@@ -122,7 +122,7 @@ def _pads_alone(P: Array, n: int) -> bool:
     """Whether each contact gives way by itself, and to its own force alone. P (3n, 3n)."""
     rows = np.arange(n)
     blocks = P.reshape(n, 3, n, 3)[rows, :, rows]
-    if (P != block_diagonal(blocks, n)).any():
+    if (block_diagonal(blocks, n) != P).any():
         return False
     return bool((np.linalg.eigvalsh(blocks)[:, 0] > _RIGID * blocks.max()).all())
 

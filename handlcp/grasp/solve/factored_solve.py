@@ -21,6 +21,7 @@ from handlcp.lcp.kernels.contact_blocks import Linked, determined_by
 from handlcp.lcp.kernels.contact_rows import Contacts
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
+
 _LEAST = 1e-9  # pivots below this share of the largest say that something may be free
 
 

@@ -23,7 +23,6 @@ from handlcp.lcp.kernels.contact_rows import Contacts, Subgradient, rows, work
 from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
 
 
-
 class Linked(NamedTuple):
     """P (n, 3, 3), W and R (3n, m), d (3n,), S (m, m) and w (m,) as above; natural units, each contact's normal first.
     own : roles, scales and friction sets of the 3n rows; its M and q are empty. least : pivots below this share of the

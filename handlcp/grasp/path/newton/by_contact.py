@@ -1,11 +1,12 @@
 """One iteration of a step with many contacts: pads and contacts are eliminated one by one, onto joints and object.
 
 The same tangent as in `tangent.py`, where nothing but its own force and the joints and the object deforms a pad. With
-D = (1 + P F_s)⁻¹ of each pad, Q = D P, and z = Aᵀ (Jᵀ r + T_u u + T_q δq + T_s δs) of joints with C = A Aᵀ
+D = (1 + η + P F_s)⁻¹ of each pad, Q = D P, ŝ' = ŝ - η (s⁻ - ŝ), and of joints with C = A Aᵀ
+z = Aᵀ (Jᵀ r + T_u u + T_q δq + T_s δs)
 
     δq = a - A z / (1 + ε),   a = (q_c - q̂ + ε (q⁻ - q̂)) / (1 + ε)
-    δs = -D ŝ - Q (r + F_u u + F_q δq)
-    v  = Q r + (Gᵀ + Q F_u) u + (Q F_q - J) δq + D ŝ + d
+    δs = -D ŝ' - Q (r + F_u u + F_q δq)
+    v  = Q r + (Gᵀ + Q F_u) u + (Q F_q - J) δq + D ŝ' + d
 
 each contact sees its own force and what all share, z and u, and so do the rows of z and of balance:
 the problem of `lcp/kernels/contact_blocks.py`. Its cost grows with the number of contacts, not with its cube.
@@ -21,7 +22,6 @@ from handlcp.check import Array
 from handlcp.grasp.model.grasp_matrix import Given, Posed, placed, wrench_map
 from handlcp.grasp.path.newton.iteration import (
     Found,
-    Rules,
     Situation,
     begun_from,
     carried,
@@ -31,7 +31,7 @@ from handlcp.grasp.path.newton.iteration import (
     told,
     written,
 )
-from handlcp.grasp.path.newton.linear_solve import ANY, accepted
+from handlcp.grasp.path.newton.linear_solve import ANY, Rules, accepted
 from handlcp.grasp.path.newton.tangent import Turned, turned_forces
 from handlcp.grasp.solve.compiled_solve import begin
 from handlcp.grasp.solve.factored_solve import from_unknowns, in_natural_units, nothing
@@ -44,7 +44,7 @@ from handlcp.tolerances import ACTIVE, SOLVE
 
 
 class _Pads(NamedTuple):
-    """Q (n, 3, 3), what a pad gives way by at first, D ŝ (3n,), and the changes of shared rows by the pads (T; A)_s
+    """Q (n, 3, 3), what a pad gives way by at first, D ŝ' (3n,), and the changes of shared rows by the pads (T; A)_s
     (nv + 6, 3n), columns as the pads.
     """
 
@@ -119,14 +119,15 @@ def _alone(s: Situation, turned: Turned, pads: _Pads) -> bool:
     first = 6 + nv
     if len(turned.force) > 0:
         pads.back[:nv], pads.back[nv:] = turned.torque[:, first:], turned.wrench[:, first:]
-    own = np.empty((3, 7))  # 1 + P F_s, and beside it P and ŝ
+    slow = s.damping.pads
+    own = np.empty((3, 7))  # 1 + η + P F_s, and beside it P and ŝ - η (s⁻ - ŝ)
     for i in range(n):
         k = 3 * i
         for a in range(3):
             own[a, 6] = 0.0
             for b in range(3):
-                own[a, b], own[a, 3 + b] = 1.0 if a == b else 0.0, el.P[k + a, k + b]
-                own[a, 6] += s.frames[i, b, a] * s.loads.give[i, b]
+                own[a, b], own[a, 3 + b] = 1.0 + slow if a == b else 0.0, el.P[k + a, k + b]
+                own[a, 6] += s.frames[i, b, a] * (s.loads.give[i, b] - slow * s.damping.given[i, b])
                 if len(turned.force) > 0:
                     for e in range(3):
                         own[a, b] += el.P[k + a, k + e] * turned.force[k + e, first + k + b]
@@ -164,16 +165,18 @@ def _shared(s: Situation, turned: Turned, pads: _Pads, command: Array) -> _Share
 
 
 @kernel
-def _problem(
-    s: Situation, turned: Turned, pads: _Pads, shared: _Shared, centre: Array
-) -> tuple[Linked, Array]:
+def _problem(s: Situation, turned: Turned, pads: _Pads, shared: _Shared, centre: Array) -> tuple[Linked, Array]:
     """The problem in SI, contacts in their own axes, and the diagonal of what gives way (3n,). What the load is about
     the contacts' centre is still missing from its w.
     """
     el, loads, damping, root = s.elastic, s.loads, s.damping, s.elastic.root
     (n3, nv), m, still = el.J.shape, root.shape[1], len(turned.force) == 0
     W, R, d, softness = np.zeros((n3, m + 6)), np.zeros((n3, m + 6)), np.empty(n3), np.empty(n3)
-    S, w, G = np.zeros((m + 6, m + 6)), np.zeros(m + 6), wrench_map(s.touch.positions, centre, s.frames, np.zeros((3, 0)))
+    S, w, G = (
+        np.zeros((m + 6, m + 6)),
+        np.zeros(m + 6),
+        wrench_map(s.touch.positions, centre, s.frames, np.zeros((3, 0))),
+    )
     tip, pull = np.empty(nv), np.empty(nv + 6)
     for k in range(n3):
         i, own = k // 3, k % 3

@@ -21,20 +21,23 @@ from handlcp.grasp.path.newton.tangent import (
     skew,
     turned_forces,
 )
-from handlcp.grasp.solve.compiled_solve import ScenePattern
 from handlcp.lcp.kernels.dense import kernel
 
 
 class Damping(NamedTuple):
-    """What resists the motions of a step. slow : ε of the joints. body (6,) : force [N/m] and moment [N·m/rad] on the
-    object, about the contacts' centre. done (6,) : of the object's motion, and lag (nv,) of the joints' (backwards),
-    from the step's beginning to the iterate.
+    """What resists the motions of a step. slow : ε of the joints; pads : of the pads. body (6,) : force [N/m] and
+    moment [N·m/rad] on the object, about the contacts' centre. done (6,) : of the object's motion, and, backwards, lag
+    (nv,) of the joints', given (n, 3) of the pads', world axes, and spun (n,) of soft pads' turns, from the step's
+    beginning to the iterate.
     """
 
     slow: float
+    pads: float
     body: Array
     done: Array
     lag: Array
+    given: Array
+    spun: Array
 
 
 class Answer:
@@ -136,12 +139,13 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     n3, still = 3 * n, len(t.turn) == 0
     centre = middle(t.positions)
     J, P, give, d = _by_component(el, loads, s.frames, laws, rules.extra)
+    behind = give - damping.pads * _pads(damping.given, damping.spun, s.frames, soft)
     forces, torsion = _by_contact(begun_from(start, laws), n, soft)
     turned = Turned(np.zeros((6, 6 + nv + n3)), np.zeros((nv, 6 + nv + n3)), np.zeros((n3, 6 + nv + n3)))
     if not still:
         turned = turned_forces(t, s.frames, s.moving, centre, forces, torsion)
-    driven = Driven(told(el, loads, laws), damping.lag, damping.slow)
-    lin = condensed(turned, still, Yielding(J, P, el.root, give, d, rules.yields), driven)
+    driven = Driven(told(el, loads, laws), damping.lag, damping.slow, damping.pads)
+    lin = condensed(turned, still, Yielding(J, P, el.root, behind, d, rules.yields), driven)
     if not lin.found:
         return
     for a in range(6):
@@ -290,22 +294,35 @@ def _by_component(
     """(J (c, nv), P (c, c), ŝ (c,), d (c,)) over all force components, turns of soft contacts last."""
     n, nv, soft = len(frames), el.J.shape[1], laws.soft
     n3, k = 3 * n, len(soft)
-    J, P, give, d = np.zeros((n3 + k, nv)), np.zeros((n3 + k, n3 + k)), np.zeros(n3 + k), np.zeros(n3 + k)
+    J, P, d = np.zeros((n3 + k, nv)), np.zeros((n3 + k, n3 + k)), np.zeros(n3 + k)
+    give = _pads(loads.give, loads.turn, frames, soft)
     J[:n3], P[:n3, :n3] = el.J, el.P
     for i in range(n):
         for a in range(3):
             d[3 * i + a] = loads.base[i, a]
-            for b in range(3):
-                give[3 * i + a] += frames[i, b, a] * loads.give[i, b]
     for a in range(k):
         i = soft[a]
         P[n3 + a, n3 + a] = laws.torsion[a]
-        give[n3 + a], d[n3 + a] = loads.turn[i], loads.spin[i]
+        d[n3 + a] = loads.spin[i]
         if laws.joined:
             J[n3 + a] = el.turning[i]
     if len(extra) > 0:
         P += extra
     return J, P, give, d
+
+
+@kernel
+def _pads(give: Array, turn: Array, frames: Array, soft: Ints) -> Array:
+    """(c,) of pads (n, 3), world axes, and turns of soft ones (n,)."""
+    n = len(frames)
+    out = np.zeros(3 * n + len(soft))
+    for i in range(n):
+        for a in range(3):
+            for b in range(3):
+                out[3 * i + a] += frames[i, b, a] * give[i, b]
+    for a in range(len(soft)):
+        out[3 * n + a] = turn[soft[a]]
+    return out
 
 
 @kernel

@@ -5,14 +5,14 @@ the pads δs. To first order in them, with forces r that keep their components a
 
     balance   w + G r + A_u u + A_q δq + A_s δs = 0
     joints    (1 + ε) δq = (q_c - q̂) + ε (q⁻ - q̂) - C (Jᵀ r + T_u u + T_q δq + T_s δs)        C = K⁻¹
-    pads      δs = -ŝ - P (r + F_u u + F_q δq + F_s δs)
+    pads      (1 + η) δs = -ŝ + η (s⁻ - ŝ) - P (r + F_u u + F_q δq + F_s δs)
     contacts  v = Gᵀ u - J δq - δs + d
 
 A are the changes of the forces' wrench, T those of the joints' torques (geometric stiffness of the finger included), F
-those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints. Leaving A, T and F out
-gives the step in frozen geometry, whose iteration does not converge where every finger slides. Limits that give way
-drive the joints back by Y g besides, when the torques Yᵀ τ reach them. δq and δs are eliminated; what is left is a
-problem in r, u and g, as every grasp is one:
+those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints, η on the pads.
+Leaving A, T and F out gives the step in frozen geometry, whose iteration does not converge where every finger slides.
+Limits that give way drive the joints back by Y g besides, when the torques Yᵀ τ reach them. δq and δs are eliminated;
+what is left is a problem in r, u and g, as every grasp is one:
 
     v = V_r r + V_u u + V_g g + d',    0 = w' + B_r r + B_u u + B_g g,    Yᵀ τ = Yᵀ Jᵀ r + L (1, r, u, g)
 """
@@ -74,7 +74,7 @@ class Borne(NamedTuple):
 
 class Yielding(NamedTuple):
     """What gives way under the forces. J (c, nv), P (c, c) : of the joints, and flexibility of all else, in contact
-    axes, turns of soft contacts last. root (nv, m) : C = root rootᵀ. give (c,) : ŝ. d (c,). Y (nv, k).
+    axes, turns of soft contacts last. root (nv, m) : C = root rootᵀ. give (c,) : ŝ - η (s⁻ - ŝ). d (c,). Y (nv, k).
     """
 
     J: Array
@@ -86,11 +86,12 @@ class Yielding(NamedTuple):
 
 
 class Driven(NamedTuple):
-    """The joints. command (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε."""
+    """The joints. command (nv,) : q_c - q̂, lag (nv,) : q⁻ - q̂, slow : ε; pads : η."""
 
     command: Array
     lag: Array
     slow: float
+    pads: float
 
 
 class Condensed(NamedTuple):
@@ -252,7 +253,7 @@ def condensed(turned: Turned, still: bool, elastic: Yielding, driven: Driven) ->
     for j in range(nv):
         A[j, j], A[j, size] = 1.0 + slow, driven.command[j] + slow * driven.lag[j]
     for i in range(c):
-        A[nv + i, nv + i], A[nv + i, size] = 1.0, -elastic.give[i]
+        A[nv + i, nv + i], A[nv + i, size] = 1.0 + driven.pads, -elastic.give[i]
     A[:nv, size + 1 : size + 1 + c] = -product(C, np.ascontiguousarray(J.T))
     A[nv:, size + 1 : size + 1 + c] = -P
     w, B_r, B_u, B_g = np.zeros(6), np.zeros((6, c)), np.zeros((6, 6)), np.zeros((6, k))
@@ -260,6 +261,8 @@ def condensed(turned: Turned, still: bool, elastic: Yielding, driven: Driven) ->
     if still:
         for j in range(nv):
             A[j, size:] /= 1.0 + slow
+        for i in range(c):
+            A[nv + i, size:] /= 1.0 + driven.pads
         Z = A[:, size:].copy()
     else:
         changes = np.zeros((size, 6 + nv + n3))
