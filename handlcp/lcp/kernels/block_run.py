@@ -1,4 +1,4 @@
-"""Newton's method contact by contact, and what leads to where it converges: contacts that stick, then proximal steps."""
+"""Newton's method contact by contact, and what leads there: contacts that all stick, then proximal steps."""
 
 from __future__ import annotations
 

@@ -19,7 +19,8 @@ from handlcp.tolerances import RANK
 
 class Whole(NamedTuple):
     """All N rows. M (N, n, 4) : by each contact's normal force and up to three tangential ones. F (N, f) : by the free
-    unknowns. q (N,). row (n, 4) : the row of each of its motions, -1 where there is none; of other rows y = 0. tangents, limits (n,), faces : as in `Cones`.
+    unknowns. q (N,). row (n, 4) : the row of each of its motions, -1 where there is none; of other rows y = 0.
+    tangents, limits (n,), faces : as in `Cones`.
     """
 
     M: Array

@@ -55,9 +55,9 @@ class Rules(NamedTuple):
 def linear_problem(
     positions: Array, frames: Array, rules: Rules, t: Condensed, force: Array, moment: Array, start: Array
 ) -> tuple[Given, Posed, Contacts, Array]:
-    """The grasp as it stands about the iterate, t being the tangent there, its natural units, its problem, and where the solve begins (N,).
+    """The grasp as it stands about the iterate, its natural units, its problem, and where the solve begins (N,).
 
-    force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
+    t : the tangent there. force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
     """
     laws, giving, p = rules.laws, rules.giving, rules.pattern
     n, c, k, s = len(positions), len(laws.scale), len(giving.room), laws.scale
