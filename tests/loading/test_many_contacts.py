@@ -1,0 +1,63 @@
+"""Paths of many contacts, which are eliminated one by one, beside the same paths with all of them in one matrix."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.grasp.path import step
+from handlcp.grasp.path.newton.by_contact import iteration_by_contact
+from handlcp.grasp.path.newton.iteration import one_iteration
+from tests.mujoco.find_power_grasps import made
+from tests.support.power import STRONG, WEAK, power_grasp
+
+GRASPS = Path(__file__).parents[1] / "mujoco" / "power_grasps.json"
+
+
+@pytest.mark.parametrize(("n", "seed", "friction"), [(10, 0, STRONG), (12, 1, WEAK), (20, 2, STRONG), (20, 4, WEAK)])
+def test_contacts_that_stay_give_the_path_of_one_matrix(n: int, seed: int, friction: float) -> None:
+    grasp = power_grasp(n, seed, friction, loaded=False)
+    whole, single = grasp.dense().follow(), grasp.factored().follow()
+    assert whole.reached
+    assert single.reached
+    most = abs(whole.steps.forces[-1]).max()
+    np.testing.assert_allclose(single.steps.forces[-1], whole.steps.forces[-1], atol=1e-8 * most)
+    np.testing.assert_allclose(single.displacement, whole.displacement, atol=1e-8 * abs(whole.displacement).max())
+
+
+def test_a_grasp_that_is_lost_is_lost_at_the_same_load() -> None:
+    grasp = power_grasp(12, 5, WEAK)
+    whole, single = grasp.dense().follow(), grasp.factored().follow()
+    assert not whole.reached
+    assert whole.lost_stage == single.lost_stage
+    assert single.lost_at == pytest.approx(whole.lost_at, rel=1e-6)
+
+
+def test_contacts_that_move_with_a_hand_give_the_path_of_one_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turning and moving contacts, pads and joints: all terms of the tangent, eliminated and in one matrix."""
+    row = json.loads(GRASPS.read_text())["five_finger, ball 1"]
+    found = []
+    for iteration in (iteration_by_contact, one_iteration):
+        monkeypatch.setattr(step, "iteration_by_contact", iteration)
+        grasp = made(row)
+        assert grasp.spec.n >= 10
+        found.append(grasp.follow(load=(0.5, 0.0, 1.0, 0.0, 0.01, 0.0), steps=5))
+    single, whole = found
+    assert single.reached
+    assert whole.reached
+    most = abs(whole.steps.forces[-1]).max()
+    np.testing.assert_allclose(single.steps.forces[-1], whole.steps.forces[-1], atol=1e-6 * most)
+    np.testing.assert_allclose(single.steps.torques[-1], whole.steps.torques[-1], atol=1e-6 * most)
+    met, other = (m / np.linalg.norm(m) for m in (single.last.met, whole.last.met))  # natural units differ a little
+    np.testing.assert_allclose(met, other, atol=1e-5)
+
+
+def test_many_contacts_that_have_no_equilibrium_are_proven_to_have_none() -> None:
+    """The compliance creates too little force at friction 0.15, though forces that balance the load exist."""
+    for n, seed in ((14, 1106), (24, 1170)):
+        found = power_grasp(n, seed, WEAK).factored().solve(throw=False)
+        assert found.status is hl.Status.NO_EQUILIBRIUM
