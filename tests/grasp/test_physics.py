@@ -137,11 +137,13 @@ def test_a_planar_scene_is_the_same_in_every_plane(plane):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_more_faces_approach_the_cone_from_inside(seed):
-    """Inscribed with m faces lies inside inscribed with 2m faces: the forces converge as 1/m²."""
+    """Inscribed with m faces lies inside inscribed with 2m faces: the forces converge as 1/m². Of several answers, that
+    of one branch is followed from the finest.
+    """
     g, s = solved(seed, 64)
     if not s.held:
         pytest.skip("this scene has no solution")
-    errors = [abs(g.solve(m).forces - s.forces).max() for m in (8, 16, 32)]
+    errors = [abs(g.solve(m, start=s).forces - s.forces).max() for m in (8, 16, 32)]
     assert errors[2] < 0.05 * abs(s.forces).max()
     assert errors[2] <= errors[0] + 1e-9
 

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.path import step
-from handlcp.grasp.path.newton.by_contact import iteration_by_contact
-from handlcp.grasp.path.newton.iteration import one_iteration
 from tests.mujoco.find_power_grasps import made
+from tests.support.paths import in_one_matrix
 from tests.support.power import STRONG, WEAK, power_grasp
 
 GRASPS = Path(__file__).parents[1] / "mujoco" / "power_grasps.json"
@@ -41,8 +39,9 @@ def test_contacts_that_move_with_a_hand_give_the_path_of_one_matrix(monkeypatch:
     """Turning and moving contacts, pads and joints: all terms of the tangent, eliminated and in one matrix."""
     row = json.loads(GRASPS.read_text())["five_finger, ball 1"]
     found = []
-    for iteration in (iteration_by_contact, one_iteration):
-        monkeypatch.setattr(step, "iteration_by_contact", iteration)
+    for one_matrix in (False, True):
+        if one_matrix:
+            in_one_matrix(monkeypatch)
         grasp = made(row)
         assert grasp.spec.n >= 10
         found.append(grasp.follow(load=(0.5, 0.0, 1.0, 0.0, 0.01, 0.0), steps=5))

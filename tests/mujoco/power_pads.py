@@ -16,9 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.simulator.tips import pad_of
-from handlcp.simulator.under_way import Run
 from tests.mujoco.find_power_grasps import FILE as GRASPS, made
+from tests.support.simulator import Run, pad_of
 
 FILE = pathlib.Path(__file__).with_name("power_pads.json")
 FACTOR, SEED = 2.0, 7
