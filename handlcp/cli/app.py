@@ -138,6 +138,17 @@ def sides_of(own: Any, faces: str | None) -> Any:
     return int(faces)
 
 
+def follow_option(neither: str) -> Any:
+    """--followed/--fixed; neither : what happens without either, as the help says it."""
+    sentence = "Follow hand and object as they move, or leave contacts where they are; neither"
+    return typer.Option("--followed/--fixed", help=f"{sentence}: {neither}.")
+
+
+def geometry_of(followed: bool | None) -> str | None:
+    """The geometry that --followed/--fixed asks for; None where neither was said."""
+    return {None: None, True: "followed", False: "fixed"}[followed]
+
+
 def check_files(*pictures: Path | None, page: Path | None = None) -> None:
     """Before a long computation, whether what is asked for can be written. Raises InputError, Unsupported."""
     for file in pictures:

@@ -16,6 +16,8 @@ from handlcp.cli.app import (
     Scene,
     app,
     check_files,
+    follow_option,
+    geometry_of,
     print_json,
     say,
     say_files,
@@ -126,14 +128,7 @@ def envelope(
         str,
         typer.Option(help='At least so many all around; or a plane: xy, yz, xz, also with a number: "xy,72".'),
     ] = "362",
-    followed: Annotated[
-        bool | None,
-        typer.Option(
-            "--followed/--fixed",
-            help="Follow hand and object as they move, or leave contacts where they are; neither: followed where that "
-            "takes seconds.",
-        ),
-    ] = None,
+    followed: Annotated[bool | None, follow_option("followed where that takes seconds")] = None,
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the factors: steps are chosen by it.")
     ] = None,
@@ -163,8 +158,8 @@ def envelope(
         got = directions if flat else "a planar scene, whose directions lie in its plane; --polar draws these"
         raise InputError("--page", "directions all around, which the page can turn", got)
     found = envelope_of(
-        grasp, asked, of=of, geometry={None: None, True: "followed", False: "fixed"}[followed], faces=sides,
-        adaptive=adaptive, motion=motion, turn=turn, accuracy=accuracy,
+        grasp, asked, of=of, geometry=geometry_of(followed), faces=sides, adaptive=adaptive, motion=motion, turn=turn,
+        accuracy=accuracy,
     )  # fmt: skip
     for path, draw in ((plot, found.plot), (polar, found.polar), (page, found.page)):
         if path is not None:

@@ -7,7 +7,19 @@ from typing import Annotated
 
 import typer
 
-from handlcp.cli.app import Faces, Json, Scene, app, check_files, print_json, say_files, sides_of, titled
+from handlcp.cli.app import (
+    Faces,
+    Json,
+    Scene,
+    app,
+    check_files,
+    follow_option,
+    geometry_of,
+    print_json,
+    say_files,
+    sides_of,
+    titled,
+)
 from handlcp.record import versions
 
 
@@ -25,14 +37,7 @@ def payload(
     motion: Annotated[
         float | None, typer.Option(help="How far the mass may move the object, in mm; without: any distance.")
     ] = None,
-    followed: Annotated[
-        bool | None,
-        typer.Option(
-            "--followed/--fixed",
-            help="Follow hand and object as they move, or leave contacts where they are; neither: followed, and with "
-            "--any where that takes seconds.",
-        ),
-    ] = None,
+    followed: Annotated[bool | None, follow_option("followed, and with --any where that takes seconds")] = None,
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the masses: steps are chosen by it.")
     ] = None,
@@ -49,7 +54,7 @@ def payload(
     most = None if motion is None else 1e-3 * motion
     file = scenes.load(scene)
     found = file.build().payload(
-        "any" if every else 6, acceleration, geometry={None: None, True: "followed", False: "fixed"}[followed],
+        "any" if every else 6, acceleration, geometry=geometry_of(followed),
         faces=sides_of(file.solve_with.faces, faces), motion=most, accuracy=accuracy,
     )  # fmt: skip
     if plot is not None:

@@ -5,6 +5,7 @@ import pytest
 
 import handlcp as hl
 from tests.support.limits import balanced
+from tests.support.squeezed import cube
 from tests.support.texts import same
 
 KINDS = (
@@ -126,9 +127,7 @@ def test_a_load_that_is_none_is_refused(wrench):
 
 
 def test_a_grasp_without_a_load_is_told_which_way_its_weight_acts():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005)
+    grasp = cube()
     with pytest.raises(hl.InputError) as caught:
         grasp.load_limit()
     same("limits/test_hostile: no load", str(caught.value), "wrench", "(0, 0, -1, 0, 0, 0)")

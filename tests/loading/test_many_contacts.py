@@ -27,6 +27,33 @@ def test_contacts_that_stay_give_the_path_of_one_matrix(n: int, seed: int, frict
     np.testing.assert_allclose(single.displacement, whole.displacement, atol=1e-8 * abs(whole.displacement).max())
 
 
+def test_a_contact_that_creeps_slides_in_short_steps_as_in_long_ones() -> None:
+    """Slips of a nanometre in a step: contacts of which some change their state only once, whatever the steps are."""
+    grasp = power_grasp(60, 0, STRONG, loaded=False).factored()
+    coarse, fine = grasp.follow(steps=20), grasp.follow(steps=80)
+    assert [(e.kind, e.who, e.stage) for e in coarse.events] == [(e.kind, e.who, e.stage) for e in fine.events]
+    assert len(fine.steps) < 170  # a change ends a step
+
+
+def test_a_contact_that_begins_to_creep_does_so_at_one_load() -> None:
+    grasp = power_grasp(5, 0, STRONG, loaded=False).factored()
+    begins = [
+        next(e.share for e in grasp.follow(steps=steps).events if e.who == "finger 2" and e.stage == "load")
+        for steps in (20, 40, 160)
+    ]
+    assert begins == pytest.approx([0.8318] * 3, abs=1e-4)
+
+
+def test_loads_at_which_contacts_slip_are_located_in_long_steps_as_in_short_ones() -> None:
+    grasp = power_grasp(40, 1, STRONG, loaded=False).factored()
+    long, short = (
+        {e.who: e.share for e in grasp.follow(steps=steps).events if e.kind == "slips" and e.stage == "load"}
+        for steps in (10, 40)
+    )
+    assert len(long) >= 4
+    assert long == pytest.approx(short, abs=1e-4)
+
+
 def test_a_grasp_that_is_lost_is_lost_at_the_same_load() -> None:
     grasp = power_grasp(12, 5, WEAK)
     whole, single = grasp.dense().follow(), grasp.factored().follow()

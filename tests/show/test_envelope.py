@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
 from handlcp.errors import InputError
+from tests.support import squeezed
 from tests.support.browser import opened
 from tests.support.show import divided, section, surface_of, wires
 
@@ -28,10 +29,7 @@ def pinch(directions=42, **more):
 
 @cache
 def cube():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005)
-    return hl.envelope(grasp, 42, faces=8, adaptive=1)
+    return hl.envelope(squeezed.cube(), 42, faces=8, adaptive=1)
 
 
 def texts(figure):

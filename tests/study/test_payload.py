@@ -12,26 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.design.hands import pinch as levers
 from tests.hand.levers import L
+from tests.support.squeezed import MU, G, K, N, R, cube, pinch
 from tests.support.texts import same
 
-MU, N, R, K = 0.5, 2.0, 0.02, 1e-3  # friction, grip [N], half width [m], flexibility [m/N]
-G = 9.81
 AXES = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
-
-
-@cache
-def pinch():
-    """Two points that press on an object along x with N each; nothing else is there."""
-    left = hl.Contact((-R, 0, 0), (1, 0, 0), MU, name="left")
-    right = hl.Contact((R, 0, 0), (-1, 0, 0), MU, name="right")
-    return hl.Grasp([left, right], flexibility=K, preload=K * N)
-
-
-@cache
-def cube(**more):
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    return hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005, **more)
 
 
 @cache

@@ -166,8 +166,7 @@ def misses_patch(limit: float, faces: int, corners: np.ndarray, force: np.ndarra
     d = len(force) - 1
     columns = np.zeros((2 * (1 + d), 1, 2, 4))
     columns[: 1 + d, 0, 0, : 1 + d] = columns[1 + d :, 0, 1, : 1 + d] = np.eye(1 + d)
-    products = np.einsum("rika,rikb->ikab", columns, columns)
-    cones = _modes.Cones(columns.reshape(-1, 1, 8), products, np.array([d]), np.array([limit]), faces)
+    cones = _modes.new_cones(columns.reshape(-1, 1, 8), np.array([d]), np.array([limit]), faces)
     b = np.concatenate([force, motion])
     left, _ = fit(cones, np.array([_modes.SLIDES]), corners[None], new_active(b))
     return float(left)

@@ -14,8 +14,8 @@ from handlcp.grasp.model.spec import GraspSpec
 # ---------------------------------------------------------------- Why an object is lost, in one sentence.
 
 # How a loading fails
-RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS = (
-    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps"
+RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK = (
+    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps", "stuck"
 )  # fmt: skip
 _SENTENCES = {
     RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
@@ -45,15 +45,22 @@ def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | No
     return f"{text} ({' and '.join(state)})" if state else text
 
 
+def why_given_up(how: str) -> str:
+    """Why a path was given up, though nothing says that the object is lost."""
+    if how == STUCK:
+        return "forces balance the load up to there, and no next state is found"
+    return "it takes more steps than paths of use take"
+
+
 def under_load(now: Array, end: Array) -> str:
     """Such as ", under 3.1 N of 6.7 N": load and weight (6,) of the object together [N, N·m], and at the end of the
-    stage; "" without any.
+    stage: their moments where a moment alone grows. "" without any.
     """
-    forces = [float(np.linalg.norm(w[:3])) for w in (now, end)]
-    moments = [float(np.linalg.norm(w[3:])) for w in (now, end)]
-    if max(forces) > 0.0:
-        return f", under {words.force(forces[0])} of {words.force(forces[1])}"
-    return f", under {' of '.join(words.torques(moments))}" if max(moments) > 0.0 else ""
+    forces, moments = ([float(np.linalg.norm(w[part])) for w in (now, end)] for part in (slice(3), slice(3, 6)))
+    turns = max(moments) > 0.0 and (not max(forces) > 0.0 or np.allclose(now[:3], end[:3], rtol=1e-9, atol=0.0))
+    if turns:
+        return f", under {' of '.join(words.torques(moments))}"
+    return f", under {words.force(forces[0])} of {words.force(forces[1])}" if max(forces) > 0.0 else ""
 
 
 def moves(twist: Array) -> str:

@@ -23,7 +23,7 @@ from handlcp.grasp.cause.judge import (
     slipping,
     used,
 )
-from handlcp.grasp.cause.wording import moves, why
+from handlcp.grasp.cause.wording import moves, why, why_given_up
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
@@ -191,9 +191,8 @@ def _answer(f: _Followed) -> LoadLimit:
         if f.slid is not None:
             return f"the weight alone is not held: the object slides through from {words.percent(f.slid[0])} of it on"
         if gave_up:
-            return (
-                f"the path was given up at {end:.4g} times the load, after more steps than paths of use take: no limit"
-            )
+            assert run.failure is not None
+            return f"no limit: the path was given up at {end:.4g} times the load, {why_given_up(run.failure.kind)}"
         return why(binds, factor, f.wrench, f.spec, _then(_through(f)))
 
     later = Later(

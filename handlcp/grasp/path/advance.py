@@ -16,7 +16,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.path.geometry import between
-from handlcp.grasp.path.stability import GROWS, MOVES, REST, flow, growing, growth
+from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
@@ -84,7 +84,7 @@ class Leg:
         self.begin = run.states[-1].controls
         self.share, self.step, self.count = 0.0, self.base, 0
         self.ends = np.inf  # the share before which there is a snap or the last static state, once that is known
-        self.leaves = False  # whether it is known, too, that the object leaves there
+        self.then = MOVES  # what a flow from there comes to; that it goes on until it rests, has left or is stuck
         self.failed = False  # whether the last try had no solution
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
         self.calm: tuple[str, ...] = ()  # contact states for which a small push that seemed to grow died away
@@ -125,7 +125,7 @@ class Leg:
         if found.kinds != self.calm and growth(found) > GROWS:
             size, found, breaks = self._stable(state, found, share, size)
             if breaks:
-                return self._breaks(found, share + size) or run.ends(Outcome.LOST, Failure("unstable"))
+                return self._breaks(found, share + size)
         if self.beyond is not None and self.beyond.over(found) > 0.0:
             size, found = self._limit(state, found, share, size)
             self._add(found, share + size)
@@ -156,29 +156,35 @@ class Leg:
         """A step without a solution is halved; where the shortest has none, the object moves on in a viscous flow.
         Whether the path goes on.
         """
-        run, share, known = self.run, self.share, self.ends < np.inf
+        share, known = self.share, self.ends < np.inf
         self.failed = True
         if size > (_EXACT if known else FINEST) * self.base:
             self.step = size / 2.0
             return True
-        if known and self._gives_way(state):
+        if known and self.then != STUCK and self._gives_way(state):
             return True  # `through` may pause where the object slides through
-        if known and self.leaves:
-            return run.ends(Outcome.LOST, why)
+        if known and self.then != MOVES:
+            return self._over(self.then, why)
         until, near = self.ends if known else share + size, np.inf
         if not known and self._may_slide(state):  # where it comes to rest is asked once the snap is located exactly
             near = max(self._no_snap(size), RUNS - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
-        if how != MOVES:
+        if how not in (MOVES, STUCK):
             self._snapped(state, end, share, until, how == REST, ())
         if how != REST:
-            self.ends, self.leaves, self.step = until, how != MOVES, size / 2.0
-            return not known or run.ends(Outcome.LOST, why)
+            self.ends, self.then, self.step = until, how, size / 2.0
+            return not known or self._over(how, why)
         self.share, self.ends = until, np.inf
         self._add(end, until)
         self.step, self.before = min(_AFTER * FINEST * self.base, self.base), None
         self.rate.snaps(self.stepper.far(state.where.pose, end.where.pose))
         return True
+
+    def _over(self, how: str, why: Failure) -> bool:
+        """The path ends here, as a flow said."""
+        if how == STUCK:
+            return self.run.ends(Outcome.GAVE_UP, Failure("stuck"))
+        return self.run.ends(Outcome.LOST, why)
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:
         """Whether the step may have jumped over a snap: it ends much farther away than the last step did, or far from
@@ -234,7 +240,7 @@ class Leg:
 
     def _second(self, state: State, controls: Controls, guess: Guess | None, size: float) -> State | None:
         """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it
-        (BDF2). None where contacts change their state.
+        (BDF2). None where a contact that slid sticks: it would stick to that parabola.
         """
         if self.before is None or SLIDES not in state.kinds:
             return None
@@ -242,7 +248,9 @@ class Leg:
         slides = np.array([kind == SLIDES for kind in state.kinds])
         past = ratio**2 / (1.0 + 2.0 * ratio) * state.slid * slides[:, None]
         found = self.stepper.step(state, controls, guess, None, 1.0, past)
-        return found if isinstance(found, State) and found.kinds == state.kinds else None
+        if isinstance(found, Failure) or (SLIDES, STICKS) in zip(state.kinds, found.kinds, strict=True):
+            return None
+        return found
 
     def _at(self, state: State, found: State, share: float, size: float, part: float) -> State | Failure:
         """The state at a part of a step that is known to have a solution."""
@@ -275,9 +283,7 @@ class Leg:
         return low * size, best, True
 
     def _breaks(self, state: State, share: float) -> bool:
-        """Whether the object, pushed a little under slightly more load, comes to rest elsewhere, so that the path goes
-        on.
-        """
+        """Whether the path goes on: the object, pushed a little under slightly more load, comes to rest elsewhere."""
         if share > self.share:
             self._add(state, share)
             self.share = share
@@ -286,12 +292,13 @@ class Leg:
         more = min(share + 2.0**-_HALVED * self.base, self.last)
         motion = self._growing(state)
         end, how = flow(self.stepper, state, self.controls(more), self._push(state, motion))
-        self._snapped(state, end, share, more, how == REST, tuple(motion.tolist()))
+        if how != STUCK:
+            self._snapped(state, end, share, more, how == REST, tuple(motion.tolist()))
         if how == REST:
             self._add(end, more)
             self.share = more
         self.step, self.before = self.base, None
-        return how == REST
+        return how == REST or self._over(how, Failure("unstable"))
 
     def _growing(self, state: State) -> Array:
         """(6,) the motion in which a small push grows, turns times the contacts' distance."""

@@ -18,7 +18,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
 from handlcp.grasp.cause.judge import OBJECT
-from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_lost
+from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_given_up, why_lost
 from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
@@ -327,7 +327,8 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     events.sort(key=lambda e: (e.number, e.share))
     last = run.states[-1]
     if run.outcome is Outcome.GAVE_UP:
-        sentence = f"given up in stage {stage!r} at {words.percent(share)}: it takes more steps than are allowed"
+        assert run.failure is not None
+        sentence = f"given up in stage {stage!r} at {words.percent(share)}: {why_given_up(run.failure.kind)}"
     elif lost:
         assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None

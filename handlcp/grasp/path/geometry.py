@@ -15,13 +15,13 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.model.flexibility import Flexibility, kept
-from handlcp.grasp.model.kind import MANY, block_diagonal, cross_rows, shifted
+from handlcp.grasp.model.kind import MANY, block_diagonal, shifted
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.newton.numbers import Elastic
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 
-RIGID = 1e-6  # of the mean flexibility: what gives way by less is rigid
+RIGID = 1e-5  # of the mean flexibility: what gives way by less is rigid
 
 
 class Where(NamedTuple):
@@ -134,14 +134,15 @@ def length_of(positions: Array) -> float:
 
 
 def least_flexibility(spec: GraspSpec) -> float:
-    """[m/N] that whatever is rigid has while a path is followed: a millionth of what the fingers have."""
+    """[m/N] that whatever is rigid has while a path is followed: a hundred thousandth of what the fingers have."""
     m = 3 * spec.of_fingers
     return RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
 
 
 def supports(spec: GraspSpec) -> Array:
     """(3(n - k), 3(n - k)) flexibility of what supports the object beside k fingers. What is rigid gives way by a
-    millionth of what the fingers do: forces at several corners of something rigid are not determined, and would jump.
+    hundred thousandth of what the fingers do: forces at several corners of something rigid are not determined, and
+    would jump.
     """
     m = 3 * spec.of_fingers
     around = spec.flexibility[m:, m:].copy()
@@ -160,7 +161,7 @@ class FixedGeometry(Geometry):
 
     def __init__(self, spec: GraspSpec) -> None:
         n, mechanism, E = spec.n, spec.mechanism, kept(spec)
-        self.spec, self._arms = spec, spec.positions - spec.reference
+        self.spec = spec
         J, root = np.zeros((3 * n, 0)), np.zeros((0, 0))
         if mechanism is not None:
             J, root = mechanism.jacobian, mechanism.root
@@ -177,8 +178,15 @@ class FixedGeometry(Geometry):
         P[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
         J, turning, root = J.copy(), turning.copy(), np.array(root, dtype=float, order="C")
         self._elastic = Elastic(P, J, turning, root, np.zeros(nv) if weight is None else weight.copy())
-        self._positions, self._frames = spec.positions.copy(), spec.frames.copy()
+        self._frames, still, normals = spec.frames.copy(), np.zeros((0, 3, 6)), spec.frames[:, :, 2].copy()
+        self._touch = Touch(spec.positions.copy(), normals, np.zeros(n), spec.positions.copy(), still, still)
         self._moving = Moving(np.zeros((0, 6)), np.zeros((0, 0)), np.zeros((0, 0)))
+        # How contacts move along x, y and z and turn about z, by the pose and the joints
+        self._rates, axes = np.zeros((n, 4, 6 + nv)), spec.frames.transpose(0, 2, 1)
+        self._rates[:, :3, :3] = axes
+        self._rates[:, :3, 3:6] = np.cross((spec.positions - spec.reference)[:, None], axes)
+        self._rates[:, :3, 6:] = -J.reshape(n, 3, nv)
+        self._rates[:, 3, 3:6], self._rates[:, 3, 6:] = normals, -turning
         self.apart = np.zeros((n, 3))
         self.apart[:, 2] = np.maximum(spec.offset[:, 2], 0.0)
         self._radius = np.full(n, np.inf)
@@ -189,18 +197,12 @@ class FixedGeometry(Geometry):
         self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))
 
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:
-        spec, R = self.spec, self.spec.frames
-        u, omega = at.pose[:3], at.pose[3:]
-        moved = u + cross_rows(np.tile(omega, (len(self._arms), 1)), self._arms) - at.give
-        along = np.einsum("nji,nj->ni", R, moved) - (self._elastic.J @ at.q).reshape(-1, 3)
-        turned = R[:, :, 2] @ omega - self._elastic.turning @ at.q - at.turn
-        slips = np.column_stack([along[:, :2], turned])
-        gap = self.apart[:, 2] + along[:, 2]
-        still = np.zeros((0, 3, 6))
-        touch = Touch(self._positions, R[:, :, 2].copy(), gap, self._positions, still, still)
-        return Iterate(
-            at, touch, self._moving, self._frames, self._elastic, self._radius, spec.reference, self._arm, slips
-        )
+        moves = self._rates @ np.concatenate([at.pose, at.q])
+        moves[:, :3] -= np.einsum("nji,nj->ni", self._frames, at.give)
+        moves[:, 3] -= at.turn
+        touch, slips = self._touch._replace(gap=self.apart[:, 2] + moves[:, 2]), moves[:, [0, 1, 3]]
+        reference = self.spec.reference
+        return Iterate(at, touch, self._moving, self._frames, self._elastic, self._radius, reference, self._arm, slips)
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
         return self.spec.mechanism

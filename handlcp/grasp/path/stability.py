@@ -21,7 +21,7 @@ from handlcp.progress import tick
 # Pads are stiff and follow at once, but for one that buckles: where a contact comes to an edge its normal turns by
 # more than its pad can follow, and no step has an answer, however short. From there on pads are damped, too.
 
-REST, GONE, CREEPS, MOVES = "rest", "gone", "creeps", "moves"
+REST, GONE, CREEPS, MOVES, STUCK = "rest", "gone", "creeps", "moves", "stuck"
 _FIRST, _LEAST = 1.0, 1e-4  # h
 _ROUGH = 1e6  # times the tolerance of a static state: where it rests is looked for as closely as any state
 _STEP = 0.08  # of the contacts' distances: how far the object moves in one step
@@ -36,10 +36,11 @@ def flow(
     stepper: Stepper, state: State, controls: Controls, push: Array | None = None, most: float = np.inf
 ) -> tuple[State, str]:
     """The state in which the object comes to rest (REST), or the last before it leaves: no contact left, or it is far
-    away (GONE), or it neither rests nor goes on (CREEPS). push (6,) : a wrench besides, in the first steps. most : of
-    the contacts' distances; an object that has moved farther is not followed on (MOVES).
+    away (GONE), or it neither rests nor goes on (CREEPS). STUCK: forces balance the load there, but no static state is
+    found; of the object that says nothing. push (6,) : a wrench besides, in the first
+    steps. most : of the contacts' distances; an object that has moved farther is not followed on (MOVES).
     """
-    h, start, speed, buckles = _FIRST, state, 0.0, False
+    h, start, speed, off, buckles = _FIRST, state, 0.0, np.inf, False
     reach = (
         float(np.sqrt(((state.iterate.positions - state.iterate.reference) ** 2).sum(axis=1)).max()) / stepper.length
     )
@@ -70,7 +71,7 @@ def flow(
             if push is not None:  # longer steps would lead back to the state that it was pushed out of
                 return state, CREEPS
         h = min(2.0 * h, stepper.slow)
-    return state, CREEPS
+    return state, STUCK if off < _CALM else CREEPS
 
 
 # ----------------------------------------------------------------

@@ -213,7 +213,8 @@ class Failure(NamedTuple):
     """Why a path goes no further. kind : of a step, "no answer" (these fingers create no forces that balance the load),
     "runs away" (each iterate ends farther on than the one before), "too far" (the object moves farther than a step
     may), "leaps" (the step jumps over a snap); of a state, "unstable" (a small push grows), "loose" (no finger holds
-    the object); of a stage, "pushed out" (by the squeeze); "too many steps".
+    the object); of a stage, "pushed out" (by the squeeze); of a path, "too many steps", "stuck" (forces balance the
+    load, and no next state is found).
     """
 
     kind: str
@@ -222,7 +223,8 @@ class Failure(NamedTuple):
 class Outcome(Enum):
     """How a path ends: at the END of its program; at a LIMIT that was set, such as a joint's torque; LOST, no static
     state follows and the object leaves, or does not come to rest while it flows; UNBOUNDED, nothing ends it however
-    large the load; GAVE_UP, more steps than any path of use takes: never a limit.
+    large the load; GAVE_UP, more steps than any path of use takes, or none is found where forces balance the load:
+    never a limit.
     """
 
     END = "end"

@@ -17,10 +17,11 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
+from handlcp.grasp.path.newton.answer import Reached
 from handlcp.grasp.path.newton.by_contact import iteration_by_contact
-from handlcp.grasp.path.newton.iteration import Damping, Reached, Situation, one_iteration
+from handlcp.grasp.path.newton.iteration import one_iteration
 from handlcp.grasp.path.newton.linear_solve import Rules
-from handlcp.grasp.path.newton.numbers import Loads, Read, flexibility_of
+from handlcp.grasp.path.newton.numbers import Damping, Loads, Read, Situation, softness_of
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws
 from handlcp.grasp.solve.solve_spec import solve_spec
@@ -69,9 +70,9 @@ class Stepper:
         self.first = geometry.iterate(geometry.start, None)
         self.grasp = StepGrasp(spec, geometry, self.first, weight)
         self.laws = StepLaws(self.grasp, section, self.first)
-        E = flexibility_of(self.first.elastic).diagonal()
+        softness = softness_of(self.first.elastic)
         self.length = length_of(self.first.positions)
-        self.stiffness = 1.0 / float(E.mean()) if E.any() else 1.0
+        self.stiffness = 1.0 / float(softness.mean()) if softness.any() else 1.0
         self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
         laws = [c.friction for c in spec.contacts]
         self.friction = self.laws.limits
@@ -211,9 +212,9 @@ class Stepper:
 
     def _held_back(self, a: object, b: object, forces: Array) -> float:
         """The same of a quasi-static step from pose a to pose b, with these forces (n, 3) at its end."""
-        force = self._damper / self.slow * self.between(a, b)
-        size = math.sqrt(force[:3] @ force[:3] + (force[3:] @ force[3:]) / self.length**2)
-        return size / max(float(forces[:, 2].sum()), 1e-9 * self.stiffness * self.length)
+        x, y, z, p, q, r = (self._damper * self.between(a, b)).tolist()
+        size = math.sqrt(x * x + y * y + z * z + (p * p + q * q + r * r) / self.length**2)
+        return size / self.slow / max(float(forces[:, 2].sum()), 1e-9 * self.stiffness * self.length)
 
     def far(self, a: object, b: object) -> float:
         """How far the object has moved from pose a to b, as a share of the contacts' distances from their centre."""

@@ -32,7 +32,7 @@ from handlcp.grasp.model.kind import Placement, block_diagonal
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec, wrench_about
 from handlcp.grasp.path.geometry import Geometry, Iterate
-from handlcp.grasp.path.newton.iteration import Answer
+from handlcp.grasp.path.newton.answer import Answer
 from handlcp.grasp.path.newton.linear_solve import Giving
 from handlcp.grasp.path.newton.numbers import Laws, Loads, flexibility_of
 from handlcp.grasp.path.state import Controls

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Bools
 from handlcp.grasp.cause.judge import Limits, exceeded, limits_of, used
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.events import Event
@@ -53,32 +54,56 @@ def first_change(
     """The part of a step up to just behind the first change of a contact that held, and the state there; 1 and the
     step's end where none changes. at : the state at a part of the step.
     """
-    low, high, best = 0.0, 1.0, found
     if state.kinds == found.kinds:
-        return high, best
-    a, b = margins(stepper, state), margins(stepper, found)
-    rate: Array | None = None  # of margins, where the contact still holds
+        return 1.0, found
+    low, high = _Side(0.0, margins(stepper, state)), _Side(1.0, margins(stepper, found))
     for _ in range(_TRIES):
-        changed = (a > 0.0) & (b < 0.0) & np.isfinite(a)
-        if not changed.any() or high - low < _CLOSE:
+        changed = (low.margins > 0.0) & (high.margins < 0.0) & np.isfinite(low.margins)
+        if not changed.any() or high.part - low.part < _CLOSE:
             break
-        falls = (a[changed] - b[changed]) / (high - low) if rate is None else rate[changed]
-        ahead = a[changed] / np.where(falls > 0.0, falls, np.inf)
-        ahead = np.where(falls > 0.0, ahead, 0.5 * (high - low))
-        part = min(low + float(ahead.min()), high) + 0.2 * _CLOSE
-        if high - part < _CLOSE:
+        part = _crossing(low, high, changed) + 0.2 * _CLOSE
+        if high.part - part < _CLOSE:
             break
         middle = at(part)
         if isinstance(middle, Failure):
             break
         m = margins(stepper, middle)
-        if ((a > 0.0) & (m < 0.0) & np.isfinite(a)).any():
-            high, best, b = part, middle, m
+        if ((low.margins > 0.0) & (m < 0.0) & np.isfinite(low.margins)).any():
+            high, found = high.moved(part, m), middle
         else:
-            with np.errstate(invalid="ignore"):
-                rate = (a - m) / (part - low)
-            low, a = part, m
-    return high, best
+            low = low.moved(part, m)
+    return high.part, found
+
+
+class _Side(NamedTuple):
+    """Of the first change: a part of the step, margins there, and how fast they fall on this side of it, once two
+    parts on this side are known.
+    """
+
+    part: float
+    margins: Array
+    falls: Array | None = None
+
+    def moved(self, part: float, values: Array) -> _Side:
+        """To margins at another part."""
+        with np.errstate(invalid="ignore"):
+            return _Side(part, values, (self.margins - values) / (part - self.part))
+
+
+def _crossing(low: _Side, high: _Side, changed: Bools) -> float:
+    """The part at which the first of these margins is zero, if each side goes on as it did; on a chord where neither
+    side is known. Margins have a kink there: forces fall, then slips or gaps grow.
+    """
+    a, b, wide = low.margins[changed], high.margins[changed], high.part - low.part
+    least = high.part
+    for side, own in ((low, a), (high, b)):
+        if side.falls is not None:
+            falls = side.falls[changed]
+            there = side.part + own / np.where(falls > 0.0, falls, np.inf)
+            least = min(least, float(np.where(falls > 0.0, there, low.part + 0.5 * wide).min()))
+    if low.falls is None and high.falls is None:
+        least = low.part + wide * float((a / (a - b)).min())
+    return max(least, low.part)
 
 
 # ----------------------------------------------------------------
@@ -101,6 +126,12 @@ class Watch:
 
     def _between(self, a: State, b: State) -> Iterator[tuple[str, str]]:
         """(kind, who)."""
+        if a.kinds != b.kinds:
+            yield from self._contacts(a, b)
+        yield from self._joints(a, b)
+
+    def _contacts(self, a: State, b: State) -> Iterator[tuple[str, str]]:
+        """What contacts do."""
         gaps = a.read.motion[:, 2] if len(a.start) else a.loads.base[:, 2]
         for name, before, now, gap in zip(self.limits.names, a.kinds, b.kinds, gaps.tolist(), strict=True):
             if before == now:
@@ -111,7 +142,6 @@ class Watch:
                 yield "touches", name
             if now == "sliding" or (now == "sticking" and before == "sliding"):
                 yield "slips" if now == "sliding" else "sticks", name
-        yield from self._joints(a, b)
 
     def _joints(self, a: State, b: State) -> Iterator[tuple[str, str]]:
         """What joints do."""

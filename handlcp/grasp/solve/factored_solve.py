@@ -37,14 +37,36 @@ class Row(NamedTuple):
     matrix: Array
 
 
+class _Read(NamedTuple):
+    """What a row says. limits (n,) : of friction."""
+
+    given: Given
+    factor: Factor
+    limits: Array
+
+
+class Linear(NamedTuple):
+    """The rows of `contact_blocks` that are linear: P (n, 3, 3), W, R (3n, m), d (3n,), S (m, m), w (m,); SI, contact
+    axes.
+    """
+
+    P: Array
+    W: Array
+    R: Array
+    d: Array
+    S: Array
+    w: Array
+
+
 @kernel
 def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> bool:
     """Write the answer's row, as `solve_scenes` does; start as there. Returns whether it is an answer."""
     n = len(p.contacts)
-    g, factor, limits = _read(scene, n)
-    B, softness = _columns(factor)
+    read = _read(scene, n)
+    g = read.given
+    B, softness = _columns(read.factor)
     posed = placed(g, softness)
-    linked = _linked(g, factor.pads, B, posed, softness, limits, p)
+    linked = _linked(g, read.factor.pads, B, posed, softness, read.limits, p)
     r, z, begun = np.zeros(3 * n), np.zeros(scene.columns + 6), len(start) > 0
     if begun:
         x = np.zeros(p.at[4])
@@ -56,11 +78,11 @@ def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> boo
         return False
     for i in range(n):
         r[3 * i] = max(r[3 * i], 0.0)
-    return _write(row, p, g, factor, limits, posed, linked, r, z)
+    return _write(row, p, read, posed, linked, r, z)
 
 
 @kernel
-def _read(scene: Row, n: int) -> tuple[Given, Factor, Array]:
+def _read(scene: Row, n: int) -> _Read:
     """The arrays of a scene, as views of its row."""
     s, nv, m = scene.numbers, scene.joints, scene.columns
     a, b = 3 * n, 12 * n
@@ -73,7 +95,7 @@ def _read(scene: Row, n: int) -> tuple[Given, Factor, Array]:
         s[:a].reshape(n, 3), s[a:b].reshape(n, 3, 3), scene.matrix, s[b:c], s[:0], s[:0].reshape(3, 0),
         s[c : c + 3], s[c + 3 : c + 6], s[c + 6 : e].reshape(6, 6),
     )  # fmt: skip
-    return g, factor, s[h + 9 * n :]
+    return _Read(g, factor, s[h + 9 * n :])
 
 
 @kernel
@@ -107,23 +129,15 @@ def _linked(g: Given, pads: Array, B: Array, posed: Posed, softness: Array, limi
         S[j, j] = 1.0
     for k in range(6):
         w[m + k] = posed.wrench[k]
-    return in_natural_units(Linked(pads, W, W, g.offset, S, w, nothing(), _LEAST), posed, softness, limits, p)
+    return in_natural_units(Linear(pads, W, W, g.offset, S, w), posed, softness, limits, p, _LEAST)
 
 
 @kernel
-def nothing() -> Contacts:
-    """Stands for contacts until they are known."""
-    return Contacts(
-        np.empty((0, 0)), np.empty(0), np.empty(0, np.int64), np.empty(0), np.empty((0, 4), np.int64), np.empty(0), 0,
-        np.empty((0, 3)),
-    )  # fmt: skip
+def in_natural_units(si: Linear, posed: Posed, softness: Array, limits: Array, p: ScenePattern, least: float) -> Linked:
+    """The problem in natural units, each contact's normal first.
 
-
-@kernel
-def in_natural_units(si: Linked, posed: Posed, softness: Array, limits: Array, p: ScenePattern) -> Linked:
-    """The problem of arrays in SI, rows in contact axes, in natural units, each contact's normal first.
-
-    softness (3n,) : diagonal of the flexibility of all that gives way [m/N]. limits (n,) : of friction.
+    softness (3n,) : diagonal of the flexibility of all that gives way [m/N]. limits (n,) : of friction. least : as in
+    `Linked`.
     """
     n, size = len(si.P), len(si.w)
     m, units, largest = size - 6, posed.force / posed.motion, 0.0
@@ -158,7 +172,7 @@ def in_natural_units(si: Linked, posed: Posed, softness: Array, limits: Array, p
         for a in range(3):
             blocks[i, a] = 3 * i + a
     own_rows = Contacts(np.empty((0, 0)), np.empty(0), role, rho, blocks, limits.copy(), p.faces, p.normals)
-    return Linked(P, W, R, d, S, w, own_rows, si.least)
+    return Linked(P, W, R, d, S, w, own_rows, least)
 
 
 @kernel
@@ -178,11 +192,9 @@ def from_unknowns(x: Array, p: ScenePattern, linked: Linked, r: Array, z: Array)
 
 
 @kernel
-def _write(
-    row: Array, p: ScenePattern, g: Given, E: Factor, limits: Array, posed: Posed, linked: Linked, r: Array, z: Array
-) -> bool:
+def _write(row: Array, p: ScenePattern, read: _Read, posed: Posed, linked: Linked, r: Array, z: Array) -> bool:
     """Certify forces and motion, and write what they say into the row; returns whether they are an answer."""
-    n, m = len(p.contacts), len(z) - 6
+    n, m, g, limits = len(p.contacts), len(z) - 6, read.given, read.limits
     normal, count, tangent, u, _ = p.at
     forces, twist, friction = np.empty(3 * n), np.empty(6), Friction(limits, p.faces, p.normals)
     for i in range(n):
@@ -193,7 +205,7 @@ def _write(
     if len(g.flexibility) > 0:
         v, miss = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
     else:
-        moved = motions_of_factor(posed.grasp_matrix, E, g.offset, forces, twist)
+        moved = motions_of_factor(posed.grasp_matrix, read.factor, g.offset, forces, twist)
         v, miss = moved.v, examined(g, posed, p.contacts, friction, g.offset, forces, moved, GROWTH)
     row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = miss
     if not max(miss.balance, miss.normal, miss.cone, miss.slip) <= CERTIFY:

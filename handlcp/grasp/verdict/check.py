@@ -132,7 +132,7 @@ def _reasons(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
 ) -> Iterator[Reason]:
     if path.outcome is Outcome.GAVE_UP:
-        yield Reason("follow_stopped", "decides", "the loading was given up, after more steps than paths of use take")
+        yield Reason("follow_stopped", "decides", f"the loading was {path.why}")
         return
     if path.held:
         yield from reached_reasons(spec, scene, path)

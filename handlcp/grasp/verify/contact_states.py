@@ -15,7 +15,7 @@ from handlcp.grasp.verify.judge import Verdict, friction_of
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.modes.active_columns import new_active
 from handlcp.lcp.modes.fit import fit
-from handlcp.lcp.modes.generators import STUCK, Cones, reach, support
+from handlcp.lcp.modes.generators import STUCK, new_cones, reach, support
 from handlcp.tolerances import ACTIVE, CERTIFY
 
 # GLIDING pushes without friction, RESTING touches without pushing
@@ -133,7 +133,7 @@ def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces:
     of the friction sets; polyhedra are not known here.
     """
     n, dof = len(contacts), len(load)
-    columns, products = np.zeros((dof, n, 8)), np.zeros((n, 2, 4, 4))
+    columns = np.zeros((dof, n, 8))
     tangents, codes, corners = np.zeros(n, np.int64), np.full(n, STUCK), np.zeros((n, 3, 3))
     for i in range(n):
         for a in range(4):
@@ -143,11 +143,7 @@ def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces:
                     columns[k, i, a] = every[k, contacts[i, a]]
         if tangents[i] == 3 and faces > 2:
             return UNCLEAR
-        for a in range(4):
-            for b in range(4):
-                for k in range(dof):
-                    products[i, 0, a, b] += columns[k, i, a] * columns[k, i, b]
-    cones = Cones(columns, products, tangents, limits, faces if faces > 0 else _DISC)
+    cones = new_cones(columns, tangents, limits, faces if faces > 0 else _DISC)
     active = new_active(-load)
     left, _ = fit(cones, codes, corners, active)
     if left == 0.0:

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from handlcp.check import Array, array, number, per_name, read_only, yes_or_no
-from handlcp.errors import InputError
+from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import as_asked, fastened
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
@@ -211,7 +211,13 @@ class HandAsked:
         if obj is None:
             return given_by(self.state, self.target, self.friction, self.fingers)
         reach = self._reach if self.bare is None else np.inf  # those farther away were left out
-        return found_on(self.state, obj, self.friction, self.fingers, reach)
+        try:
+            return found_on(self.state, obj, self.friction, self.fingers, reach)
+        except NotReached as far:
+            if self.closing_torque is None:
+                raise
+            expected = f"fingertips within max_gap = {reach * 1e3:g} mm of the object; links= closes an open hand first"
+            raise NotReached("fingers", expected, far.gaps) from far
 
 
 def _weight_given(value: Any) -> bool | str:

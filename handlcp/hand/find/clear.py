@@ -15,6 +15,7 @@ from handlcp.errors import URDFError
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import balls_of, box_of
 from handlcp.hand.robot.link_surface import LinkSurface
 from handlcp.hand.robot.model import HandModel
 
@@ -51,15 +52,9 @@ def free_ranges(hand: HandModel) -> tuple[Array, Array]:
     return lower + spare, upper - spare
 
 
-def box_around(shape: Any) -> tuple[Array, Array]:
-    """(3,) and (3,) the lowest and the highest corner of a box around coal's shape, along its own axes [m]."""
-    shape.computeLocalAABB()  # coal keeps it with the shape
-    return np.array(shape.aabb_local.min_), np.array(shape.aabb_local.max_)
-
-
 def size_of_object(obj: Object) -> float:
     """Half of the object's mean width [m]."""
-    low, high = box_around(obj.geometry)
+    low, high = box_of(obj.geometry)
     return float(np.mean(high - low)) / 2
 
 
@@ -86,7 +81,7 @@ def _corners(shape: Any) -> Array:
     """(m, 3) corners of a convex shape, or of a box around it."""
     if hasattr(shape, "points"):
         return np.array(shape.points(), dtype=float)
-    low, high = box_around(shape)
+    low, high = box_of(shape)
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
 
 
@@ -129,7 +124,7 @@ class Links:
         balls = [_ball(link) for link in self._links]
         self._middles = np.array([middle for middle, _ in balls]).reshape(-1, 3)
         self._sizes = np.array([size for _, size in balls])
-        self._parts = [_balls(link) for link in self._links]
+        self._parts = [balls_of(link.parts) for link in self._links]
         every = [(i, j) for i, j in combinations(range(len(self._links)), 2) if self._apart(model, i, j)]
         at = hand.kinematics.frames_at(hand.neutral, self._frames)[0]
         self._pairs = np.array([pair for pair in every if not self._meet(at, *pair)], dtype=int).reshape(-1, 2)
@@ -202,13 +197,6 @@ def _ball(link: LinkSurface) -> tuple[Array, float]:
     points, radii = link.net
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return middle, float((np.linalg.norm(points - middle, axis=1) + radii).max()) + _DEPTH
-
-
-def _balls(link: LinkSurface) -> tuple[Array, Array]:
-    """Middles (m, 3) in the link's frame, and radii (m,), of balls that hold its parts [m]."""
-    boxes = [box_around(shape) for shape, _, _ in link.parts]
-    middles = [R @ (0.5 * (low + high)) + p for (low, high), (_, R, p) in zip(boxes, link.parts, strict=True)]
-    return np.array(middles), np.array([0.5 * float(np.linalg.norm(high - low)) for low, high in boxes])
 
 
 def _allowed(hand: HandModel, link: LinkSurface, tip: int | None) -> float:

@@ -22,11 +22,11 @@ from itertools import islice
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.hand.find.clear import Place, box_around, free_ranges
+from handlcp.hand.find.clear import Place, free_ranges
 from handlcp.hand.find.skin import Skin, rough_distances
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import evenly
+from handlcp.hand.objects.overlap import box_of, evenly
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.sites.sited import placed
@@ -76,8 +76,8 @@ def laid(hand: HandModel, obj: Object, friction: float, seed: int, clear: Callab
     qs = np.where(bent, middle.opened + _BENT * 2.0 * u[:, 8:] * (middle.shut - middle.opened), qs)
     qs = np.where(hand.moves.all(axis=0), middle.rest, qs)  # a wrist
     rotations, ways, aims = middle.drawn(u, home)
-    centre = 0.5 * np.sum(box_around(home.geometry), axis=0)
-    reach = float(np.linalg.norm(np.ptp(box_around(home.geometry), axis=0)))
+    centre = 0.5 * np.sum(box_of(home.geometry), axis=0)
+    reach = float(np.linalg.norm(np.ptp(box_of(home.geometry), axis=0)))
     starts = aims + ways * (reach + middle.size)
     positions = starts - rotations @ centre
     positions, resting = _come(skin, qs, home, (rotations, positions, ways), reach + middle.size)
@@ -165,7 +165,7 @@ class _Middle:
         aside = np.cross(ways, along)
         x = np.cos(turn)[:, None] * along + np.sin(turn)[:, None] * aside
         hand_axes = np.stack([x, np.cross(ways, x), ways], axis=2)
-        low, high = box_around(home.geometry)
+        low, high = box_of(home.geometry)
         longest, shortest = np.argsort(-(high - low), kind="stable")[[0, 2]]
         # The longest edge along the axes of bending. Every other placement lies on the widest side, the rest on edge.
         sides = [_axes_with(int(longest), int(shortest)), _axes_with(int(longest), 3 - int(longest) - int(shortest))]

@@ -13,11 +13,12 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.find.candidate import Candidate, candidate_of, checked
-from handlcp.hand.find.clear import Links, Place, box_around, end_of, free_ranges, size_of_object
+from handlcp.hand.find.clear import Links, Place, end_of, free_ranges, size_of_object
 from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import box_of
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.state import HandState
 from handlcp.progress import tick
@@ -54,7 +55,7 @@ def guesses(hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, k
     weights /= weights.sum(axis=1, keepdims=True)
     centres = np.einsum("ki,kix->kx", weights, points)
     rotations = _laid(points - centres[:, None], weights, rest)
-    middle = 0.5 * np.sum(box_around(obj.geometry), axis=0)
+    middle = 0.5 * np.sum(box_of(obj.geometry), axis=0)
     local = np.einsum("kix,kxy->kiy", every - centres[:, None], rotations) + middle
     gaps = distances(local.reshape(-1, 3), obj).reshape(SAMPLES, -1)
     inside = np.minimum(gaps[:, count:] - _OUTSIDE, 0.0)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.hand.find.clear import box_around
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import box_of
 from handlcp.hand.objects.shapes import Mesh
 from handlcp.hand.robot.link_surface import planes, surface_points
 from handlcp.hand.robot.model import HandModel
@@ -82,7 +82,7 @@ def rough_distances(obj: Object) -> Measure:
     if not isinstance(obj, Mesh):
         return lambda x: distances(x.reshape(-1, 3), obj).reshape(x.shape[:-1])
     parts = [_beyond_faces(part) for part in obj.parts]
-    return parts[0] if len(parts) == 1 else _on_grid(parts, *box_around(obj.geometry))
+    return parts[0] if len(parts) == 1 else _on_grid(parts, *box_of(obj.geometry))
 
 
 def _beyond_faces(hull: Any) -> Measure:

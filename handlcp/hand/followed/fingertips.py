@@ -7,14 +7,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
-from handlcp.hand.objects.detect import Proximity, nearest, nearest_beside
+from handlcp.hand.followed.detected import Detected
 from handlcp.hand.objects.object import Object, on_surface, put_contact
 from handlcp.hand.objects.swept import nearest_station, station_moves
 from handlcp.lcp.kernels.dense import kernel, product
@@ -155,8 +153,6 @@ def moved_along(turn: Array, shift: Array, N: Array, normal: Array, distance: fl
 
 # ----------------------------------------------------------------
 
-_STEP = 2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less
-
 
 class Find(Protocol):
     """Contacts of the first k of n fingertips. noise : of what is found, as a share of the object's size."""
@@ -180,7 +176,7 @@ def finger_contacts(spec: GraspSpec, mechanism: Any) -> Find:
     shapes = [hand.tip_shapes(i) for i in mechanism.tips]
     if obj.known is not None and all(len(s) == 1 and s[0].swept is not None for s in shapes):
         return Balls(obj, [s[0].swept for s in shapes])
-    return _Detected(obj, shapes)
+    return Detected(obj, shapes)
 
 
 class Balls:
@@ -200,73 +196,6 @@ class Balls:
     ) -> None:
         """See `Find`."""
         ball_contacts(self.kind, self.sizes, R @ self.own, R @ self.at + t, places, turns, self.swept, *out)
-
-
-class _Seen(NamedTuple):
-    """A fingertip that was detected: where it stood, its contact, and how that turns and shifts (3, 6)."""
-
-    at: Array
-    own: Array
-    near: Proximity
-    turn: Array
-    shift: Array
-
-
-class _Detected:
-    """Shapes that are detected, in the axes of the object where it was at the start: fingertips are moved back instead
-    of the object. How contacts turn and shift follows from differences. A fingertip that has moved by less than their
-    steps since it was detected takes its contact along as they say: where an edge lies along the object, detection
-    finds one of its ends or the other, and no step would converge.
-    """
-
-    noise = 1e-8
-
-    def __init__(self, obj: Object, shapes: list[Any]) -> None:
-        self.obj, self.shapes = obj, shapes
-        self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
-        self.size = self.step / _STEP
-        self.known = dict[int, _Seen]()
-
-    def __call__(
-        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
-    ) -> None:
-        """See `Find`."""
-        positions, normals, gaps, turn, shift = out
-        for i, tip in enumerate(self.shapes):
-            at, own = R.T @ (places[i] - t), R.T @ turns[i]
-            known = self.known.get(i)
-            if known is None or self._far(at, own, known) > self.step:
-                near = nearest(tip, at, own, self.obj)
-                known = self.known[i] = _Seen(at, own, near, *self._differences(tip, at, own, near))
-            by, near = np.concatenate([at - known.at, pin.log3(own @ known.own.T)]), known.near
-            normal, arm = near.normal + known.turn @ by, near.position - known.at
-            positions[i], normals[i] = R @ (near.position + known.shift @ by) + t, R @ (normal / np.linalg.norm(normal))
-            gaps[i] = near.gap - near.normal @ (by[:3] + np.cross(by[3:], arm))
-            for rows, of in ((turn, known.turn), (shift, known.shift)):
-                rows[i, :, :3], rows[i, :, 3:] = R @ of[:, :3] @ R.T, R @ of[:, 3:] @ R.T
-
-    def _far(self, at: Array, own: Array, known: _Seen) -> float:
-        """How far a fingertip has moved [m]."""
-        return float(np.linalg.norm(at - known.at) + self.size * np.linalg.norm(own - known.own))
-
-    def _differences(self, tip: Any, at: Array, own: Array, near: Proximity) -> tuple[Array, Array]:
-        """Turn and shift (3, 6), in the object's axes, of a fingertip that is so near where it is."""
-        turn, shift = np.empty((3, 6)), np.empty((3, 6))
-        for a in range(6):
-            step = self.step / (1.0 if a < 3 else self.size)
-            by = np.zeros(3)
-            by[a % 3] = step
-            some, other = (self._moved(tip, at, own, near, by * sign, a >= 3) for sign in (1.0, -1.0))
-            turn[:, a] = (some.normal - other.normal) / (2.0 * step)
-            shift[:, a] = (some.position - other.position) / (2.0 * step)
-        return turn, shift
-
-    def _moved(self, tip: Any, at: Array, own: Array, near: Proximity, by: Array, turns: bool) -> Proximity:
-        moved = cross_rows(by, near.tip_point - at) if turns else by
-        at, own = (at, pin.exp3(by) @ own) if turns else (at + by, own)
-        if len(tip) > 1:
-            return nearest(tip, at, own, self.obj)
-        return nearest_beside(tip[0], at, own, self.obj, near.gap - float(near.normal @ moved), self.step)
 
 
 class _Given:

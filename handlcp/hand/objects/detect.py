@@ -5,8 +5,9 @@ Those of spherical fingertips are closed forms of the object; those of others ar
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import coal
@@ -155,6 +156,7 @@ class _Pair:
 # ----------------------------------------------------------------
 
 _UNTURNED = np.eye(3)  # for balls, whose rotation does not matter
+_box = lru_cache(maxsize=1024)(box_of)  # of the parts of what is held: asked for at every distance
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,28 +227,35 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
     elif obj.triangles is not None and not available():
         expected = "spherical fingertips for an object that is not convex (or its convex parts: handlcp[convex])"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
-    names = f"{shape.name} ({type(shape.geometry).__name__})", obj
-    found: Distance | None = None
-    for part, least in _nearest_first(shape.geometry, p, obj):
-        if found is not None and found[0] < least:
-            break
-        one = distance(shape.geometry, (R, p), part, obj.frame, names)
-        found = one if found is None or one[0] < found[0] else found
-    assert found is not None  # an object has a part
-    gap, on_tip, on_object, normal = found
-    return Proximity(gap, on_object, on_tip, normal)
+    names, parts = (f"{shape.name} ({type(shape.geometry).__name__})", obj), obj.parts
+
+    def measured(k: int) -> Proximity:
+        gap, on_tip, on_object, normal = distance(shape.geometry, (R, p), parts[k], obj.frame, names)
+        return Proximity(gap, on_object, on_tip, normal)
+
+    return measured(0) if len(parts) == 1 else nearest_of(_least(shape.geometry, p, obj), measured)
 
 
-def _nearest_first(geometry: Any, p: Array, obj: Object) -> Iterable[tuple[Any, float]]:
-    """The object's parts, and how near each is at least to a shape at p (3,) [m], by a ball and a box around them."""
-    parts = obj.parts
-    if len(parts) == 1:
-        return ((parts[0], -np.inf),)
-    (R, o), low, high = obj.frame, *np.array([box_of(part) for part in parts]).transpose(1, 0, 2)
+def _least(geometry: Any, p: Array, obj: Object) -> Array:
+    """How near the object's parts are at least to a shape at p (3,) [m], by a ball and boxes around them."""
+    (R, o), low, high = obj.frame, *np.array([_box(part) for part in obj.parts]).transpose(1, 0, 2)
     x = (p - o) @ R
     away = np.maximum(np.maximum(low - x, x - high), 0.0)
-    least = np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * size_of(geometry)
-    return [(parts[k], float(least[k])) for k in np.argsort(least, kind="stable")]
+    return np.asarray(np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * size_of(geometry))
+
+
+def nearest_of(least: Array, measured: Callable[[int], Proximity]) -> Proximity:
+    """The nearest of m things; least (m,) : how near each is at least [m]. They are measured in that order, as long as
+    the next could be nearer than what was found.
+    """
+    found: Proximity | None = None
+    for k in np.argsort(least, kind="stable").tolist():
+        if found is not None and found.gap < least[k]:
+            break
+        one = measured(k)
+        found = one if found is None or one.gap < found.gap else found
+    assert found is not None  # there is one at least
+    return found
 
 
 def _contacts(positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]) -> tuple[Contact, ...]:

@@ -16,14 +16,14 @@ here with all points kept and the nearest one by non-negative least squares).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import coal
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.robot.link_surface import planes
 
@@ -92,16 +92,29 @@ def beyond(geometry: Any, x: Array) -> float:
 
 
 @lru_cache(maxsize=1024)  # shapes of a hand and of what it holds: they are asked for at every distance
-def box_of(geometry: Any) -> tuple[Array, Array]:
-    """(3,) and (3,) the lowest and the highest corner of the box that holds the shape, along its own axes [m]."""
-    return read_only(np.diag(support(geometry, -np.eye(3)))), read_only(np.diag(support(geometry, np.eye(3))))
-
-
-@lru_cache(maxsize=1024)
 def size_of(geometry: Any) -> float:
     """A length of the shape [m]: the largest distance of its surface from the origin of its axes, along an axis."""
     axes = np.concatenate([np.eye(3), -np.eye(3)])
     return float(abs(support(geometry, axes)).max())
+
+
+# ----------------------------------------------------------------
+# Boxes and balls that hold coal's shapes, whether they are convex or not.
+
+
+def box_of(geometry: Any) -> tuple[Array, Array]:
+    """(3,) and (3,) the lowest and the highest corner of the box that holds the shape, along its own axes [m]."""
+    geometry.computeLocalAABB()  # coal keeps it with the shape
+    return np.array(geometry.aabb_local.min_), np.array(geometry.aabb_local.max_)
+
+
+def balls_of(placed: Sequence[tuple[Any, Array, Array]]) -> tuple[Array, Array]:
+    """Middles (m, 3) and radii (m,) of balls that hold m shapes [m]; placed : each shape, and its rotation (3, 3) and
+    position (3,) [m] in the axes in which the middles are said.
+    """
+    boxes = [box_of(shape) for shape, _, _ in placed]
+    middles = [R @ (0.5 * (low + high)) + p for (low, high), (_, R, p) in zip(boxes, placed, strict=True)]
+    return np.array(middles), np.array([0.5 * float(np.linalg.norm(high - low)) for low, high in boxes])
 
 
 # ----------------------------------------------------------------

@@ -15,19 +15,15 @@ from dataclasses import replace
 
 import coal
 import numpy as np
-import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.grasp.model.contact import frame as axes_of
-from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.flat import SPREAD, TILT, corners, tilted
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.overlap import size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
 
-_TILT = 2e-3  # [rad]
-_SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
-# Along no axis of a contact: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
-_WAYS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
 _INSET, _SHARE = 5e-4, 0.05  # [m], of the patch's size: how far inside its rim points lie, which its edge may leave
 _TINY = 1e-4  # [m] radius of the ball that stands for a corner, and of edges
 
@@ -43,16 +39,16 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
         return ((shape, near.gap),)
     normal = near.normal
     x, y, _ = axes_of(normal).T
-    points = np.array([_tilted(shape, p, R, obj, near, a * x + b * y) for a, b in _WAYS])
+    points, _ = tilted((shape,), p, R, obj, near)
     flat = np.stack([(points - near.tip_point) @ x, (points - near.tip_point) @ y], axis=1)
     middle = flat.mean(axis=0)
     V = np.linalg.svd(flat - middle)[2]
     along = (flat - middle) @ V.T
     length = np.ptp(along, axis=0)
-    if length[0] <= _SPREAD:
+    if length[0] <= SPREAD:
         return ((_at_point(shape, R.T @ (near.tip_point - p), R.T @ normal), near.gap),)
     ends = [int(along[:, 0].argmin()), int(along[:, 0].argmax())]
-    chosen = ends if length[1] <= _SPREAD else _corners(along)
+    chosen = ends if length[1] <= SPREAD else corners(along)
     centre, found = points[chosen].mean(axis=0), []
     for k in chosen:
         inward = centre - points[k]
@@ -60,29 +56,10 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
         point = points[k] + inward * min(_INSET / size, _SHARE)
         point = point + normal * (normal @ (near.tip_point - point))
         local, n = R.T @ (point - p), R.T @ normal
-        across = np.cross(n, R.T @ (inward / size)) if length[1] <= _SPREAD else None
+        across = np.cross(n, R.T @ (inward / size)) if length[1] <= SPREAD else None
         made = _stands(shape, local, n, across)
         found.append((made, nearest((made,), p, R, obj).gap))
     return tuple(found)
-
-
-def _tilted(shape: TipShape, p: Array, R: Array, obj: Object, near: Proximity, way: Array) -> Array:
-    """(3,) the point of the shape, where it is, that is nearest when it is tilted toward a tangent `way` (3,)."""
-    turn = pin.exp3(_TILT * np.cross(near.normal, way))
-    lifted = near.tip_point - near.normal * 2.0 * _TILT * size_of(shape.geometry)
-    there = nearest((shape,), lifted + turn @ (p - near.tip_point), turn @ R, obj)
-    return np.asarray(near.tip_point + turn.T @ (there.tip_point - lifted))
-
-
-def _corners(flat: Array) -> list[int]:
-    """Numbers of up to four of points (m, 2) that span what all do, the farthest from those before first."""
-    chosen = [int(np.linalg.norm(flat, axis=1).argmax())]
-    while len(chosen) < 4:
-        away = np.linalg.norm(flat[:, None] - flat[chosen], axis=2).min(axis=1)
-        if away.max() <= _SPREAD:
-            break
-        chosen.append(int(away.argmax()))
-    return chosen
 
 
 # ----------------------------------------------------------------
@@ -93,10 +70,10 @@ def _at_point(shape: TipShape, point: Array, normal: Array) -> TipShape:
     """What touches at a point alone (3,), where the object is along the normal (3,), both in the shape's frame."""
     geometry, Q = shape.geometry, shape.rotation
     x, n = Q.T @ (point - shape.translation), Q.T @ normal
-    if isinstance(geometry, coal.Capsule):
-        half = float(geometry.halfLength)
-        return replace(shape, face=_swept(shape, np.zeros(3), np.array([[0, 0, half], [0, 0, 0]]), geometry.radius))
-    if isinstance(geometry, coal.Cylinder) and abs(n[2]) < _TILT and abs(x[2]) < geometry.halfLength - _SPREAD:
+    round_side = isinstance(geometry, coal.Capsule) or (
+        isinstance(geometry, coal.Cylinder) and abs(n[2]) < TILT and abs(x[2]) < geometry.halfLength - SPREAD
+    )
+    if round_side:
         half = float(geometry.halfLength)
         return replace(shape, face=_swept(shape, np.zeros(3), np.array([[0, 0, half], [0, 0, 0]]), geometry.radius))
     if isinstance(geometry, coal.Box):
@@ -123,10 +100,10 @@ def _stands(shape: TipShape, point: Array, normal: Array, across: Array | None) 
     ends = np.zeros(2)
     if across is not None:
         local = shape.rotation.T
-        ways = np.stack([normal + side * _TILT * across for side in (-1.0, 1.0)]) @ local.T
+        ways = np.stack([normal + side * TILT * across for side in (-1.0, 1.0)]) @ local.T
         ends = (support(shape.geometry, ways) - local @ (point - shape.translation)) @ (local @ across)
-        if np.ptp(ends) <= _SPREAD:  # curved
-            radius, ends = max(_TINY, float(np.ptp(ends)) / (2.0 * _TILT)), np.zeros(2)
+        if np.ptp(ends) <= SPREAD:  # curved
+            radius, ends = max(_TINY, float(np.ptp(ends)) / (2.0 * TILT)), np.zeros(2)
     radius = min(radius, size_of(shape.geometry))
     centre = point - radius * normal + (0.0 if across is None else 0.5 * ends.sum() * across)
     half = 0.5 * float(np.ptp(ends))

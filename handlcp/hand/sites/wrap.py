@@ -19,11 +19,11 @@ import numpy as np
 
 from handlcp.check import Array, Bools, number, per_name, read_only
 from handlcp.errors import InputError, NotReached
-from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.detect import Proximity, nearest, nearest_of
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import size_of
+from handlcp.hand.objects.overlap import balls_of, size_of
 from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.kinematics import contact_jacobian
 from handlcp.hand.robot.model import HandModel
@@ -117,12 +117,6 @@ def bending(hand: HandModel, q: Array, obj: Object) -> Array:
     return speed
 
 
-def _balls(link: Toucher) -> tuple[Array, Array]:
-    """Middles (m, 3) in the link's frame and radii (m,) of balls that hold its shapes [m]."""
-    radii = [np.sqrt(3.0) * size_of(shape.geometry) for shape in link.shapes]
-    return np.array([shape.translation for shape in link.shapes]), np.array(radii)
-
-
 def _toward(obj: Object, p: Array) -> Array:
     """(3,) direction from a point to the object's middle."""
     way = obj.center_of_mass - p
@@ -148,8 +142,11 @@ class _Closing:
         self.hand, self.links, self.obj, self.q, self.speed, self.time = hand, links, obj, q.copy(), speed.copy(), 0.0
         self.until = until
         self.moves: Bools = hand.kinematics.moved_by(np.array([t.support[0] for t in links]))
-        self.balls = [_balls(t) for t in links]
-        self.sizes = [float((np.linalg.norm(middles, axis=1) + radii).max()) for middles, radii in self.balls]
+        self.balls = [balls_of([(s.geometry, s.rotation, s.translation) for s in t.shapes]) for t in links]
+        self.sizes = [  # how far each link reaches from its frame, at most [m]
+            max(float(np.linalg.norm(s.translation) + np.sqrt(3.0) * size_of(s.geometry)) for s in t.shapes)
+            for t in links
+        ]
         C = hand.kinematics.coupling
         self.coupling = np.empty((0, 0)) if C is None else np.array(C)
 
@@ -202,23 +199,14 @@ class _Closing:
         return R, p
 
     def _near(self, k: int, R: Array, p: Array) -> Proximity:
-        """Where a link is nearest. Its shapes are measured in the order of balls around them, as long as these come
-        nearer than what was found.
-        """
+        """Where a link is nearest; of several shapes by balls around them."""
         shapes = self.links[k].shapes
         if len(shapes) == 1:
             return nearest(shapes, p, R, self.obj)
         (middles, radii), (Q, o) = self.balls[k], self.obj.frame
         away = distances((middles @ R.T + p - o) @ Q, self.obj)
         least = np.where(away > 0.0, away - radii, -np.inf)
-        found: Proximity | None = None
-        for i in np.argsort(least, kind="stable").tolist():
-            if found is not None and found.gap < least[i]:
-                break
-            near = nearest(shapes[i : i + 1], p, R, self.obj)
-            found = near if found is None or near.gap < found.gap else found
-        assert found is not None  # a link has a shape
-        return found
+        return nearest_of(least, lambda i: nearest(shapes[i : i + 1], p, R, self.obj))
 
     def _look(self, k: int) -> _Look:
         """See there; a link that no joint moves now could touch never."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.lcp.modes.generators import SLIDES, STUCK, Cones
+from handlcp.lcp.modes.generators import SLIDES, STUCK, Cones, new_cones
 from handlcp.tolerances import RANK
 
 
@@ -71,7 +71,7 @@ def reduced(w: Whole, codes: Ints) -> Reduced:
                 A[place[w.row[i, q]], f + 5 + 8 * i + q] = -1.0
     taken, rank = _reflect(A, f)
     columns = A[rank:, f + 1 :].copy()
-    cones = Cones(columns.reshape(len(columns), n, 8), _products(columns, w.tangents), w.tangents, w.limits, w.faces)
+    cones = new_cones(columns.reshape(len(columns), n, 8), w.tangents, w.limits, w.faces)
     return Reduced(cones, -A[rank:, f].copy(), A[:rank].copy(), taken[:rank].copy())
 
 
@@ -112,22 +112,6 @@ def _reflect(A: Array, f: int) -> tuple[Ints, int]:
         taken[rank] = best
         rank += 1
     return taken, rank
-
-
-@kernel
-def _products(columns: Array, tangents: Ints) -> Array:
-    """(n, 2, 4, 4) of the columns (R, 8n) of each contact's force, and of its motion, with each other."""
-    n = len(tangents)
-    out = np.zeros((n, 2, 4, 4))
-    for row in columns:
-        for i in range(n):
-            for k in range(2):
-                for p in range(1 + tangents[i]):
-                    x = row[8 * i + 4 * k + p]
-                    if x != 0.0:
-                        for q in range(1 + tangents[i]):
-                            out[i, k, p, q] += x * row[8 * i + 4 * k + q]
-    return out
 
 
 @kernel

@@ -159,7 +159,8 @@ def proves_none(c: Cones, codes: Ints, corners: Array, rest: Array, b: Array, mo
         size += rest[j] * rest[j]
     for i in range(len(codes)):
         force, motion = support(c, i, codes[i], corners[i], along[i], of)
-        # Slips are sums of two generators at a right angle, or of three: twice their length at most
+        # Slips are sums of two generators at 120° at most, or of three at right angles: these are in all at most twice
+        # as long as the slip
         loss += max(force, 0.0) * most[i, 0] + 2.0 * max(motion, 0.0) * most[i, 1]
     return bool(gain > 2.0 * (loss + slack * np.sqrt(size)))
 

@@ -1,10 +1,13 @@
 """What a contact may do in each mode, as cones: nonnegative multiples of generators of its force and of its motion.
 
-    open     motion: the gap up, slip in any direction
+    open     motion: the gap up
     stuck    force: its whole friction cone
     slides   force: what encloses a patch of the cone's surface; slip: the cone of directions against that patch
-    touches  force: its whole friction cone; slip in any direction, no gap: stuck and slides together
+    touches  force: its whole friction cone: stuck and slides together
     any      open and stuck together, which encloses every mode
+
+Contacts that are open, touch or may do anything also slip as they will. `equations` leaves the rows of these slips out,
+so there are no generators of them.
 
 A patch is an end of the interval; a run of neighbouring faces and vertices of the polygon; an arc of the disc between
 two unit vectors; a triangle of the ball between three. On disc and ball the corners n_a, the points where the tangents
@@ -42,6 +45,23 @@ class Cones(NamedTuple):
     tangents: Ints
     limits: Array
     faces: int
+
+
+@kernel
+def new_cones(columns: Array, tangents: Ints, limits: Array, faces: int) -> Cones:
+    """With the products of the columns (R, n, 8)."""
+    R, n = columns.shape[:2]
+    products = np.zeros((n, 2, 4, 4))
+    for j in range(R):
+        for i in range(n):
+            row = columns[j, i]
+            for k in range(2):
+                for p in range(1 + tangents[i]):
+                    x = row[4 * k + p]
+                    if x != 0.0:
+                        for q in range(1 + tangents[i]):
+                            products[i, k, p, q] += x * row[4 * k + q]
+    return Cones(columns, products, tangents, limits, faces)
 
 
 @kernel
@@ -134,14 +154,8 @@ def support(c: Cones, i: int, code: int, corners: Array, along: Array, of: Array
     force, motion = -np.inf, -np.inf
     if code != OPEN:
         force = _in_cone(d, mu, c.faces, along[0], of[0])
-    if code != STUCK:  # any slip will do: the gap, or a tangent, whichever says more
-        at, motion = 0, along[1, 0]
-        if code == TOUCHES:
-            at, motion = 1, -np.inf
-        for a in range(1, 1 + d):
-            if abs(along[1, a]) > motion:
-                at, motion = a, abs(along[1, a])
-        of[1, at] = 1.0 if along[1, at] > 0.0 or at == 0 else -1.0
+    if code in (OPEN, ANY):
+        of[1, 0], motion = 1.0, along[1, 0]
     return force, motion
 
 

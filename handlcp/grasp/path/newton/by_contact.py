@@ -20,37 +20,30 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp.model.grasp_matrix import Given, Posed, placed, wrench_map
-from handlcp.grasp.path.newton.iteration import (
-    Found,
-    Situation,
-    begun_from,
-    carried,
-    loaded,
-    middle,
-    put,
-    told,
-    written,
-)
-from handlcp.grasp.path.newton.linear_solve import ANY, Rules, accepted
+from handlcp.grasp.path.newton.answer import Found, put, written
+from handlcp.grasp.path.newton.iteration import begun_from, carried, loaded, middle, told
+from handlcp.grasp.path.newton.linear_solve import ANY, Rules, accepted, kinds_in_step
+from handlcp.grasp.path.newton.numbers import Laws, Situation
 from handlcp.grasp.path.newton.tangent import Turned, turned_forces
 from handlcp.grasp.solve.compiled_solve import begin
-from handlcp.grasp.solve.factored_solve import from_unknowns, in_natural_units, nothing
+from handlcp.grasp.solve.factored_solve import Linear, from_unknowns, in_natural_units
 from handlcp.grasp.verify.contact_laws import Friction, Moved, examined
-from handlcp.grasp.verify.contact_states import find_states
 from handlcp.lcp.kernels.block_run import solved_blocks
-from handlcp.lcp.kernels.contact_blocks import Linked, met_blocks
+from handlcp.lcp.kernels.contact_blocks import met_blocks
 from handlcp.lcp.kernels.dense import kernel, product, solve_wide
-from handlcp.tolerances import ACTIVE, SOLVE
+from handlcp.tolerances import SOLVE
 
 
 class _Pads(NamedTuple):
-    """Q (n, 3, 3), what a pad gives way by at first, D ŝ' (3n,), and the changes of shared rows by the pads (T; A)_s
-    (nv + 6, 3n), columns as the pads.
+    """What pads do by themselves: Q (n, 3, 3); D ŝ' (3n,); Q F (3n, 6 + nv) by u and δq, and (T; A)_s (nv + 6, 3n), the
+    changes of shared rows, both empty where contacts stay. found : whether that is determined.
     """
 
     Q: Array
     give: Array
+    follow: Array
     back: Array
+    found: bool
 
 
 class _Shared(NamedTuple):
@@ -65,6 +58,18 @@ class _Shared(NamedTuple):
     A: Array
 
 
+class _Tangent(NamedTuple):
+    """All that an iterate is to first order. What the load is about the contacts' centre is still missing from the w of
+    linear. softness (3n,) : diagonal of what gives way.
+    """
+
+    turned: Turned
+    pads: _Pads
+    shared: _Shared
+    linear: Linear
+    softness: Array
+
+
 @kernel
 def iteration_by_contact(
     s: Situation, rules: Rules, start: Array, begun: bool, seed: int, near: float, row: Array
@@ -72,27 +77,19 @@ def iteration_by_contact(
     """As `one_iteration`, for contacts whose pads do not depend on each other, without moments, planes, effects and
     limits that give way. seed is not used: nothing here is random.
     """
-    laws, p = rules.laws, rules.pattern
-    n3, nv, centre = len(s.elastic.J), s.elastic.J.shape[1], middle(s.touch.positions)
+    laws, p, centre = rules.laws, rules.pattern, middle(s.touch.positions)
     r = begun_from(start, laws)
-    turned = Turned(np.zeros((6, 0)), np.zeros((nv, 0)), np.zeros((0, 0)))
-    if len(s.touch.turn) > 0:
-        turned = turned_forces(s.touch, s.frames, s.moving, centre, r.reshape(-1, 3), np.zeros(n3 // 3))
-    pads = _Pads(np.empty((n3 // 3, 3, 3)), np.empty(n3), np.empty((nv + 6, n3)))
-    if not _alone(s, turned, pads):
+    t = _tangent(s, laws, r, centre)
+    if not t.pads.found:
         return
-    shared = _shared(s, turned, pads, told(s.elastic, s.loads, laws))
-    si, softness = _problem(s, turned, pads, shared, centre)
     force, moment = loaded(s.loads)
-    none = np.zeros(0)
-    g = Given(
-        s.touch.positions, s.frames, np.zeros((0, 0)), si.d, none, np.zeros((3, 0)), force, moment, laws.freedom
-    )  # fmt: skip
-    posed = placed(g, softness)
-    m = len(si.w) - 6
+    none, no_matrix, no_spin = np.zeros(0), np.zeros((0, 0)), np.zeros((3, 0))
+    g = Given(s.touch.positions, s.frames, no_matrix, t.linear.d, none, no_spin, force, moment, laws.freedom)
+    posed = placed(g, t.softness)
+    m = len(t.linear.w) - 6
     for k in range(6):
-        si.w[m + k] += posed.wrench[k]
-    problem = in_natural_units(si, posed, softness, rules.limits, p)
+        t.linear.w[m + k] += posed.wrench[k]
+    problem = in_natural_units(t.linear, posed, t.softness, rules.limits, p, 0.0)
     z, warm = np.zeros(m + 6), begun and len(start) > 0
     r[:] = 0.0
     if warm:
@@ -102,7 +99,7 @@ def iteration_by_contact(
     _, residual = solved_blocks(problem, r, z, warm)
     if not residual <= SOLVE:
         return
-    good, found = _answered(s, rules, turned, pads, shared, si, softness, g, posed, r, z, residual)
+    good, found = _answered(s, rules, t, g, posed, r, z, residual)
     if not good:
         return
     written(s, laws, centre, found, row)
@@ -113,13 +110,28 @@ def iteration_by_contact(
 
 
 @kernel
-def _alone(s: Situation, turned: Turned, pads: _Pads) -> bool:
-    """Write what pads do by themselves; returns whether it is determined."""
-    el, n, nv = s.elastic, len(s.frames), s.elastic.J.shape[1]
-    first = 6 + nv
-    if len(turned.force) > 0:
+def _tangent(s: Situation, laws: Laws, r: Array, centre: Array) -> _Tangent:
+    """About an iterate, whose forces are r (3n,)."""
+    n, nv = len(s.frames), s.elastic.J.shape[1]
+    turned = Turned(np.zeros((6, 0)), np.zeros((nv, 0)), np.zeros((0, 0)))
+    if len(s.touch.turn) > 0:
+        turned = turned_forces(s.touch, s.frames, s.moving, centre, r.reshape(-1, 3), np.zeros(n))
+    pads = _alone(s, turned)
+    shared = _shared(s, turned, pads, told(s.elastic, s.loads, laws))
+    linear, softness = _linear(s, pads, shared, centre)
+    return _Tangent(turned, pads, shared, linear, softness)
+
+
+@kernel
+def _alone(s: Situation, turned: Turned) -> _Pads:
+    """What pads do by themselves."""
+    el, n, first, slow = s.elastic, len(s.frames), 6 + s.elastic.J.shape[1], s.damping.pads
+    moves = len(turned.force) > 0
+    rows = 3 * n if moves else 0
+    pads = _Pads(np.empty((n, 3, 3)), np.empty(3 * n), np.empty((rows, first)), np.empty((first, rows)), True)
+    if moves:
+        nv = first - 6
         pads.back[:nv], pads.back[nv:] = turned.torque[:, first:], turned.wrench[:, first:]
-    slow = s.damping.pads
     own = np.empty((3, 7))  # 1 + η + P F_s, and beside it P and ŝ - η (s⁻ - ŝ)
     for i in range(n):
         k = 3 * i
@@ -128,121 +140,84 @@ def _alone(s: Situation, turned: Turned, pads: _Pads) -> bool:
             for b in range(3):
                 own[a, b], own[a, 3 + b] = 1.0 + slow if a == b else 0.0, el.P[k + a, k + b]
                 own[a, 6] += s.frames[i, b, a] * (s.loads.give[i, b] - slow * s.damping.given[i, b])
-                if len(turned.force) > 0:
+                if moves:
                     for e in range(3):
                         own[a, b] += el.P[k + a, k + e] * turned.force[k + e, first + k + b]
         if not solve_wide(own, 0.0):
-            return False
+            return _Pads(pads.Q, pads.give, pads.follow, pads.back, False)
         for a in range(3):
             pads.give[k + a] = own[a, 6]
             for b in range(3):
                 pads.Q[i, a, b] = own[a, 3 + b]
-    return True
+        if moves:
+            pads.follow[k : k + 3] = product(pads.Q[i], turned.force[k : k + 3, :first])
+    return pads
 
 
 @kernel
 def _shared(s: Situation, turned: Turned, pads: _Pads, command: Array) -> _Shared:
     """What joints and object do, pads following them. command (nv,) : from where the joints stand, q_c - q̂."""
     el, slow, lag = s.elastic, s.damping.slow, s.damping.lag
-    nv, n3 = el.J.shape[1], len(el.J)
-    a, rows = (command + slow * lag) / (1.0 + slow), np.zeros((nv + 6, nv + 7))
+    nv, first = el.J.shape[1], 6 + el.J.shape[1]
+    rows, constant = np.zeros((nv + 6, first)), np.zeros(nv + 6)
     if len(turned.force) > 0:
-        first = 6 + nv
-        rows[:nv, : nv + 6] = turned.torque[:, :first]
-        rows[nv:, : nv + 6] = turned.wrench[:, :first]
-        follows = np.empty((n3, nv + 7))  # of the pads, by what is shared
-        for i in range(n3 // 3):
-            for b in range(3):
-                k = 3 * i + b
-                for j in range(first):
-                    follows[k, j] = 0.0
-                    for e in range(3):
-                        follows[k, j] -= pads.Q[i, b, e] * turned.force[3 * i + e, j]
-                follows[k, first] = -pads.give[k]
-        rows += product(pads.back, follows)
-    by_object, by_joints, constant = rows[:, :6].copy(), rows[:, 6 : 6 + nv].copy(), rows[:, nv + 6].copy()
-    return _Shared(by_joints, by_object, constant, a, el.root / (1.0 + slow))
+        rows[:nv], rows[nv:] = turned.torque[:, :first], turned.wrench[:, :first]
+        rows -= product(pads.back, pads.follow)
+        constant -= np.dot(pads.back, pads.give)
+    a = (command + slow * lag) / (1.0 + slow)
+    return _Shared(rows[:, 6:].copy(), rows[:, :6].copy(), constant, a, el.root / (1.0 + slow))
 
 
 @kernel
-def _problem(s: Situation, turned: Turned, pads: _Pads, shared: _Shared, centre: Array) -> tuple[Linked, Array]:
-    """The problem in SI, contacts in their own axes, and the diagonal of what gives way (3n,). What the load is about
-    the contacts' centre is still missing from its w.
-    """
-    el, loads, damping, root = s.elastic, s.loads, s.damping, s.elastic.root
-    (n3, nv), m, still = el.J.shape, root.shape[1], len(turned.force) == 0
-    W, R, d, softness = np.zeros((n3, m + 6)), np.zeros((n3, m + 6)), np.empty(n3), np.empty(n3)
-    S, w, G = (
-        np.zeros((m + 6, m + 6)),
-        np.zeros(m + 6),
-        wrench_map(s.touch.positions, centre, s.frames, np.zeros((3, 0))),
-    )
-    tip, pull = np.empty(nv), np.empty(nv + 6)
+def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[Linear, Array]:
+    """The problem in SI, contacts in their own axes, and the diagonal of what gives way (3n,)."""
+    el, loads, damping, moves = s.elastic, s.loads, s.damping, len(pads.follow) > 0
+    (n3, nv), m = el.J.shape, el.root.shape[1]
+    G = wrench_map(s.touch.positions, centre, s.frames, np.zeros((3, 0)))
+    tip, W_u, pull, R_u = -el.J, np.ascontiguousarray(G.T), el.J.copy(), np.ascontiguousarray(G.T)
+    if moves:
+        W_u += pads.follow[:, :6]
+        tip += pads.follow[:, 6:]
+        for i in range(n3 // 3):
+            k = 3 * i
+            pushed = product(np.ascontiguousarray(pads.Q[i].T), np.ascontiguousarray(pads.back[:, k : k + 3].T))
+            pull[k : k + 3] -= pushed[:, :nv]
+            R_u[k : k + 3] -= pushed[:, nv:]
+    W, R = np.empty((n3, m + 6)), np.empty((n3, m + 6))
+    W[:, :m], W[:, m:] = -product(tip, shared.A), W_u
+    R[:, :m], R[:, m:] = product(pull, el.root), R_u
+    d, softness = pads.give + np.dot(tip, shared.a), np.empty(n3)
     for k in range(n3):
         i, own = k // 3, k % 3
-        for j in range(nv):
-            tip[j], pull[j] = -el.J[k, j], el.J[k, j]
-        for j in range(6):
-            pull[nv + j] = W[k, m + j] = G[j, k]
-        if not still:
-            for e in range(3):
-                for j in range(nv):
-                    tip[j] += pads.Q[i, own, e] * turned.force[3 * i + e, 6 + j]
-                for j in range(6):
-                    W[k, m + j] += pads.Q[i, own, e] * turned.force[3 * i + e, j]
-                for j in range(nv + 6):
-                    pull[j] -= pads.back[j, 3 * i + e] * pads.Q[i, e, own]
-        d[k], softness[k] = loads.base[i, own] + pads.give[k], pads.Q[i, own, own]
-        for j in range(nv):
-            d[k] += tip[j] * shared.a[j]
-            if tip[j] != 0.0:
-                for c in range(m):
-                    W[k, c] -= tip[j] * shared.A[j, c]
-            if pull[j] != 0.0:
-                for c in range(m):
-                    R[k, c] += root[j, c] * pull[j]
-        for j in range(6):
-            R[k, m + j] = pull[nv + j]
-        for c in range(m):
-            softness[k] += R[k, c] * W[k, c]
+        d[k] += loads.base[i, own]
+        softness[k] = pads.Q[i, own, own] + np.dot(R[k, :m], W[k, :m])
+    # Rows of the torques, then of balance: Aᵀ and 1 times (by_object u + by_joints δq + constant), 0 = ... - S z
+    S, w = np.zeros((m + 6, m + 6)), np.zeros(m + 6)
     for c in range(m):
         S[c, c] = 1.0
-    if not still:
-        # Rows of the torques, then of balance: Aᵀ and 1 times (by_object u + by_joints δq + constant), 0 = ... - S z
-        by_z = -product(shared.by_joints, shared.A)
-        constant = shared.constant + np.dot(shared.by_joints, shared.a)
-        for j in range(nv):
-            for c in range(m):
-                x = root[j, c]
-                if x != 0.0:
-                    w[c] += x * constant[j]
-                    for e in range(m):
-                        S[c, e] -= x * by_z[j, e]
-                    for e in range(6):
-                        S[c, m + e] -= x * shared.by_object[j, e]
-        for b in range(6):
-            w[m + b] = constant[nv + b]
-            for e in range(m):
-                S[m + b, e] -= by_z[nv + b, e]
-            for e in range(6):
-                S[m + b, m + e] -= shared.by_object[nv + b, e]
-        S[m:, m:] -= carried(loads, centre)
+    if moves:
+        A = np.ascontiguousarray(el.root.T)
+        by_z, constant = -product(shared.by_joints, shared.A), shared.constant + np.dot(shared.by_joints, shared.a)
+        w[:m], w[m:] = np.dot(A, constant[:nv]), constant[nv:]
+        S[:m, :m] -= product(A, by_z[:nv])
+        S[:m, m:] -= product(A, shared.by_object[:nv])
+        S[m:, :m] -= by_z[nv:]
+        S[m:, m:] -= shared.by_object[nv:] + carried(loads, centre)
     for b in range(6):
         w[m + b] -= damping.body[b] * damping.done[b]
         S[m + b, m + b] += damping.body[b]
-    return Linked(pads.Q, W, R, d, S, w, nothing(), 0.0), softness
+    return Linear(pads.Q, W, R, d, S, w), softness
 
 
 @kernel
 def _answered(
-    s: Situation, rules: Rules, turned: Turned, pads: _Pads, shared: _Shared, si: Linked, softness: Array, g: Given,
-    posed: Posed, r: Array, z: Array, residual: float,
-) -> tuple[bool, Found]:  # fmt: skip
+    s: Situation, rules: Rules, t: _Tangent, g: Given, posed: Posed, r: Array, z: Array, residual: float
+) -> tuple[bool, Found]:
     """(whether it passes, what it says) of a solution in natural units."""
-    el, p, n3, nv = s.elastic, rules.pattern, len(r), s.elastic.J.shape[1]
-    m = len(z) - 6
+    el, p, linear, Q = s.elastic, rules.pattern, t.linear, t.pads.Q
+    n3, m = len(r), len(z) - 6
     own, v, size, terms = np.empty(n3), np.empty(n3), np.empty(n3), np.empty(n3)
-    x, twist, offset = np.empty(m + 6), np.empty(6), si.d.copy()
+    x, twist, offset = np.empty(m + 6), np.empty(6), linear.d.copy()
     for i in range(n3 // 3):
         for a in range(3):
             value = r[3 * i + (a + 1) % 3] * posed.force
@@ -256,57 +231,40 @@ def _answered(
         for j in range(6):
             term = posed.grasp_matrix[j, k] * twist[j]
             move += term
-            turns += si.W[k, m + j] * twist[j] - term
+            turns += linear.W[k, m + j] * twist[j] - term
             largest = max(largest, abs(term))
         for j in range(m):
-            term = si.W[k, j] * x[j]
+            term = linear.W[k, j] * x[j]
             retreat += term
             largest = max(largest, abs(term))
         for e in range(3):
-            term = pads.Q[k // 3, k % 3, e] * own[k - k % 3 + e]
+            term = Q[k // 3, k % 3, e] * own[k - k % 3 + e]
             retreat += term
             largest = max(largest, abs(term))
         offset[k] += turns
         v[k] = move + retreat + offset[k]
         size[k], terms[k] = max(abs(move), abs(retreat), abs(offset[k])), max(largest, abs(offset[k]))
-    change = shared.a.copy()
-    for j in range(nv):
-        for c in range(m):
-            change[j] -= shared.A[j, c] * x[c]
-    torque = el.gravity.copy()
-    for j in range(nv):
-        for k in range(n3):
-            torque[j] += el.J[k, j] * own[k]
-    lacks = si.w[m:].copy()  # of balance, but for G r and the load
+    change = t.shared.a - np.dot(t.shared.A, x[:m])
+    torque = el.gravity + np.dot(own, el.J)
+    lacks = linear.w[m:] - np.dot(linear.S[m:], x)  # of balance, but for G r and the load
     for b in range(6):
-        for e in range(m + 6):
-            lacks[b] -= si.S[m + b, e] * x[e]
         for k in range(n3):
-            lacks[b] += (si.R[k, m + b] - posed.grasp_matrix[b, k]) * own[k]
+            lacks[b] += (linear.R[k, m + b] - posed.grasp_matrix[b, k]) * own[k]
     posed.wrench[:] = lacks
-    if len(turned.force) > 0:
-        _turn(torque, turned, pads, own, change, twist)
+    if len(t.turned.force) > 0:
+        _turn(torque, t.turned, t.pads, own, change, twist)
     friction = Friction(rules.limits, p.faces, p.normals)
-    misses = examined(g, posed, p.contacts, friction, offset, own, Moved(v, size, terms, softness), ANY)
-    slow = ACTIVE * max(misses.motion_size, posed.motion)
-    kinds = find_states(p.contacts, friction, own, v, ACTIVE * misses.force_size, slow).kind
+    misses = examined(g, posed, p.contacts, friction, offset, own, Moved(v, size, terms, t.softness), ANY)
+    kinds = kinds_in_step(p.contacts, friction, misses, posed, own, v)
     return accepted(misses, posed, residual, 1), Found(own, v, twist, kinds, np.zeros(0), change, torque)
 
 
 @kernel
 def _turn(torque: Array, turned: Turned, pads: _Pads, forces: Array, change: Array, twist: Array) -> None:
     """Add what turning and moving contacts do to the torques."""
-    nv, n3 = len(torque), len(forces)
-    shift = np.concatenate((twist, change))
-    for k in range(n3):
-        i, given = k // 3, -pads.give[k]
+    nv, shift = len(torque), np.concatenate((twist, change))
+    given = -pads.give - np.dot(pads.follow, shift)  # δs
+    for k in range(len(forces)):
         for e in range(3):
-            force = forces[3 * i + e]
-            for j in range(6 + nv):
-                force += turned.force[3 * i + e, j] * shift[j]
-            given -= pads.Q[i, k % 3, e] * force
-        for j in range(nv):
-            torque[j] += pads.back[j, k] * given
-    for j in range(nv):
-        for e in range(6 + nv):
-            torque[j] += turned.torque[j, e] * shift[e]
+            given[k] -= pads.Q[k // 3, k % 3, e] * forces[k - k % 3 + e]
+    torque += np.dot(pads.back[:nv], given) + np.dot(turned.torque[:, : 6 + nv].copy(), shift)

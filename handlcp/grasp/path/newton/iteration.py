@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 import numpy as np
 
 from handlcp.check import Array, Ints
+from handlcp.grasp.path.newton.answer import Found, of_contacts, put, written
 from handlcp.grasp.path.newton.linear_solve import Rules, answered, linear_problem, met, solved
-from handlcp.grasp.path.newton.numbers import Elastic, Laws, Loads, end_of_step
+from handlcp.grasp.path.newton.numbers import Elastic, Laws, Loads, Situation
 from handlcp.grasp.path.newton.tangent import (
     Condensed,
     Driven,
-    Moving,
-    Touch,
     Turned,
     Yielding,
     condensed,
@@ -22,107 +18,6 @@ from handlcp.grasp.path.newton.tangent import (
     turned_forces,
 )
 from handlcp.lcp.kernels.dense import kernel
-
-
-class Damping(NamedTuple):
-    """What resists the motions of a step. slow : ε of the joints; pads : of the pads. body (6,) : force [N/m] and
-    moment [N·m/rad] on the object, about the contacts' centre. done (6,) : of the object's motion, and, backwards, lag
-    (nv,) of the joints', given (n, 3) of the pads', world axes, and spun (n,) of soft pads' turns, from the step's
-    beginning to the iterate.
-    """
-
-    slow: float
-    pads: float
-    body: Array
-    done: Array
-    lag: Array
-    given: Array
-    spun: Array
-
-
-class Answer:
-    """Where the numbers of an answer stand in their row, after whether it passes, its miss and whether it is measured.
-    n contacts, nv joints, c force components, k limits that give way, dof : of the object.
-    """
-
-    def __init__(self, n: int, nv: int, c: int, k: int, dof: int) -> None:
-        shapes: dict[str, tuple[int, ...]] = {
-            "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
-            "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
-            "kinds": (n,), "start": (c + 9,), "met": (dof, dof),
-        }  # fmt: skip
-        self.parts, self.size = dict[str, tuple[slice, tuple[int, ...]]](), 3
-        for name, shape in shapes.items():
-            begin, self.size = self.size, self.size + math.prod(shape)
-            self.parts[name] = slice(begin, self.size), shape
-
-
-class Reached:
-    """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
-    joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
-    slip_memory (n, 3) : as `end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the laws'
-    coordinates.
-    """
-
-    __slots__ = ("_parts", "_row")
-
-    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
-        self._row, self._parts = row, parts
-
-    def __getattr__(self, name: str) -> Array:
-        at, shape = self._parts[name]
-        found: Array = self._row[at]
-        return found if len(shape) == 1 else found.reshape(shape)
-
-    @property
-    def passes(self) -> bool:
-        """Whether it is an answer."""
-        return bool(self._row[0])
-
-    @property
-    def miss(self) -> float:
-        """How far it is from the iterate, as `end_of_step` has it."""
-        return float(self._row[1])
-
-    @property
-    def kinds(self) -> Ints:
-        """(n,) as `contact_states` numbers them."""
-        return self._row[self._parts["kinds"][0]].astype(np.int64)
-
-    @property
-    def met(self) -> Array:
-        """(dof, dof) as in `linear_solve`; empty where it was not measured."""
-        at, shape = self._parts["met"]
-        return self._row[at].reshape(shape) if self._row[2] else np.zeros((0, 0))
-
-
-class Situation(NamedTuple):
-    """What a solve of a step sees: the contacts of an iterate, and what acts there. slipped (n, 3) : since the step
-    began. radius (n,) : as in `Iterate`.
-    """
-
-    touch: Touch
-    frames: Array
-    moving: Moving
-    elastic: Elastic
-    loads: Loads
-    slipped: Array
-    radius: Array
-    damping: Damping
-
-
-class Found(NamedTuple):
-    """An answer, SI. forces, motions (c,) : components. twist (6,) : of the object about the contacts' centre. kinds
-    (n,) : contact states. gives (k,) : of limits. change, torque (nv,) : of the joints.
-    """
-
-    forces: Array
-    motions: Array
-    twist: Array
-    kinds: Ints
-    gives: Array
-    change: Array
-    torque: Array
 
 
 @kernel
@@ -140,7 +35,7 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     centre = middle(t.positions)
     J, P, give, d = _by_component(el, loads, s.frames, laws, rules.extra)
     behind = give - damping.pads * _pads(damping.given, damping.spun, s.frames, soft)
-    forces, torsion = _by_contact(begun_from(start, laws), n, soft)
+    forces, torsion = of_contacts(begun_from(start, laws), n, soft)
     turned = Turned(np.zeros((6, 6 + nv + n3)), np.zeros((nv, 6 + nv + n3)), np.zeros((n3, 6 + nv + n3)))
     if not still:
         turned = turned_forces(t, s.frames, s.moving, centre, forces, torsion)
@@ -159,8 +54,7 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     passes, r, v, twist, kinds, gives = answered(g, posed, rules, lin, y, residual)
     if not passes:
         return
-    _, torsion = _by_contact(r, n, soft)
-    change, torque = _reached(lin, turned, J, el, r, twist, gives, rules.yields, soft, torsion)
+    change, torque = _reached(s, rules, lin, turned, J, r, twist, gives)
     written(s, laws, centre, Found(r, v, twist, kinds, gives, change, torque), row)
     if row[1] <= near:
         found, push = met(problem, y, rules.pattern)
@@ -207,37 +101,6 @@ def carried(loads: Loads, centre: Array) -> Array:
 
 
 @kernel
-def written(s: Situation, laws: Laws, centre: Array, found: Found, row: Array) -> None:
-    """Write an answer into its row."""
-    n, loads, r, v, twist = len(s.frames), s.loads, found.forces, found.motions, found.twist
-    forces, torsion = _by_contact(r, n, laws.soft)
-    motion, spin = _by_contact(v, n, laws.soft)
-    pads, turns, slip_memory, miss = end_of_step(
-        motion, spin, found.change, twist, centre, s.touch.positions, s.frames, s.elastic.J, s.elastic.turning,
-        loads.base, loads.give, loads.turn, s.slipped, laws.soft, s.radius,
-    )  # fmt: skip
-    row[0], row[1], at = 1.0, miss, 3
-    for part in (forces.reshape(-1), motion.reshape(-1), torsion, spin, found.torque, found.change, twist, centre):
-        at = put(row, at, part)
-    for part in (found.gives, pads.reshape(-1), turns, slip_memory.reshape(-1)):
-        at = put(row, at, part)
-    for i in range(n):
-        row[at + i] = found.kinds[i]
-    at += n
-    for i in range(len(r)):
-        row[at + i] = r[i] / laws.scale[i]
-    put(row, put(row, at + len(r), twist), centre)
-
-
-@kernel
-def put(row: Array, at: int, values: Array) -> int:
-    """Write an array into the row; returns where the next one goes."""
-    for k in range(len(values)):
-        row[at + k] = values[k]
-    return at + len(values)
-
-
-@kernel
 def told(el: Elastic, loads: Loads, laws: Laws) -> Array:
     """(nv,) from where the joints stand to where they are commanded, and their fingers' weight pulls them."""
     command, root = loads.command.copy(), el.root
@@ -254,14 +117,13 @@ def told(el: Elastic, loads: Loads, laws: Laws) -> Array:
 
 @kernel
 def _reached(
-    lin: Condensed, turned: Turned, J: Array, el: Elastic, r: Array, twist: Array, gives: Array, yields: Array,
-    soft: Ints, torsion: Array,
-) -> tuple[Array, Array]:  # fmt: skip
+    s: Situation, rules: Rules, lin: Condensed, turned: Turned, J: Array, r: Array, twist: Array, gives: Array
+) -> tuple[Array, Array]:
     """(nv,) changes of the joints, and their torques, of forces r (c,), the object's twist (6,), and limits that give
     way by (k,).
     """
-    nv, c, n3 = J.shape[1], len(r), turned.force.shape[0]
-    joints, torque = np.empty(nv), el.gravity.copy()
+    el, soft, nv, c, n3 = s.elastic, rules.laws.soft, J.shape[1], len(r), turned.force.shape[0]
+    joints, torque, (_, torsion) = np.empty(nv), el.gravity.copy(), of_contacts(r, len(s.frames), soft)
     for j in range(nv + n3):
         row = lin.Z[j]
         change = row[0]
@@ -272,7 +134,7 @@ def _reached(
         for b in range(len(gives)):
             change += row[7 + c + b] * gives[b]
             if j < nv:
-                change -= yields[j, b] * gives[b]
+                change -= rules.yields[j, b] * gives[b]
         if j < nv:
             joints[j] = change
         for o in range(nv):
@@ -323,18 +185,6 @@ def _pads(give: Array, turn: Array, frames: Array, soft: Ints) -> Array:
     for a in range(len(soft)):
         out[3 * n + a] = turn[soft[a]]
     return out
-
-
-@kernel
-def _by_contact(r: Array, n: int, soft: Ints) -> tuple[Array, Array]:
-    """(n, 3) and (n,) from components (c,)."""
-    own, turns = np.empty((n, 3)), np.zeros(n)
-    for i in range(n):
-        for a in range(3):
-            own[i, a] = r[3 * i + a]
-    for a in range(len(soft)):
-        turns[soft[a]] = r[3 * n + a]
-    return own, turns
 
 
 @kernel

@@ -154,10 +154,19 @@ def answered(
             posed.wrench[j] += t.B_u[j, i] * twist[i]
     friction = Friction(rules.limits, p.faces, p.normals)
     v, misses = examine(g, posed, p.contacts, friction, offset, own, twist, ANY)
-    passes = accepted(misses, posed, residual, k)
-    slow = ACTIVE * max(misses.motion_size, posed.motion)
-    states = find_states(p.contacts, friction, own, v, ACTIVE * misses.force_size, slow)
-    return passes, forces, v / s, twist, states.kind, gives
+    kinds = kinds_in_step(p.contacts, friction, misses, posed, own, v)
+    return accepted(misses, posed, residual, k), forces, v / s, twist, kinds, gives
+
+
+@kernel
+def kinds_in_step(contacts: Ints, friction: Friction, misses: Misses, posed: Posed, own: Array, v: Array) -> Ints:
+    """(n,) contact states of forces (c,) and motions (c,).
+
+    A contact slides where it slips by more than a solver leaves of a slip that is zero. Any wider limit would be a
+    rate: whatever creeps would slide in long steps, stick in short ones, and change from one to the other at each step.
+    """
+    weak, slow = ACTIVE * misses.force_size, SOLVE * max(misses.motion_size, posed.motion)
+    return find_states(contacts, friction, own, v, weak, slow).kind
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""The numbers of a step, and where its answer leads, compiled."""
+"""What a step is computed from: laws, elasticity, loads and dampers; and what is read from its answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.mechanism import joint_flexibility
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.grasp.path.newton.tangent import Moving, Touch
 
 
 class Laws(NamedTuple):
@@ -68,6 +68,37 @@ class Loads(NamedTuple):
         return self.load[3:] + about
 
 
+class Damping(NamedTuple):
+    """What resists the motions of a step. slow : ε of the joints; pads : of the pads. body (6,) : force [N/m] and
+    moment [N·m/rad] on the object, about the contacts' centre. done (6,) : of the object's motion, and, backwards, lag
+    (nv,) of the joints', given (n, 3) of the pads', world axes, and spun (n,) of soft pads' turns, from the step's
+    beginning to the iterate.
+    """
+
+    slow: float
+    pads: float
+    body: Array
+    done: Array
+    lag: Array
+    given: Array
+    spun: Array
+
+
+class Situation(NamedTuple):
+    """What a solve of a step sees: the contacts of an iterate, and what acts there. slipped (n, 3) : since the step
+    began. radius (n,) : as in `Iterate`.
+    """
+
+    touch: Touch
+    frames: Array
+    moving: Moving
+    elastic: Elastic
+    loads: Loads
+    slipped: Array
+    radius: Array
+    damping: Damping
+
+
 class Read(NamedTuple):
     """An answer in contact axes: forces, motion (n, 3), torsion, spin (n,); torque and deflection (nv,) of joints."""
 
@@ -84,52 +115,6 @@ def flexibility_of(el: Elastic) -> Array:
     return np.asarray(joint_flexibility(el.J, el.root) + el.P)
 
 
-@kernel
-def end_of_step(
-    motion: Array, spin: Array, change: Array, twist: Array, centre: Array, positions: Array, frames: Array, J: Array,
-    turning: Array, base: Array, give: Array, turn: Array, slipped: Array, soft: Ints, radius: Array,
-) -> tuple[Array, Array, Array, float]:  # fmt: skip
-    """(give, turn, slip_memory, miss): how far pads are pushed away (n, 3) [m], world axes, and turned (n,) [rad] at
-    the end; the slip between the iterate and the end (n, 3); and how far the end is from the iterate, as a share of
-    radius (n,) and in radians.
-
-    motion, spin : of the answer, as in `Read`. change (nv,) : of the joints from the iterate to the end. twist (6,) :
-    of the object about centre (3,). positions, frames, J, turning, give, turn : of the iterate. base, slipped : of the
-    step.
-    """
-    n, nv = len(positions), len(change)
-    give, turn, slip_memory = give.copy(), turn.copy(), np.zeros((n, 3))
-    omega = twist[3:]
-    miss = np.sqrt(omega[0] ** 2 + omega[1] ** 2 + omega[2] ** 2)
-    u, tip, own = np.empty(3), np.empty(3), np.empty(3)
-    for i in range(n):
-        x, y, z = positions[i, 0] - centre[0], positions[i, 1] - centre[1], positions[i, 2] - centre[2]
-        u[0] = twist[0] + omega[1] * z - omega[2] * y
-        u[1] = twist[1] + omega[2] * x - omega[0] * z
-        u[2] = twist[2] + omega[0] * y - omega[1] * x
-        far, near = 0.0, 0.0
-        for a in range(3):
-            moves, tip[a] = 0.0, 0.0
-            for b in range(3):
-                moves += frames[i, b, a] * u[b]
-            for j in range(nv):
-                tip[a] += J[3 * i + a, j] * change[j]
-            relative = motion[i, a] - base[i, a]
-            own[a] = moves - tip[a] - relative  # the pad's share
-            if a < 2:
-                slip_memory[i, a] = relative
-            far += moves * moves
-            near += (tip[a] + own[a]) ** 2
-        miss = max(miss, np.sqrt(max(far, near)) / radius[i])
-        for b in range(3):
-            for a in range(3):
-                give[i, b] += frames[i, b, a] * own[a]
-    for a in range(len(soft)):
-        i = soft[a]
-        slip_memory[i, 2] = spin[i] - slipped[i, 2]
-        turn[i] -= slip_memory[i, 2]
-        for b in range(3):
-            turn[i] += frames[i, b, 2] * omega[b]
-        for j in range(nv):
-            turn[i] -= turning[i, j] * change[j]
-    return give, turn, slip_memory, miss
+def softness_of(el: Elastic) -> Array:
+    """(3n,) its diagonal."""
+    return np.asarray(((el.J @ el.root) ** 2).sum(axis=1) + el.P.diagonal())

@@ -1,0 +1,167 @@
+"""What an iterate's answer is: where its numbers stand in one row, and where it leads, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, Ints
+from handlcp.grasp.path.newton.numbers import Laws, Situation
+from handlcp.lcp.kernels.dense import kernel
+
+
+class Answer:
+    """Where the numbers of an answer stand in their row, after whether it passes, its miss and whether it is measured.
+    n contacts, nv joints, c force components, k limits that give way, dof : of the object.
+    """
+
+    def __init__(self, n: int, nv: int, c: int, k: int, dof: int) -> None:
+        shapes: dict[str, tuple[int, ...]] = {
+            "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
+            "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
+            "kinds": (n,), "start": (c + 9,), "met": (dof, dof),
+        }  # fmt: skip
+        self.parts, self.size = dict[str, tuple[slice, tuple[int, ...]]](), 3
+        for name, shape in shapes.items():
+            begin, self.size = self.size, self.size + math.prod(shape)
+            self.parts[name] = slice(begin, self.size), shape
+
+
+class Reached:
+    """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
+    joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
+    slip_memory (n, 3) : as `_end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the
+    laws' coordinates.
+    """
+
+    __slots__ = ("_parts", "_row")
+
+    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
+        self._row, self._parts = row, parts
+
+    def __getattr__(self, name: str) -> Array:
+        at, shape = self._parts[name]
+        found: Array = self._row[at]
+        return found if len(shape) == 1 else found.reshape(shape)
+
+    @property
+    def miss(self) -> float:
+        """How far it is from the iterate, as `_end_of_step` has it."""
+        return float(self._row[1])
+
+    @property
+    def kinds(self) -> Ints:
+        """(n,) as `contact_states` numbers them."""
+        return self._row[self._parts["kinds"][0]].astype(np.int64)
+
+    @property
+    def met(self) -> Array:
+        """(dof, dof) as in `linear_solve`; empty where it was not measured."""
+        at, shape = self._parts["met"]
+        return self._row[at].reshape(shape) if self._row[2] else np.zeros((0, 0))
+
+
+class Found(NamedTuple):
+    """An answer, SI. forces, motions (c,) : components. twist (6,) : of the object about the contacts' centre. kinds
+    (n,) : contact states. gives (k,) : of limits. change, torque (nv,) : of the joints.
+    """
+
+    forces: Array
+    motions: Array
+    twist: Array
+    kinds: Ints
+    gives: Array
+    change: Array
+    torque: Array
+
+
+@kernel
+def written(s: Situation, laws: Laws, centre: Array, found: Found, row: Array) -> None:
+    """Write an answer into its row."""
+    n, r, v, twist = len(s.frames), found.forces, found.motions, found.twist
+    forces, torsion = of_contacts(r, n, laws.soft)
+    motion, spin = of_contacts(v, n, laws.soft)
+    pads, turns, slip_memory, miss = _end_of_step(s, laws.soft, motion, spin, found, centre)
+    row[0], row[1], at = 1.0, miss, 3
+    for part in (forces.reshape(-1), motion.reshape(-1), torsion, spin, found.torque, found.change, twist, centre):
+        at = put(row, at, part)
+    for part in (found.gives, pads.reshape(-1), turns, slip_memory.reshape(-1)):
+        at = put(row, at, part)
+    for i in range(n):
+        row[at + i] = found.kinds[i]
+    at += n
+    for i in range(len(r)):
+        row[at + i] = r[i] / laws.scale[i]
+    put(row, put(row, at + len(r), twist), centre)
+
+
+@kernel
+def put(row: Array, at: int, values: Array) -> int:
+    """Write an array into the row; returns where the next one goes."""
+    for k in range(len(values)):
+        row[at + k] = values[k]
+    return at + len(values)
+
+
+@kernel
+def of_contacts(r: Array, n: int, soft: Ints) -> tuple[Array, Array]:
+    """(n, 3) and (n,) from components (c,)."""
+    own, turns = np.empty((n, 3)), np.zeros(n)
+    for i in range(n):
+        for a in range(3):
+            own[i, a] = r[3 * i + a]
+    for a in range(len(soft)):
+        turns[soft[a]] = r[3 * n + a]
+    return own, turns
+
+
+@kernel
+def _end_of_step(
+    s: Situation, soft: Ints, motion: Array, spin: Array, found: Found, centre: Array
+) -> tuple[Array, Array, Array, float]:
+    """(give, turn, slip_memory, miss): how far pads are pushed away (n, 3) [m], world axes, and turned (n,) [rad] at
+    the end; the slip between the iterate and the end (n, 3); and how far the end is from the iterate, as a share of
+    radius (n,) and in radians.
+
+    motion (n, 3), spin (n,) : of the answer, as in `Read`. centre (3,) : of the contacts.
+    """
+    loads, positions, frames, J = s.loads, s.touch.positions, s.frames, s.elastic.J
+    change, twist, base, radius = found.change, found.twist, loads.base, s.radius
+    n, nv = len(positions), len(change)
+    give, turn, slip_memory = loads.give.copy(), loads.turn.copy(), np.zeros((n, 3))
+    omega = twist[3:]
+    miss = np.sqrt(omega[0] ** 2 + omega[1] ** 2 + omega[2] ** 2)
+    u, tip, own = np.empty(3), np.empty(3), np.empty(3)
+    for i in range(n):
+        x, y, z = positions[i, 0] - centre[0], positions[i, 1] - centre[1], positions[i, 2] - centre[2]
+        u[0] = twist[0] + omega[1] * z - omega[2] * y
+        u[1] = twist[1] + omega[2] * x - omega[0] * z
+        u[2] = twist[2] + omega[0] * y - omega[1] * x
+        far, near = 0.0, 0.0
+        for a in range(3):
+            moves, tip[a] = 0.0, 0.0
+            for b in range(3):
+                moves += frames[i, b, a] * u[b]
+            for j in range(nv):
+                tip[a] += J[3 * i + a, j] * change[j]
+            relative = motion[i, a] - base[i, a]
+            own[a] = moves - tip[a] - relative  # the pad's share
+            if a < 2:
+                slip_memory[i, a] = relative
+            far += moves * moves
+            near += (tip[a] + own[a]) ** 2
+        miss = max(miss, np.sqrt(max(far, near)) / radius[i])
+        for b in range(3):
+            for a in range(3):
+                give[i, b] += frames[i, b, a] * own[a]
+    for a in range(len(soft)):
+        i = soft[a]
+        slip_memory[i, 2] = spin[i] - s.slipped[i, 2]
+        turn[i] -= slip_memory[i, 2]
+        for b in range(3):
+            turn[i] += frames[i, b, 2] * omega[b]
+        for j in range(nv):
+            turn[i] -= s.elastic.turning[i, j] * change[j]
+    return give, turn, slip_memory, miss

@@ -1,0 +1,48 @@
+"""What of a shape touches an object where both are flat: the points that are nearest when it is tilted a little."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array
+from handlcp.grasp.model.contact import frame as axes_of
+from handlcp.hand.objects.detect import Proximity, nearest
+from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import size_of
+
+TILT = 2e-3  # [rad]
+SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
+# Along no axis of a contact: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
+_WAYS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
+
+
+def tilted(shapes: tuple[Any, ...], p: Array, R: Array, obj: Object, near: Proximity) -> tuple[Array, Array]:
+    """Points (8, 3) of the shapes, where they are, that are nearest when they are tilted in eight directions about
+    where they are nearest now, and the object's points (8, 3) opposite. The frame is at p (3,) with rotation R (3, 3).
+    """
+    x, y, _ = axes_of(near.normal).T
+    away = 2.0 * TILT * max(size_of(shape.geometry) for shape in shapes)
+    own, opposite = np.empty((8, 3)), np.empty((8, 3))
+    for k, (a, b) in enumerate(_WAYS):
+        turn = pin.exp3(TILT * np.cross(near.normal, a * x + b * y))
+        lifted = near.tip_point - away * near.normal
+        there = nearest(shapes, lifted + turn @ (p - near.tip_point), turn @ R, obj)
+        own[k] = near.tip_point + turn.T @ (there.tip_point - lifted)
+        opposite[k] = there.position
+    return own, opposite
+
+
+def corners(flat: Array, apart: float = SPREAD) -> list[int]:
+    """Numbers of up to four of points (m, 2) that span what all do, the farthest from those before first; nearer than
+    `apart` [m] two are one.
+    """
+    chosen = [int(np.linalg.norm(flat, axis=1).argmax())]
+    while len(chosen) < 4:
+        away = np.linalg.norm(flat[:, None] - flat[chosen], axis=2).min(axis=1)
+        if away.max() <= apart:
+            break
+        chosen.append(int(away.argmax()))
+    return chosen

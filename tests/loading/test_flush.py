@@ -1,0 +1,85 @@
+"""Flat jaws on flat sides: the pressed place moves between the corners, and the block rocks on them."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import trimesh
+
+import handlcp as hl
+
+TALL, WIDE, STIFFNESS, SQUEEZE = (
+    0.03,
+    0.04,
+    2000.0,
+    0.002,
+)  # of the block [m]; of a jaw's drive [N/m]; how far it closes
+
+
+def vise():
+    """Two plates, 10 mm thick, that close along x."""
+    parts = ["<robot name='vise'><link name='base'/>"]
+    for name, side in (("left", -1), ("right", 1)):
+        at = side * (WIDE / 2 + 0.005)
+        parts.append(
+            f"<joint name='{name}' type='prismatic'><parent link='base'/><child link='{name}_jaw'/>"
+            f"<origin xyz='{at} 0 0'/><axis xyz='{-side} 0 0'/>"
+            f"<limit lower='-0.01' upper='0.01' effort='100' velocity='1'/></joint>"
+            f"<link name='{name}_jaw'><collision><geometry><box size='0.01 0.06 0.06'/></geometry></collision></link>"
+        )
+    urdf = "".join([*parts, "</robot>"])
+    return hl.Hand.from_urdf(urdf, joint_stiffness=STIFFNESS, fingertips=["left_jaw", "right_jaw"])
+
+
+def block(kind):
+    size = (WIDE, TALL, TALL)
+    return hl.Box(size, mass=0.1) if kind == "box" else hl.Mesh(trimesh.creation.box(size), mass=0.1)
+
+
+def turned(kind, moment, friction=0.2, steps=20):
+    grasp = vise().at([0.0, 0.0]).grasp(
+        block(kind), friction, squeeze=SQUEEZE, wrench=(0, 0, 0, 0, moment, 0), gravity=(0, 0, 0)
+    )  # fmt: skip
+    return grasp.follow(steps=steps)
+
+
+def rocking(angle, friction):
+    """Moment [N·m] that holds the block turned by an angle, on two corners that slide: F (b cos θ - w sin θ) of the
+    normal forces, μ F (w cos θ + b sin θ) of friction, F as far as the corners push the jaws apart.
+    """
+    c, s = np.cos(angle), np.sin(angle)
+    force = STIFFNESS * (SQUEEZE + 0.5 * (WIDE * c + TALL * s - WIDE))
+    return force * (TALL * c - WIDE * s + friction * (WIDE * c + TALL * s))
+
+
+@pytest.mark.parametrize("kind", ["box", "mesh"])
+@pytest.mark.parametrize("friction", [0.02, 0.2])
+def test_a_block_between_flat_jaws_turns_as_far_as_its_corners_and_friction_say(kind, friction):
+    held = rocking(0.0, friction)
+    flat = turned(kind, 0.9 * held, friction)
+    assert flat.reached, flat.why
+    assert abs(flat.displacement[4]) < 1e-3, "below that moment the sides stay flat on the jaws"
+    np.testing.assert_allclose(flat.solution.forces[:, 2], STIFFNESS * SQUEEZE, rtol=2e-3)
+    rocks = turned(kind, 1.3 * held, friction)
+    assert rocks.reached, rocks.why
+    assert rocks.displacement[4] > 0.02
+    np.testing.assert_allclose(rocking(rocks.displacement[4], friction), 1.3 * held, rtol=2e-3)
+
+
+def test_half_the_step_turns_a_rocking_block_as_far():
+    angles = [turned("mesh", 0.2, steps=steps).displacement[4] for steps in (20, 40)]
+    np.testing.assert_allclose(*angles, rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("friction", "links"), [(hl.SoftFinger(0.3, 0.005), "tips"), (0.3, "all")], ids=["soft jaws", "corners"]
+)
+@pytest.mark.parametrize("angle", [0.0, 4e-4, -9e-4])
+def test_a_block_that_is_slightly_turned_comes_to_lie_flat_and_is_held(angle, friction, links):
+    """The nearest points are corners, on opposite ends of the jaws."""
+    turn = pin.SE3(pin.exp3(np.array([0.0, angle, 0.0])), np.zeros(3))
+    obj = hl.Box((WIDE, TALL, TALL), turn, mass=0.1)
+    grasp = vise().at([0.0, 0.0]).grasp(obj, friction, squeeze=SQUEEZE, links=links)
+    path = grasp.follow()
+    assert path.reached, path.why
+    np.testing.assert_allclose(path.displacement[4], -angle, atol=2e-4)
+    assert grasp.check().word == "HELD"
